@@ -1,0 +1,20 @@
+"""The errors a user can mend: their text is the whole message, shown without a traceback."""
+
+
+class UserError(Exception):
+    """What was expected, what came, where, and what to do, in the user's words.
+
+    The command line prints it and ends with exit code 2; the nodes log it and go on.
+    """
+
+
+class RecordingError(UserError):
+    """A recording that cannot be read or does not hold what the model needs."""
+
+
+class ModelError(UserError):
+    """A model that cannot be built, read, or used on these joints or motions."""
+
+
+class ArmError(UserError):
+    """A command the simulated arm cannot carry out: limits, collisions, unknown joints."""

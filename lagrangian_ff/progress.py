@@ -1,0 +1,10 @@
+"""How long work tells what it has done: one callable, handed down, never a global."""
+
+from collections.abc import Callable
+
+Progress = Callable[[float, str], None]
+"""Called with the fraction done (0 to 1) and what is being done now."""
+
+
+def silent(fraction: float, label: str) -> None:
+    """Report nothing."""
