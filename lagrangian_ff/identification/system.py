@@ -1,0 +1,162 @@
+"""The linear algebra of the semi-parametric model: everything follows from one Cholesky factor.
+
+A system is the joints that are solved together: all of them for a coupled kernel, one for an
+independent kernel. With the Gram matrix K, noise variances D, basis Φ and torques y, all stacked
+sample major, G = K + D and
+
+    b = (Φᵀ G⁻¹ Φ)⁻¹ Φᵀ G⁻¹ y,      a = G⁻¹ (y − Φ b) = P y,
+
+which solves (44) exactly: the basis is not penalised. P = G⁻¹ − G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ Φᵀ G⁻¹ also gives
+the restricted evidence and the residuals of samples left out, (P_ff)⁻¹ (P y)_f, without refitting.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack, solve_triangular
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class NotPositiveDefiniteError(ArithmeticError):
+    """The regularised Gram matrix has no Cholesky factor: more regularisation is needed."""
+
+
+@dataclass(frozen=True)
+class System:
+    """The factor of G and all that was whitened with it.
+
+    Attributes:
+        upper: (n, n) U with Uᵀ U = G, n = samples × joints of this system.
+        design: (n, B) the basis Φ.
+        target: (n,) the torques y.
+        white_design: (n, B) U⁻ᵀ Φ.
+        white_target: (n,) U⁻ᵀ y.
+    """
+
+    upper: Floats
+    design: Floats
+    target: Floats
+    white_design: Floats
+    white_target: Floats
+
+    @classmethod
+    def factor(cls, gram: Floats, noise: Floats, design: Floats, target: Floats) -> "System":
+        """Add the noise to the Gram matrix, factor it in place, and whiten basis and torques.
+
+        Args:
+            gram: (n, n), C-contiguous, lower triangle used; overwritten.
+            noise: (n,) variance of each torque.
+            design: (n, B).
+            target: (n,).
+
+        Raises:
+            NotPositiveDefiniteError: rounding left a pivot that is not positive.
+        """
+        size = gram.shape[0]
+        gram.flat[:: size + 1] += noise
+        # The lower triangle of a row-major matrix is the upper one of its transpose: no copy.
+        upper, info = lapack.dpotrf(gram.T, lower=0, clean=0, overwrite_a=1)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
+        white = solve_triangular(
+            upper, np.column_stack([design, target]), trans=1, check_finite=False
+        )
+        return cls(upper, design, target, white[:, :-1], white[:, -1])
+
+    @cached_property
+    def information(self) -> Floats:
+        """(B, B) Φᵀ G⁻¹ Φ."""
+        return self.white_design.T @ self.white_design
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """(B, B) inverse of the information; a direction nothing shows in gets no weight."""
+        scale = np.sqrt(np.diag(self.information))
+        scale[scale == 0.0] = 1.0
+        values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
+        seen = values > values.max(initial=0.0) * 1e-11
+        half = vectors[:, seen] / np.sqrt(values[seen])
+        return np.asarray(half @ half.T / np.outer(scale, scale))
+
+    @cached_property
+    def coefficients(self) -> Floats:
+        """(B,) b, what the basis is multiplied by."""
+        return np.asarray(self.covariance @ (self.white_design.T @ self.white_target))
+
+    @cached_property
+    def _white_residual(self) -> Floats:
+        return np.asarray(self.white_target - self.white_design @ self.coefficients)
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(n,) a = P y, what the kernel is multiplied by."""
+        return np.asarray(solve_triangular(self.upper, self._white_residual, check_finite=False))
+
+    @property
+    def degrees(self) -> int:
+        """Torques minus the directions of the basis that they determine."""
+        return int(self.target.shape[0] - np.linalg.matrix_rank(self.covariance, hermitian=True))
+
+    @property
+    def amplitude(self) -> float:
+        """The variance s² that multiplies G where the evidence is largest, yᵀ P y / degrees."""
+        return float(self._white_residual @ self._white_residual) / self.degrees
+
+    @property
+    def log_evidence(self) -> float:
+        """Restricted log evidence of the torques, its amplitude s² at the best value, in nats."""
+        log_det = 2.0 * float(np.sum(np.log(np.diag(self.upper))))
+        seen = np.linalg.eigvalsh(self.covariance)
+        seen = seen[seen > seen.max(initial=0.0) * 1e-14]
+        return -0.5 * (
+            self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
+            + log_det
+            - float(np.sum(np.log(seen)))
+        )
+
+    @cached_property
+    def _inverse_upper(self) -> Floats:
+        inverse, info = lapack.dtrtri(self.upper, lower=0)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} is zero")
+        return np.asarray(inverse)
+
+    @cached_property
+    def _unwhitened_design(self) -> Floats:
+        return np.asarray(solve_triangular(self.upper, self.white_design, check_finite=False))
+
+    def left_out(self, groups: Sequence[Ints]) -> "Iterator[LeftOut]":
+        """What each group of rows would meet had the fit not seen it, from the one factor.
+
+        Args:
+            groups: for each, the rows left out together.
+        """
+        white, covariance = self._unwhitened_design, self.covariance
+        for rows in groups:
+            # U⁻¹ is upper triangular: its rows reach no column before the first of the group.
+            first = int(rows.min())
+            half = self._inverse_upper[rows, first:]
+            half = half * (np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None])
+            projected = half @ half.T - white[rows] @ covariance @ white[rows].T
+            residual = np.linalg.solve(projected, self.weights[rows])
+            yield LeftOut(rows, residual, -covariance @ (white[rows].T @ residual))
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A group of rows the fit did not see.
+
+    Attributes:
+        rows: (R,) which.
+        residual: (R,) their torque minus the prediction of a fit to all other rows.
+        change: (B,) how far the basis coefficients move when these rows are left out.
+    """
+
+    rows: Ints
+    residual: Floats
+    change: Floats

@@ -1,0 +1,120 @@
+"""What a kernel on torques is: the two shapes it comes in, and nothing else.
+
+A *coupled* kernel is matrix valued, eq. (22): K(x, u) is N × N and one system of M N equations is
+solved. An *independent* kernel is diagonal, eqs. (30), (35), (52): every joint has its own scalar
+kernel and N systems of M equations are solved.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.kernels.states import States
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Hyperparameter:
+    """One number of a kernel that data choose.
+
+    Attributes:
+        name: as in the paper.
+        unit: its physical unit.
+        meaning: one sentence for people.
+        low, high: the range that is searched, on a logarithmic scale, as multiples of the start.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+
+
+class Kernel(ABC):
+    """A positive semi-definite kernel on joint torques."""
+
+    name: ClassVar[str]
+    meaning: ClassVar[str]
+    searched: ClassVar[tuple[Hyperparameter, ...]] = ()
+    """The hyperparameters that are chosen by evidence or validation."""
+
+    @classmethod
+    @abstractmethod
+    def start(cls, x: States) -> "Kernel":
+        """The kernel with the starting values that suit these states, nothing searched yet."""
+
+    @property
+    @abstractmethod
+    def hyperparameters(self) -> Mapping[str, Floats]:
+        """Every number the kernel needs, by name: (1,) common to all joints, or (N,)."""
+
+    @abstractmethod
+    def replace(self, **hyperparameters: Floats) -> "Kernel":
+        """The same kernel with some hyperparameters changed."""
+
+    @abstractmethod
+    def apply(self, x: States, u: States, a: Floats) -> Floats:
+        """(M, N) torques Σ_j K(x_i, u_j) a_j for coefficients a (M_u, N), as in (32), (33)."""
+
+    @abstractmethod
+    def variance(self, x: States) -> Floats:
+        """(M, N) the diagonal K_nn(x_i, x_i): the prior variance of each torque."""
+
+
+class CoupledKernel(Kernel):
+    """A matrix-valued kernel: the torques of all joints inform each other."""
+
+    @abstractmethod
+    def gram(self, x: States) -> Floats:
+        """(M N, M N) Gram matrix, sample major; only its lower triangle of blocks is written."""
+
+    @abstractmethod
+    def cross(self, x: States, u: States) -> Floats:
+        """(M_x N, M_u N) kernel between two sets of states, sample major."""
+
+
+class IndependentKernel(Kernel):
+    """A diagonal kernel: one scalar kernel a joint."""
+
+    per_joint: ClassVar[bool] = True
+    """Whether each joint chooses its own hyperparameters, as in (35), or all share, as in (30)."""
+
+    @abstractmethod
+    def cross(self, x: States, u: States, joint: int) -> Floats:
+        """(M_x, M_u) scalar kernel of one joint between two sets of states."""
+
+    def gram(self, x: States, joint: int) -> Floats:
+        """(M, M) Gram matrix of one joint."""
+        return self.cross(x, x, joint)
+
+    def apply(self, x: States, u: States, a: Floats) -> Floats:
+        """See `Kernel.apply`; in chunks, so that memory stays bounded."""
+        out = np.empty((len(x), a.shape[1]))
+        rows = max(1, CHUNK_ENTRIES // max(1, len(u)))
+        for first in range(0, len(x), rows):
+            part = slice(first, first + rows)
+            states = x.take(part)
+            for joint in range(a.shape[1]):
+                out[part, joint] = self.cross(states, u, joint) @ a[:, joint]
+        return out
+
+
+CHUNK_ENTRIES = 4_000_000
+"""Kernel values held at once while a kernel is applied: 32 MB."""
+
+
+def of_joint(value: Floats, joint: int) -> float:
+    """The value of one joint of a hyperparameter that is common, (1,), or per joint, (N,)."""
+    return float(value[joint] if value.shape[0] > 1 else value[0])
+
+
+def largest(values: Floats) -> float:
+    """The largest magnitude, or 1 where nothing moves: what the paper normalises rates by."""
+    peak = float(np.max(np.abs(values), initial=0.0))
+    return peak if peak > 0.0 else 1.0

@@ -1,0 +1,57 @@
+"""Joint states at which kernels and effects are evaluated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lagrangian_ff.errors import ModelError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class States:
+    """Position, velocity and acceleration of N joints at M samples, the paper's x.
+
+    Attributes:
+        q: (M, N) rad.  qd: (M, N) rad/s.  qdd: (M, N) rad/s².
+    """
+
+    q: Floats
+    qd: Floats
+    qdd: Floats
+
+    @classmethod
+    def of(cls, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> "States":
+        """States from any arrays of one shape, (M, N) or one state (N,).
+
+        Raises:
+            ModelError: the three shapes differ.
+        """
+        arrays = [np.atleast_2d(np.ascontiguousarray(a, dtype=np.float64)) for a in (q, qd, qdd)]
+        if len({a.shape for a in arrays}) != 1 or arrays[0].ndim != 2:
+            shapes = ", ".join(str(np.shape(a)) for a in (q, qd, qdd))
+            raise ModelError(f"q, qd and qdd need one shape (samples, joints), got {shapes}")
+        return cls(*arrays)
+
+    def __len__(self) -> int:
+        return int(self.q.shape[0])
+
+    @property
+    def joints(self) -> int:
+        """The number of joints N."""
+        return int(self.q.shape[1])
+
+    def take(self, index: "NDArray[np.int64] | slice") -> "States":
+        """The states at these positions."""
+        return States.of(self.q[index], self.qd[index], self.qdd[index])
+
+    def at_rest(self) -> "States":
+        """The same positions without velocity and acceleration: what gravity acts on."""
+        zero = np.zeros_like(self.q)
+        return States(self.q, zero, zero)
+
+    def without_velocity(self) -> "States":
+        """The same positions and accelerations without velocity."""
+        return States(self.q, np.zeros_like(self.q), self.qdd)
