@@ -1,0 +1,148 @@
+"""The arm as its user meets it: a reference and a feedforward go in, joint states come out."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.description import HOME, JOINTS, Load, limits
+from lagrangian_ff.arm.joint_effect import JointEffect
+from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arm.plant import Plant
+from lagrangian_ff.arm.servo import CurrentLoop, PositionLoop, Sensors
+from lagrangian_ff.errors import ArmError
+
+Floats = NDArray[np.float64]
+
+
+class JointSample(NamedTuple):
+    """What the driver reports of one instant.
+
+    Attributes:
+        time: s since the reset.
+        position: (6,) rad.  velocity: (6,) rad/s.
+        effort: (6,) N·m, the measured current through torque constant and gear.
+    """
+
+    time: float
+    position: Floats
+    velocity: Floats
+    effort: Floats
+
+
+class Arm:
+    """Plant, servo and sensors, stepped at the rate of the measurements.
+
+    Args:
+        parameters: drives, servo and sensors.
+        seed: of the noise; the same seed and inputs give the same samples.
+        loads: kg (or Load) by joint or link.
+        effects: further effects in the joints of the plant.
+
+    Attributes:
+        motor_torque: (6,) N·m of the motors through the gears, mean of the last tick.
+        effect_torque: (6,) N·m that friction and effects took of it, mean of the last tick.
+        saturated: (6,) whether the torque asked for was cut at the limit in the last tick.
+    """
+
+    joints = JOINTS
+
+    def __init__(
+        self,
+        parameters: ArmParameters | None = None,
+        *,
+        seed: int = 0,
+        loads: Mapping[str, float | Load] | None = None,
+        effects: Sequence[JointEffect] = (),
+    ) -> None:
+        self.parameters = parameters or ArmParameters()
+        self.plant = Plant(self.parameters, loads, effects)
+        self._current = CurrentLoop(self.parameters)
+        self._position = PositionLoop(self.parameters)
+        self._sensors = Sensors(self.parameters, seed)
+        self._limit = limits().effort
+        self._substeps = self.parameters.physics_rate // self.parameters.sample_rate
+        self._ticks_per_update = self.parameters.sample_rate // self.parameters.position_rate
+        self.reset(np.array(HOME))
+
+    def reset(self, q: Floats) -> None:
+        """Put the arm at rest at q (6,) rad, motors without current, clock and noise begun anew.
+
+        Raises:
+            ArmError: q is not finite or outside the limits; names the joint.
+        """
+        q = self._checked("start position", q)
+        low, high = limits().lower, limits().upper
+        for n in np.flatnonzero((q < low) | (q > high)):
+            raise ArmError(
+                f"start position of {JOINTS[n]} is {q[n]:.4f} rad, outside its limits "
+                f"{low[n]:.3f} to {high[n]:.3f} rad"
+            )
+        self._ticks = 0
+        self._feedback = np.zeros(len(JOINTS))
+        self.motor_torque = np.zeros(len(JOINTS))
+        self.effect_torque = np.zeros(len(JOINTS))
+        self.saturated = np.zeros(len(JOINTS), dtype=bool)
+        self.plant.reset(q)
+        for part in (self._current, self._position, self._sensors):
+            part.reset()
+
+    @property
+    def time(self) -> float:
+        """s since the reset."""
+        return self._ticks * self.parameters.tick
+
+    def step(self, q_ref: Floats, qd_ref: Floats, feedforward: Floats | None = None) -> JointSample:
+        """Measure, control, and let one tick of time pass.
+
+        Args:
+            q_ref: (6,) rad, where the arm should be now.  qd_ref: (6,) rad/s.
+            feedforward: (6,) N·m added to the torque of the position loop; None for none.
+
+        Returns:
+            What was measured at the beginning of the tick, the instant q_ref is meant for.
+
+        Raises:
+            ArmError: an input that is not six finite numbers; names joint and time. The arm has
+                not moved then.
+        """
+        q_ref = self._checked("reference position", q_ref)
+        qd_ref = self._checked("reference velocity", qd_ref)
+        if feedforward is not None:
+            feedforward = self._checked("feedforward torque", feedforward)
+        position, velocity, effort = self._sensors.sample(self.plant.q, self._current.current)
+        sample = JointSample(self.time, position, velocity, effort)
+        if self._ticks % self._ticks_per_update == 0:
+            self._feedback = self._position.torque(q_ref, qd_ref, position)
+        wanted = self._feedback if feedforward is None else self._feedback + feedforward
+        command = np.minimum(np.maximum(wanted, -self._limit), self._limit)
+        self.saturated = command != wanted
+        motor, effect = np.zeros(len(JOINTS)), np.zeros(len(JOINTS))
+        for _ in range(self._substeps):
+            torque = self._current.step(command, self.plant.qd)
+            self.plant.step(torque)
+            motor += torque
+            effect += self.plant.effect_torque
+        self.motor_torque = motor / self._substeps
+        self.effect_torque = effect / self._substeps
+        self._ticks += 1
+        return sample
+
+    def _checked(self, what: str, values: Floats) -> Floats:
+        array = np.asarray(values, dtype=np.float64)
+        if array.shape != (len(JOINTS),):
+            raise ArmError(
+                f"{what}: expected {len(JOINTS)} values ({', '.join(JOINTS)}), "
+                f"got shape {array.shape}"
+            )
+        finite = np.isfinite(array)
+        if not finite.all():
+            n = int(np.argmin(finite))
+            when = getattr(self, "_ticks", 0) * self.parameters.tick
+            raise ArmError(f"{what} of {JOINTS[n]} at {when:.3f} s is {array[n]}, not a number")
+        return array
+
+    def close(self) -> None:
+        """End PyBullet's world."""
+        self.plant.close()

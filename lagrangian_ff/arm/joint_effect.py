@@ -1,0 +1,79 @@
+"""The seam for what acts in the joints of the plant: friction, and whatever comes later."""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.parameters import ArmParameters
+
+Floats = NDArray[np.float64]
+
+
+class JointMoment(NamedTuple):
+    """What an effect may know about the joints, (6,) each, on the link's side of the gear.
+
+    Attributes:
+        time: s since the reset.  dt: s, the step of the integration.
+        q: rad.  qd: rad/s.
+        motor: N·m of the motor through the gear during this step.
+        load: N·m that went on into the links in the step before.
+    """
+
+    time: float
+    dt: float
+    q: Floats
+    qd: Floats
+    motor: Floats
+    load: Floats
+
+
+class JointEffect(Protocol):
+    """A physical effect in the joints of the plant, with a state of its own if it needs one.
+
+    The plant integrates implicitly in velocity: within one step it may ask for the torque at
+    several velocities, and then advances the state once.
+    """
+
+    def reset(self, q: Floats) -> None:
+        """Forget the past; the arm rests at q, (6,) rad."""
+
+    def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
+        """What the motor must supply for the effect, without changing the state.
+
+        Returns:
+            (6,) N·m, positive where it resists positive motion, and
+            (6,) N·m·s/rad ≥ 0, a slope over velocity: for what dissipates the chord
+            torque / qd, otherwise the derivative; zeros where it does not depend on velocity.
+            The slope only steers the iteration, not the result.
+        """
+
+    def advance(self, moment: JointMoment) -> None:
+        """Move the state over one step; the moment holds q and qd at its end."""
+
+
+class Friction:
+    """Viscous and Coulomb friction, B qd + F tanh(qd / v), joint by joint."""
+
+    def __init__(self, parameters: ArmParameters) -> None:
+        self._viscous = np.asarray(parameters.viscous)
+        self._coulomb = np.asarray(parameters.coulomb)
+        self._velocity = np.asarray(parameters.coulomb_velocity)
+
+    def reset(self, q: Floats) -> None:
+        """Nothing to forget."""
+
+    def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
+        """See JointEffect."""
+        x = moment.qd / self._velocity
+        # tanh(x) / x at zero is one; beside it the quotient is exact to rounding.
+        x = np.where(np.abs(x) < 1e-9, 1e-9, x)
+        chord = self._viscous + self._coulomb / self._velocity * (np.tanh(x) / x)
+        return chord * moment.qd, chord
+
+    def advance(self, moment: JointMoment) -> None:
+        """No state."""
+
+    def at(self, qd: Floats) -> Floats:
+        """The torque at velocities (..., 6) rad/s, in N·m."""
+        return self._viscous * qd + self._coulomb * np.tanh(qd / self._velocity)

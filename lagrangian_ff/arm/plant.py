@@ -1,0 +1,167 @@
+"""The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
+
+from lagrangian_ff.arm.body import Body
+from lagrangian_ff.arm.description import JOINTS, Load
+from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
+from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.errors import ArmError
+
+Floats = NDArray[np.float64]
+
+ITERATIONS = 8
+SETTLED = 1e-7  # rad/s
+
+
+class Plant:
+    """The arm from motor torque to motion.
+
+    Each step solves (M + A) qdd + h + f = tau for qdd, A the reflected rotor inertia and f the
+    joint effects at the *new* velocity (backward Euler: stiff friction stays stable), and hands
+    PyBullet the torque h + M qdd that gives its links this acceleration.
+
+    Args:
+        parameters: rotors, friction and the rate of the integration.
+        loads: kg (or Load) by joint or link.
+        effects: what acts in the joints besides viscous and Coulomb friction.
+
+    Attributes:
+        time: s since the reset.
+        q: (6,) rad.  qd: (6,) rad/s.
+        qdd: (6,) rad/s² of the last step.
+        effect_torque: (6,) N·m that friction and effects took from the motors in the last step.
+        load_torque: (6,) N·m that went into the links in the last step.
+    """
+
+    def __init__(
+        self,
+        parameters: ArmParameters | None = None,
+        loads: Mapping[str, float | Load] | None = None,
+        effects: Sequence[JointEffect] = (),
+    ) -> None:
+        self.parameters = parameters or ArmParameters()
+        self.dt = 1.0 / self.parameters.physics_rate
+        self.body = Body(loads, dt=self.dt)
+        self.friction = Friction(self.parameters)
+        self._effects: tuple[JointEffect, ...] = (self.friction, *effects)
+        self._armature = self.parameters.reflected_inertia
+        self._diagonal = np.diag_indices(len(JOINTS))
+        self.reset(np.zeros(len(JOINTS)))
+
+    def reset(self, q: Floats) -> None:
+        """Put the arm at rest at q, (6,) rad."""
+        self.time = 0.0
+        self.q = np.array(q, dtype=np.float64)
+        self.qd = np.zeros(len(JOINTS))
+        self.qdd = np.zeros(len(JOINTS))
+        self.effect_torque = np.zeros(len(JOINTS))
+        self.load_torque = np.zeros(len(JOINTS))
+        self.body.set_state(self.q, self.qd)
+        for effect in self._effects:
+            effect.reset(self.q)
+
+    def step(self, motor: Floats) -> None:
+        """Let the motors act for one step of the integration.
+
+        Args:
+            motor: (6,) N·m through the gears.
+        """
+        mass = self.body.mass_matrix(self.q)
+        bias = self.body.bias(self.q, self.qd)
+        inertia = mass.copy()
+        inertia[self._diagonal] += self._armature
+        drive = motor - bias
+        guess = self.qd
+        for _ in range(ITERATIONS):
+            resisting, slope = self._resistance(guess, motor)
+            system = inertia.copy()
+            system[self._diagonal] += self.dt * slope
+            qdd = dposv(system, drive - resisting + slope * (guess - self.qd))[1]
+            qd = self.qd + self.dt * qdd
+            change = qd - guess
+            guess = qd
+            if max(abs(change)) < SETTLED:
+                break
+        self.effect_torque = resisting + slope * change
+        self.load_torque = bias + mass @ qdd
+        self.qdd = qdd
+        self.body.advance(self.load_torque)
+        self.q, self.qd = self.body.state()
+        self.time += self.dt
+        for effect in self._effects:
+            effect.advance(
+                JointMoment(self.time, self.dt, self.q, self.qd, motor, self.load_torque)
+            )
+
+    def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
+        moment = JointMoment(self.time, self.dt, self.q, qd, motor, self.load_torque)
+        torque, slope = self._effects[0].torque(moment)
+        for effect in self._effects[1:]:
+            more, steeper = effect.torque(moment)
+            torque, slope = torque + more, slope + steeper
+        return torque, slope
+
+    def energy(self) -> float:
+        """J of links and rotors, kinetic and potential, at the present state."""
+        inertia = self.body.mass_matrix(self.q) + np.diag(self._armature)
+        return float(0.5 * self.qd @ inertia @ self.qd) + self.body.potential_energy()
+
+    def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:
+        """The motor torque through the gears that makes this motion, without further effects.
+
+        Args:
+            q: (M, 6) or (6,) rad.  qd: rad/s, qdd: rad/s², of the same shape.
+            friction: whether viscous and Coulomb friction are counted.
+
+        Returns:
+            N·m, of the same shape: the links by PyBullet's inverse dynamics, the rotors g²J qdd
+            and the friction.
+
+        Raises:
+            ArmError: shapes that differ or do not end in 6, or a value that is not finite.
+        """
+        states = [np.asarray(x, dtype=np.float64) for x in (q, qd, qdd)]
+        shape = states[0].shape
+        if len({x.shape for x in states}) > 1 or not shape or shape[-1] != len(JOINTS):
+            raise ArmError(
+                f"true torque: expected q, qd and qdd of one shape (samples, {len(JOINTS)}), "
+                f"got {', '.join(str(x.shape) for x in states)}"
+            )
+        rows = [x.reshape(-1, len(JOINTS)) for x in states]
+        for name, row in zip(("q", "qd", "qdd"), rows, strict=True):
+            bad = np.argwhere(~np.isfinite(row))
+            if bad.size:
+                sample, joint = bad[0]
+                raise ArmError(
+                    f"true torque: {name} of {JOINTS[joint]} at sample {sample} is not finite"
+                )
+        torque = self.body.inverse_dynamics(*rows) + self._armature * rows[2]
+        if friction:
+            torque += self.friction.at(rows[1])
+        return torque.reshape(shape)
+
+    def close(self) -> None:
+        """End PyBullet's world."""
+        self.body.close()
+
+
+def true_torque(
+    q: Floats,
+    qd: Floats,
+    qdd: Floats,
+    *,
+    parameters: ArmParameters | None = None,
+    loads: Mapping[str, float | Load] | None = None,
+    friction: bool = True,
+) -> Floats:
+    """The plant's own inverse dynamics, the bound for any feedforward; see Plant.true_torque."""
+    plant = Plant(parameters, loads)
+    try:
+        return plant.true_torque(q, qd, qdd, friction=friction)
+    finally:
+        plant.close()

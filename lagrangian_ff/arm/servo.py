@@ -1,0 +1,123 @@
+"""The servo of the paper's arm: PI current loop within a PD position loop, and the sensors."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.parameters import ArmParameters
+
+Floats = NDArray[np.float64]
+
+
+class CurrentLoop:
+    """Windings under their PI controllers, over one step of the integration at a time.
+
+    Within a period T of the PI loop the voltage V = K (r − i) + w is held, and the current obeys
+    L di/dt = V − R i − E with E the back-EMF; then w grows by (K R / L) T (r − i). With z =
+    (i, w, r, E, ∫i dt) this is one linear map F a period, and n periods are Fⁿ: exact, without
+    stepping at 10 kHz. K = L b and K R / L cancel the winding's pole and leave the bandwidth b.
+    The supply voltage is taken as sufficient: limits act on the current that is asked for.
+    """
+
+    def __init__(self, parameters: ArmParameters) -> None:
+        self._constant = np.asarray(parameters.torque_constant)
+        self._ratio = np.asarray(parameters.gear_ratio)
+        self._torque_per_ampere = parameters.torque_per_ampere
+        periods = parameters.current_rate // parameters.physics_rate
+        period = 1.0 / parameters.current_rate
+        windings = zip(parameters.resistance, parameters.inductance, strict=True)
+        one = [one_period(*winding, parameters.current_bandwidth, period) for winding in windings]
+        table = np.linalg.matrix_power(np.array(one), periods)
+        # Rows: current and integrator afterwards, mean current; columns: what they follow from.
+        self._map = np.ascontiguousarray(table[:, (0, 1, 4), :4])
+        self._map[:, 2] *= parameters.physics_rate
+        self._input = np.zeros((len(one), 4, 1))
+
+    def reset(self) -> None:
+        """No current, empty integrator."""
+        self._input[:] = 0.0
+
+    @property
+    def current(self) -> Floats:
+        """(6,) A now."""
+        return self._input[:, 0, 0].copy()
+
+    def step(self, torque: Floats, qd: Floats) -> Floats:
+        """Follow the torque asked for during one step of the integration.
+
+        Args:
+            torque: (6,) N·m asked for, at the joints.  qd: (6,) rad/s of the joints.
+
+        Returns:
+            (6,) N·m the motors gave on average, at the joints.
+        """
+        self._input[:, 2, 0] = torque / self._torque_per_ampere
+        self._input[:, 3, 0] = qd * self._ratio * self._constant
+        after = (self._map @ self._input)[:, :, 0]
+        self._input[:, :2, 0] = after[:, :2]
+        return after[:, 2] * self._torque_per_ampere
+
+
+def one_period(resistance: float, inductance: float, bandwidth: float, period: float) -> Floats:
+    """(5, 5) F of CurrentLoop: z = (i, w, r, E, ∫i dt) over one period of the PI loop."""
+    decay = np.exp(-resistance / inductance * period)
+    rise = (1.0 - decay) / resistance
+    gain = inductance * bandwidth
+    # i(t) = i e^(−Rt/L) + (V − E)(1 − e^(−Rt/L)) / R, and its integral over the period.
+    held = rise * inductance
+    driven = (period - held) / resistance
+    return np.array(
+        [
+            [decay - rise * gain, rise, rise * gain, -rise, 0.0],
+            [-resistance * bandwidth * period, 1.0, resistance * bandwidth * period, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0, 0.0],
+            [held - driven * gain, driven, driven * gain, -driven, 1.0],
+        ]
+    )
+
+
+class PositionLoop:
+    """PD on position; its velocity is the difference of the encoder over its own period."""
+
+    def __init__(self, parameters: ArmParameters) -> None:
+        self._stiffness = np.asarray(parameters.stiffness)
+        self._damping = np.asarray(parameters.damping)
+        self._rate = parameters.position_rate
+        self._before: Floats | None = None
+
+    def reset(self) -> None:
+        """Forget the last position."""
+        self._before = None
+
+    def torque(self, q_ref: Floats, qd_ref: Floats, position: Floats) -> Floats:
+        """(6,) N·m for a reference and a measured position; call at the rate of the loop."""
+        before = position if self._before is None else self._before
+        velocity = (position - before) * self._rate
+        self._before = position
+        return self._stiffness * (q_ref - position) + self._damping * (qd_ref - velocity)
+
+
+class Sensors:
+    """Encoders on the motors and current sensors, sampled together."""
+
+    def __init__(self, parameters: ArmParameters, seed: int) -> None:
+        self._step = parameters.encoder_step
+        self._torque_per_ampere = parameters.torque_per_ampere
+        self._noise = np.asarray(parameters.current_noise)
+        self._rate = parameters.sample_rate if parameters.velocity_measured else np.nan
+        self._seed = seed
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again, with the same noise."""
+        self._random = np.random.default_rng(self._seed)
+        self._before: Floats | None = None
+
+    def sample(self, q: Floats, current: Floats) -> tuple[Floats, Floats, Floats]:
+        """Measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m at the joints."""
+        position = np.round(q / self._step) * self._step
+        before = position if self._before is None else self._before
+        velocity = (position - before) * self._rate
+        self._before = position
+        noise = self._noise * self._random.standard_normal(len(self._noise))
+        return position, velocity, (current + noise) * self._torque_per_ampere

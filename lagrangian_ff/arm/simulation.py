@@ -1,0 +1,211 @@
+"""Drive the simulated arm along a trajectory, faster than time passes, and keep what came out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.arm import Arm
+from lagrangian_ff.arm.description import JOINTS, Load, limits
+from lagrangian_ff.arm.joint_effect import JointEffect
+from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arm.trajectory import Trajectory
+from lagrangian_ff.errors import ArmError
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.recording import Recording
+
+Floats = NDArray[np.float64]
+Torque = Callable[[Floats, Floats, Floats], Floats]
+Feedforward = Literal["true", "trajectory"] | Torque | Floats | None
+
+SETTLING = 1.0  # s at the start pose before the record begins
+
+
+@dataclass(frozen=True)
+class Run:
+    """What happened along a trajectory: what was measured, and what only a simulator knows.
+
+    Attributes:
+        recording: joint states as the driver reports them.
+        reference: the trajectory at the instants of the recording.
+        feedforward: (M, 6) N·m that was added.
+        position: (M, 6) rad and velocity: (M, 6) rad/s, without the sensors' errors.
+        motor_torque: (M, 6) N·m through the gears, mean of the tick after each sample.
+        effect_torque: (M, 6) N·m of it lost to friction and effects.
+        saturated: (M, 6) whether the torque was cut at the limit.
+    """
+
+    recording: Recording
+    reference: Trajectory
+    feedforward: Floats
+    position: Floats
+    velocity: Floats
+    motor_torque: Floats
+    effect_torque: Floats
+    saturated: NDArray[np.bool_]
+
+    @property
+    def tracking_error(self) -> Floats:
+        """(M, 6) rad, reference less measured position."""
+        return self.reference.q - self.recording.position
+
+
+def simulate(
+    trajectory: Trajectory,
+    feedforward: Feedforward = None,
+    *,
+    parameters: ArmParameters | None = None,
+    loads: Mapping[str, float | Load] | None = None,
+    effects: Sequence[JointEffect] = (),
+    seed: int = 0,
+    progress: Progress = silent,
+) -> Run:
+    """Drive the arm along a trajectory.
+
+    Args:
+        trajectory: the reference; the arm starts at rest at its first point.
+        feedforward: torque added to the position loop. None; a function (q, qd, qdd) -> tau of
+            (M, 6) arrays, such as a model's `predict`; an array (K, 6) N·m at the points of the
+            trajectory, linear between them; "trajectory" for the trajectory's own effort; "true"
+            for the plant's own torques, the bound of what feedforward can do.
+        parameters, loads, effects: the arm; see Arm.
+        seed: of the noise.
+        progress: told the fraction done.
+
+    Raises:
+        ArmError: other joints than the arm's, a point outside its limits (names joint and time),
+            a feedforward of another shape or not finite.
+    """
+    reference = _on_ticks(trajectory, parameters or ArmParameters())
+    arm = Arm(parameters, seed=seed, loads=loads, effects=effects)
+    try:
+        torque = _torque(feedforward, trajectory, reference, arm)
+        return _drive(arm, reference, torque, progress)
+    finally:
+        arm.close()
+
+
+def _on_ticks(trajectory: Trajectory, parameters: ArmParameters) -> Trajectory:
+    unknown = [name for name in trajectory.joints if name not in JOINTS]
+    if unknown:
+        raise ArmError(
+            f"trajectory: the arm has no joint {', '.join(unknown)}; it has {', '.join(JOINTS)}"
+        )
+    trajectory = trajectory.select(JOINTS)
+    count = int(np.floor(trajectory.duration * parameters.sample_rate + 1e-9)) + 1
+    time: Floats = np.arange(count, dtype=np.float64) * parameters.tick
+    q, qd, qdd = trajectory.sample(trajectory.time[0] + time)
+    reference = Trajectory(time, q, qd, qdd, JOINTS)
+    check_limits(reference)
+    return reference
+
+
+def check_limits(trajectory: Trajectory) -> None:
+    """Whether position and velocity at the points of an arm's trajectory stay in its limits.
+
+    Raises:
+        ArmError: they do not; names the first joint and time.
+    """
+    bounds = limits()
+    slack = 1e-6
+    for what, unit, value, low, high in (
+        ("position", "rad", trajectory.q, bounds.lower, bounds.upper),
+        ("velocity", "rad/s", trajectory.qd, -bounds.velocity, bounds.velocity),
+    ):
+        bad = np.argwhere((value < low - slack) | (value > high + slack))
+        if bad.size:
+            point, n = bad[0]
+            raise ArmError(
+                f"trajectory: {what} of {JOINTS[n]} at {trajectory.time[point]:.3f} s is "
+                f"{value[point, n]:.3f} {unit}, outside {low[n]:.3f} to {high[n]:.3f} {unit}"
+            )
+
+
+def _torque(
+    feedforward: Feedforward, trajectory: Trajectory, reference: Trajectory, arm: Arm
+) -> Floats:
+    states = reference.q, reference.qd, reference.qdd
+    shape = reference.q.shape
+    if feedforward is None:
+        return np.zeros(shape)
+    if isinstance(feedforward, str):
+        if feedforward == "true":
+            return arm.plant.true_torque(*states)
+        if feedforward == "trajectory":
+            return trajectory.select(JOINTS).effort_at(trajectory.time[0] + reference.time)
+        raise ArmError(f"feedforward: expected 'true' or 'trajectory', got {feedforward!r}")
+    if callable(feedforward):
+        torque = np.asarray(feedforward(*states), dtype=np.float64)
+        if torque.shape != shape:
+            raise ArmError(f"feedforward: the function gave {torque.shape}, expected {shape}")
+    else:
+        points = np.asarray(feedforward, dtype=np.float64)
+        if points.shape != trajectory.q.shape:
+            raise ArmError(
+                f"feedforward: got shape {points.shape}, expected {trajectory.q.shape}, "
+                "one row for each point of the trajectory"
+            )
+        carrier = Trajectory(
+            trajectory.time,
+            trajectory.q,
+            trajectory.qd,
+            trajectory.qdd,
+            trajectory.joints,
+            points,
+        )
+        torque = carrier.select(JOINTS).effort_at(trajectory.time[0] + reference.time)
+    bad = np.argwhere(~np.isfinite(torque))
+    if bad.size:
+        row, n = bad[0]
+        raise ArmError(
+            f"feedforward: torque of {JOINTS[n]} at {reference.time[row]:.3f} s is not finite"
+        )
+    return torque
+
+
+def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) -> Run:
+    count = len(reference)
+    arm.reset(reference.q[0])
+    settling = round(SETTLING * arm.parameters.sample_rate)
+    still = np.zeros(len(JOINTS))
+    for _ in range(settling):
+        arm.step(reference.q[0], still, torque[0])
+    kept = {
+        name: np.empty(reference.q.shape)
+        for name in ("measured", "rate", "effort", "position", "velocity", "motor", "effect")
+    }
+    saturated = np.zeros(reference.q.shape, dtype=bool)
+    report = max(1, count // 100)
+    for k in range(count):
+        kept["position"][k] = arm.plant.q
+        kept["velocity"][k] = arm.plant.qd
+        sample = arm.step(reference.q[k], reference.qd[k], torque[k])
+        kept["measured"][k] = sample.position
+        kept["rate"][k] = sample.velocity
+        kept["effort"][k] = sample.effort
+        kept["motor"][k] = arm.motor_torque
+        kept["effect"][k] = arm.effect_torque
+        saturated[k] = arm.saturated
+        if k % report == 0:
+            progress(k / count, "driving the arm")
+    progress(1.0, "driving the arm")
+    recording = Recording(
+        joints=JOINTS,
+        time=reference.time,
+        position=kept["measured"],
+        velocity=kept["rate"],
+        effort=kept["effort"],
+        source="simulated arm",
+    )
+    return Run(
+        recording=recording,
+        reference=reference,
+        feedforward=torque,
+        position=kept["position"],
+        velocity=kept["velocity"],
+        motor_torque=kept["motor"],
+        effect_torque=kept["effect"],
+        saturated=saturated,
+    )

@@ -1,0 +1,196 @@
+"""Reference motions: quintic splines through points with velocity and acceleration."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.description import JOINTS, limits
+from lagrangian_ff.errors import ArmError
+
+Floats = NDArray[np.float64]
+
+# Coefficients of 1, s, ... s⁵ from the values at s = 0 and 1: (q0, v0, a0, q1, v1, a1) in units of
+# the segment's duration.
+_QUINTIC = np.array(
+    [
+        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.5, 0.0, 0.0, 0.0],
+        [-10.0, -6.0, -1.5, 10.0, -4.0, 0.5],
+        [15.0, 8.0, 1.5, -15.0, 7.0, -1.0],
+        [-6.0, -3.0, -0.5, 6.0, -3.0, 0.5],
+    ]
+)
+_POWERS = np.arange(6)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion through K points, between them the quintic that meets q, qd and qdd at both ends.
+
+    Attributes:
+        time: (K,) s, increasing.
+        q: (K, N) rad.  qd: (K, N) rad/s.  qdd: (K, N) rad/s².
+        joints: N names.
+        effort: (K, N) N·m of feedforward at the points, linear between them; None where none.
+        notes: what was filled in on the way, in words.
+
+    Raises:
+        ArmError: shapes that do not fit, time that does not increase, a value that is not finite.
+    """
+
+    time: Floats
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    joints: tuple[str, ...] = JOINTS
+    effort: Floats | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("time", "q", "qd", "qdd", "effort"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, np.asarray(value, dtype=np.float64))
+        if self.time.ndim != 1 or len(self.time) < 1:
+            raise ArmError(f"trajectory: expected at least one point, got {self.time.shape}")
+        shape = (len(self.time), len(self.joints))
+        for name in ("q", "qd", "qdd", "effort"):
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if value.shape != shape:
+                raise ArmError(
+                    f"trajectory: {name} has shape {value.shape}, expected {shape} (points, joints)"
+                )
+            bad = np.argwhere(~np.isfinite(value))
+            if bad.size:
+                point, joint = bad[0]
+                raise ArmError(
+                    f"trajectory: {name} of {self.joints[joint]} at {self.time[point]:.3f} s "
+                    "is not a finite number"
+                )
+        late = np.flatnonzero(~(np.diff(self.time) > 0))
+        if late.size or not np.all(np.isfinite(self.time)):
+            where = self.time[late[0] + 1] if late.size else np.nan
+            raise ArmError(f"trajectory: time does not increase at {where:.3f} s")
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def duration(self) -> float:
+        """s from the first point to the last."""
+        return float(self.time[-1] - self.time[0])
+
+    def sample(self, time: "Floats | float") -> tuple[Floats, Floats, Floats]:
+        """q, qd and qdd at these times: (..., N) each.
+
+        Before the first point and after the last the arm rests there.
+        """
+        at = np.asarray(time, dtype=np.float64)
+        if len(self) == 1:
+            still = np.zeros((*at.shape, len(self.joints)))
+            return still + self.q[0], still, still.copy()
+        flat = at.reshape(-1)
+        k = np.clip(np.searchsorted(self.time, flat, side="right") - 1, 0, len(self) - 2)
+        span = (self.time[k + 1] - self.time[k])[:, None]
+        s = np.clip((flat - self.time[k])[:, None] / span, 0.0, 1.0)
+        ends = np.stack(
+            [
+                np.zeros_like(self.q[k]),
+                self.qd[k] * span,
+                self.qdd[k] * span**2,
+                self.q[k + 1] - self.q[k],
+                self.qd[k + 1] * span,
+                self.qdd[k + 1] * span**2,
+            ]
+        )
+        c = np.tensordot(_QUINTIC, ends, axes=1)
+        q = self.q[k] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
+        qd = c[1] + s * (2 * c[2] + s * (3 * c[3] + s * (4 * c[4] + s * 5 * c[5])))
+        qdd = 2 * c[2] + s * (6 * c[3] + s * (12 * c[4] + s * 20 * c[5]))
+        moving = ((flat >= self.time[0]) & (flat <= self.time[-1]))[:, None]
+        shape = (*at.shape, len(self.joints))
+        return (
+            q.reshape(shape),
+            (qd / span * moving).reshape(shape),
+            (qdd / span**2 * moving).reshape(shape),
+        )
+
+    def effort_at(self, time: "Floats | float") -> Floats:
+        """Feedforward torque (..., N) N·m at these times, the ends held outside.
+
+        Raises:
+            ArmError: the trajectory carries none.
+        """
+        if self.effort is None:
+            raise ArmError("the trajectory carries no effort: compute a feedforward for it first")
+        at = np.asarray(time, dtype=np.float64)
+        columns = [np.interp(at, self.time, column) for column in self.effort.T]
+        return np.stack(columns, axis=-1)
+
+    def resample(self, rate: float) -> "Trajectory":
+        """The same motion with points at `rate` Hz from its start, and its last point.
+
+        Exact where every old point is a new one too; otherwise off by the sixth power of the
+        spacing around the old points that are not.
+        """
+        count = int(np.floor(self.duration * rate + 1e-9)) + 1
+        time = self.time[0] + np.arange(count) / rate
+        if self.time[-1] - time[-1] > 1e-9:
+            time = np.append(time, self.time[-1])
+        q, qd, qdd = self.sample(np.minimum(time, self.time[-1]))
+        effort = None if self.effort is None else self.effort_at(time)
+        return Trajectory(time, q, qd, qdd, self.joints, effort, self.notes)
+
+    def select(self, joints: Sequence[str]) -> "Trajectory":
+        """Keep these joints, in this order.
+
+        Raises:
+            ArmError: a joint is not in the trajectory; names both lists.
+        """
+        missing = [name for name in joints if name not in self.joints]
+        if missing:
+            raise ArmError(
+                f"trajectory: no joint {', '.join(missing)}; it moves {', '.join(self.joints)}"
+            )
+        columns = [self.joints.index(name) for name in joints]
+        effort = None if self.effort is None else self.effort[:, columns]
+        return Trajectory(
+            self.time,
+            self.q[:, columns],
+            self.qd[:, columns],
+            self.qdd[:, columns],
+            tuple(joints),
+            effort,
+            self.notes,
+        )
+
+
+def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> Trajectory:
+    """From rest to rest along a quintic, at most at 40 % of the arm's velocity limits.
+
+    Args:
+        start, goal: (6,) rad.
+
+    Raises:
+        ArmError: not six finite numbers, or outside the limits of the arm; names the joint.
+    """
+    q = np.array([start, goal], dtype=np.float64)
+    if q.shape != (2, len(JOINTS)):
+        raise ArmError(f"move: expected {len(JOINTS)} joints at both ends, got {q.shape}")
+    bounds = limits()
+    for end, row in zip(("start", "goal"), q, strict=True):
+        for n in np.flatnonzero(~((row >= bounds.lower) & (row <= bounds.upper))):
+            raise ArmError(
+                f"move: {end} of {JOINTS[n]} is {row[n]:.4f} rad, outside its limits "
+                f"{bounds.lower[n]:.3f} to {bounds.upper[n]:.3f} rad"
+            )
+    distance = np.abs(q[1] - q[0])
+    # A rest-to-rest quintic peaks at 15/8 of its mean velocity.
+    duration = max(1.0, float(np.max(15.0 / 8.0 * distance / (0.4 * bounds.velocity))))
+    still = np.zeros_like(q)
+    return Trajectory(np.array([0.0, duration]), q, still, still)
