@@ -43,13 +43,11 @@ class Motion:
             found = getattr(self, name).shape
             if found != shape:
                 raise RecordingError(
-                    f"{self.source}: {name} has shape {found}, expected {shape} "
-                    "(samples, joints)"
+                    f"{self.source}: {name} has shape {found}, expected {shape} (samples, joints)"
                 )
         if self.segment.shape != self.time.shape:
             raise RecordingError(
-                f"{self.source}: segment has shape {self.segment.shape}, "
-                f"expected {self.time.shape}"
+                f"{self.source}: segment has shape {self.segment.shape}, expected {self.time.shape}"
             )
 
     def __len__(self) -> int:

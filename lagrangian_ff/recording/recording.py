@@ -43,8 +43,7 @@ class Recording:
             found = getattr(self, name).shape
             if found != shape:
                 raise RecordingError(
-                    f"{self.source}: {name} has shape {found}, expected {shape} "
-                    "(samples, joints)"
+                    f"{self.source}: {name} has shape {found}, expected {shape} (samples, joints)"
                 )
 
     def __len__(self) -> int:

@@ -1,0 +1,255 @@
+"""From what was measured to motion: the chain of the paper's section IV-B.
+
+Stamps are put in order; each signal is resampled onto one uniform clock, piece by piece between
+the gaps; position and torque pass the same Butterworth low-pass, forward and backward, so that
+they stay in step; position is differentiated twice.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.recording.filtering import (
+    REACH,
+    butterworth,
+    derivatives,
+    settling,
+    zero_phase,
+)
+from lagrangian_ff.recording.inspection import clipping_notes
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
+from lagrangian_ff.recording.usable import require_known, require_usable
+
+Floats = NDArray[np.float64]
+
+_LEAST = 10  # samples that must be left of a segment
+_STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
+
+
+@dataclass(frozen=True)
+class Conditioning:
+    """How a recording is made ready.
+
+    Attributes:
+        bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be.
+        order: of the Butterworth low-pass.
+        rate: Hz, of the resulting motion; None keeps the rate of the recording.
+        max_gap: s, longer pauses of a signal end a segment, shorter ones are interpolated;
+            None takes half a period of the bandwidth or 2.5 samples, whichever is longer.
+        trim: s, cut off at both ends of a segment, where the filter had to guess what lies
+            beyond; None takes the time in which it settles to 1/1000.
+        effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
+        effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
+    """
+
+    bandwidth: float = 25.0
+    order: int = 3
+    rate: float | None = None
+    max_gap: float | None = None
+    trim: float | None = None
+    effort_scale: Mapping[str, float] = field(default_factory=dict)
+    effort_offset: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("bandwidth", "rate", "max_gap"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise RecordingError(f"conditioning: {name} is {value}, expected more than 0")
+        if self.order < 1:
+            raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
+        if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
+            raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
+        for name in ("effort_scale", "effort_offset"):
+            for joint, value in getattr(self, name).items():
+                if not np.isfinite(value):
+                    raise RecordingError(f"conditioning: {name} of {joint} is {value}")
+
+
+def condition(recording: Recording, conditioning: Conditioning | None = None) -> Motion:
+    """Make a recording ready for identification.
+
+    Raises:
+        RecordingError: no effort or no position on a joint, nothing moves, no stretch long
+            enough between gaps, or a joint in `effort_scale` or `effort_offset` is unknown.
+    """
+    settings = conditioning or Conditioning()
+    named = {"effort_scale": settings.effort_scale, "effort_offset": settings.effort_offset}
+    require_known(recording, named)
+    require_usable(recording)
+    notes = list(recording.notes)
+    signals = read_signals(recording, notes)
+    filters = _Filters.design(signals, settings, notes)
+    clocks = _clocks(recording, signals, settings, filters, notes)
+    pieces = [filters.output_times(ticks) for ticks in clocks]
+    ends = np.cumsum([0, *(len(piece) for piece in pieces)])
+    shape = (int(ends[-1]), len(recording.joints))
+    q, qd, qdd, tau = (np.empty(shape) for _ in range(4))
+    for ticks, first, last in zip(clocks, ends[:-1], ends[1:], strict=True):
+        part = slice(first, last)
+        for joint, name in enumerate(recording.joints):
+            sampling = signals.samplings[signals.position[joint]]
+            position = sampling.on_clock(recording.position[:, joint], ticks)
+            q[part, joint], qd[part, joint], qdd[part, joint] = filters.motion(position, ticks)
+            sampling = signals.samplings[signals.effort[joint]]
+            effort = sampling.on_clock(recording.effort[:, joint], ticks)
+            tau[part, joint] = settings.effort_scale.get(name, 1.0) * filters.low_pass(
+                effort, ticks
+            ) + settings.effort_offset.get(name, 0.0)
+    _require_moving(recording, q, notes)
+    notes += clipping_notes(recording)
+    return Motion(
+        joints=recording.joints,
+        time=np.concatenate(pieces),
+        q=q,
+        qd=qd,
+        qdd=qdd,
+        tau=tau,
+        segment=np.repeat(np.arange(len(pieces)), np.diff(ends)),
+        source=recording.source,
+        notes=tuple(notes),
+    )
+
+
+@dataclass(frozen=True)
+class _Filters:
+    """The low-pass on its clock, and how much of a segment it spoils.
+
+    Attributes:
+        sections: second-order sections of the low-pass.
+        period: s, of the clock.
+        spoilt: samples cut off at each end.
+        padding: samples by which a segment is extended while it is filtered.
+        rate: Hz, of the result; None keeps the clock.
+    """
+
+    sections: Floats
+    period: float
+    spoilt: int
+    padding: int
+    longest_gap: float
+    rate: float | None
+
+    @staticmethod
+    def design(signals: Signals, settings: Conditioning, notes: list[str]) -> "_Filters":
+        period = signals.fastest.period
+        slow = 1 / signals.slowest.period
+        bandwidth = min(settings.bandwidth, slow / 4)
+        if bandwidth < settings.bandwidth:
+            notes.append(
+                f"sampled at {slow:.4g} Hz only: bandwidth reduced from "
+                f"{settings.bandwidth:g} Hz to {bandwidth:.4g} Hz"
+            )
+        settled = settling(settings.order, bandwidth)
+        trim = settled if settings.trim is None else settings.trim
+        spoilt = max(REACH, ceil(trim / period - 1e-9))
+        notes.append(
+            f"low-pass: Butterworth of order {settings.order}, {bandwidth:g} Hz at "
+            f"{1 / period:.6g} Hz, forward and backward, on position and torque alike; qd and "
+            f"qdd are central differences over {2 * REACH + 1} samples; "
+            f"{spoilt * period:.3f} s cut off at both ends of each segment"
+        )
+        return _Filters(
+            sections=butterworth(settings.order, bandwidth, 1 / period),
+            period=period,
+            spoilt=spoilt,
+            padding=ceil(settled / period),
+            longest_gap=settings.max_gap or max(0.5 / bandwidth, 2.5 * period),
+            rate=settings.rate,
+        )
+
+    @property
+    def least(self) -> int:
+        """Samples a segment must have for some to be left."""
+        return max(2 * self.spoilt + _LEAST, self.padding + 2)
+
+    def low_pass(self, values: Floats, ticks: Floats) -> Floats:
+        """Filtered (K,), at the output times."""
+        return self._output(zero_phase(self.sections, values, self.padding), ticks)
+
+    def motion(self, position: Floats, ticks: Floats) -> tuple[Floats, Floats, Floats]:
+        """Position, velocity and acceleration at the output times."""
+        q = zero_phase(self.sections, position, self.padding)
+        qd, qdd = (np.pad(values, REACH) for values in derivatives(q, self.period))
+        return self._output(q, ticks), self._output(qd, ticks), self._output(qdd, ticks)
+
+    def output_times(self, ticks: Floats) -> Floats:
+        """The ticks that are not spoilt, or as many at the rate asked for."""
+        kept = ticks[self.spoilt : len(ticks) - self.spoilt]
+        if self._same_clock():
+            return kept
+        assert self.rate is not None
+        return kept[0] + np.arange(int((kept[-1] - kept[0]) * self.rate + 1e-6) + 1) / self.rate
+
+    def _same_clock(self) -> bool:
+        return self.rate is None or abs(self.rate * self.period - 1) < 1e-6
+
+    def _output(self, values: Floats, ticks: Floats) -> Floats:
+        kept = slice(self.spoilt, len(ticks) - self.spoilt)
+        if self._same_clock():
+            return values[kept]
+        # What is left below the bandwidth varies slowly from tick to tick: a spline follows it.
+        return np.asarray(CubicSpline(ticks[kept], values[kept])(self.output_times(ticks)))
+
+
+def _clocks(
+    recording: Recording,
+    signals: Signals,
+    settings: Conditioning,
+    filters: _Filters,
+    notes: list[str],
+) -> list[Floats]:
+    """The ticks of each segment that is long enough; notes on gaps and resampling."""
+    spans = uninterrupted(signals, filters.longest_gap)
+    clocks = [ticks_of(signals.fastest, span) for span in spans]
+    long = [ticks for ticks in clocks if len(ticks) >= filters.least]
+    if not long:
+        longest = max((float(end - begin) for begin, end in spans), default=0.0)
+        raise RecordingError(
+            f"{recording.source}: {len(recording)} samples in "
+            f"{np.ptp(recording.time):.3f} s, the longest stretch without a gap of more than "
+            f"{filters.longest_gap * 1e3:.3g} ms lasts {longest:.3f} s; "
+            f"at least {filters.least * filters.period:.3f} s are needed at "
+            f"{1 / filters.period:.4g} Hz; record longer"
+        )
+    if len(spans) > 1:
+        notes.append(
+            f"{len(spans) - 1} gaps longer than {filters.longest_gap * 1e3:.3g} ms; "
+            f"{len(long)} segments are used"
+        )
+    if len(long) < len(spans):
+        lost = sum(len(ticks) for ticks in clocks if len(ticks) < filters.least)
+        notes.append(
+            f"{len(spans) - len(long)} stretches ({lost} samples) between gaps are shorter than "
+            f"{filters.least * filters.period:.3f} s; left out"
+        )
+    made = signals.mended(long)
+    if made.bridged:
+        notes.append(
+            f"{made.bridged} lost samples in short gaps (up to {made.longest * 1e3:.3g} ms) are "
+            "interpolated"
+        )
+    if made.off_clock:
+        notes.append(
+            f"stamps lie up to {made.off_clock * 1e3:.3g} ms off a uniform clock; resampled "
+            "onto it by cubic splines"
+        )
+    return long
+
+
+def _require_moving(recording: Recording, q: Floats, notes: list[str]) -> None:
+    moved = np.ptp(q, axis=0)
+    still = [joint for joint, span in zip(recording.joints, moved, strict=True) if span < _STILL]
+    if len(still) == len(recording.joints):
+        raise RecordingError(
+            f"{recording.source}: no joint moves more than {_STILL:g} rad in "
+            f"{np.ptp(recording.time):.3f} s; record the arm while it moves"
+        )
+    if still:
+        notes.append(f"{', '.join(still)} stands still (less than {_STILL:g} rad)")

@@ -1,0 +1,200 @@
+"""A recording seen as signals that are each sampled when they are.
+
+Position and effort of a joint need not share their samples: several publishers may tell of
+different joints, a value may be NaN here and there. Columns that do share them are handled
+together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.stamps import order, usual_period, without_resets
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Spans = NDArray[np.float64]
+"""(S, 2) s, begin and end of intervals of time, in order."""
+
+_ON_THE_TICK = 1e-3  # of a period: stamps this near a uniform clock are on it
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """When some columns were sampled.
+
+    Attributes:
+        time: (K,) s, increasing strictly.
+        index: (K,) their rows in the recording.
+        period: s, the usual distance of two samples.
+    """
+
+    time: Floats
+    index: Ints
+    period: float
+
+    def gaps(self, longest: float) -> Spans:
+        """Pauses longer than `longest` seconds."""
+        at = np.flatnonzero(np.diff(self.time) > longest)
+        return np.column_stack([self.time[at], self.time[at + 1]])
+
+    def on_clock(self, column: Floats, ticks: Floats) -> Floats:
+        """A column of the recording at these times.
+
+        Samples that lie on the ticks are kept as they are; between samples a cubic spline
+        interpolates.
+        """
+        first = max(0, int(np.searchsorted(self.time, ticks[0], side="right")) - 1)
+        last = int(np.searchsorted(self.time, ticks[-1], side="left")) + 1
+        time, values = self.time[first:last], column[self.index[first:last]]
+        first, last = self._matching(time, ticks)
+        if last - first == len(ticks):
+            tolerance = _ON_THE_TICK * self.period
+            if np.abs(time[first:last] - ticks).max() <= tolerance:
+                return values[first:last]
+        return np.asarray(CubicSpline(time, values)(ticks))
+
+    def _matching(self, time: Floats, ticks: Floats) -> tuple[int, int]:
+        half = self.period / 2
+        first, last = np.searchsorted(time, [ticks[0] - half, ticks[-1] + half])
+        return int(first), int(last)
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The samplings of a recording.
+
+    Attributes:
+        samplings: the different ones.
+        position, effort: (N,) which sampling each joint's position and effort have.
+    """
+
+    samplings: tuple[Sampling, ...]
+    position: tuple[int, ...]
+    effort: tuple[int, ...]
+
+    @property
+    def fastest(self) -> Sampling:
+        """The one with the shortest period; the common clock follows it."""
+        return min(self.samplings, key=lambda sampling: sampling.period)
+
+    @property
+    def slowest(self) -> Sampling:
+        """The one with the longest period; the bandwidth must respect it."""
+        return max(self.samplings, key=lambda sampling: sampling.period)
+
+    def mended(self, clocks: list[Floats]) -> "Mended":
+        """What has to be made up where the fastest signal is put on these clocks."""
+        fastest = self.fastest
+        period = fastest.period
+        bridged, longest, off_clock = 0, 0.0, 0.0
+        for ticks in clocks:
+            half = period / 2
+            first, last = np.searchsorted(fastest.time, [ticks[0] - half, ticks[-1] + half])
+            time = fastest.time[first:last]
+            step = np.diff(time)
+            lost = step[step > 1.75 * period]
+            bridged += int((np.round(lost / period) - 1).sum())
+            longest = max(longest, lost.max(initial=0.0))
+            behind = (time - ticks[0]) / period
+            off_clock = max(off_clock, period * np.abs(behind - np.round(behind)).max(initial=0.0))
+        if off_clock <= _ON_THE_TICK * period:
+            off_clock = 0.0
+        return Mended(bridged, float(longest), float(off_clock))
+
+
+@dataclass(frozen=True)
+class Mended:
+    """How far a uniform clock departs from the samples there are.
+
+    Attributes:
+        bridged: ticks for which no sample was recorded.
+        longest: s, the longest pause among these.
+        off_clock: s, the largest distance of a sample from its tick; 0 where negligible.
+    """
+
+    bridged: int
+    longest: float
+    off_clock: float
+
+
+def read_signals(recording: Recording, notes: list[str]) -> Signals:
+    """Put stamps in order, column by column, and note what was done."""
+    time, resets = without_resets(recording.time)
+    if resets.size:
+        when = ", ".join(f"{recording.time[at - 1]:.3f} s" for at in resets[:3])
+        notes.append(
+            f"the clock was set back {resets.size} times (after {when}); what follows is "
+            "treated as another stretch of time"
+        )
+    samplings: dict[bytes, int] = {}
+    found: list[Sampling] = []
+    moved = repeated = 0
+    groups: dict[str, list[int]] = {"position": [], "effort": []}
+    for quantity, numbers in groups.items():
+        table = getattr(recording, quantity)
+        for joint, name in enumerate(recording.joints):
+            known = np.isfinite(table[:, joint])
+            key = np.packbits(known).tobytes()
+            if key not in samplings:
+                rows = np.flatnonzero(known)
+                ordered = order(time[rows])
+                moved, repeated = max(moved, ordered.moved), max(repeated, ordered.repeated)
+                index = rows[ordered.index]
+                samplings[key] = len(found)
+                found.append(Sampling(time[index], index, usual_period(np.diff(time[index]))))
+            numbers.append(samplings[key])
+            if not known.all():
+                notes.append(
+                    f"{name}: no {quantity} in {int((~known).sum())} of {len(known)} samples, "
+                    f"first at {recording.time[np.argmin(known)]:.3f} s; left out"
+                )
+    if moved:
+        notes.append(f"{moved} samples arrived out of order; sorted by their stamps")
+    if repeated:
+        notes.append(f"{repeated} samples repeat a stamp; the first of each is used")
+    return Signals(tuple(found), tuple(groups["position"]), tuple(groups["effort"]))
+
+
+def uninterrupted(signals: Signals, longest: float) -> Spans:
+    """Spans in which every signal is sampled without a pause longer than `longest` seconds.
+
+    Signals slower than the fastest are allowed 2.5 of their own periods.
+    """
+    begin = max(sampling.time[0] for sampling in signals.samplings)
+    end = min(sampling.time[-1] for sampling in signals.samplings)
+    gaps = np.concatenate(
+        [
+            sampling.gaps(max(longest, 2.5 * sampling.period))
+            if sampling.period > 1.5 * signals.fastest.period
+            else sampling.gaps(longest)
+            for sampling in signals.samplings
+        ]
+    )
+    spans = []
+    for gap_begin, gap_end in gaps[np.argsort(gaps[:, 0])]:
+        if gap_begin > begin:
+            spans.append((begin, min(gap_begin, end)))
+        begin = max(begin, gap_end)
+    if begin < end:
+        spans.append((begin, end))
+    return np.array([span for span in spans if span[0] < span[1]]).reshape(-1, 2)
+
+
+def ticks_of(sampling: Sampling, span: Floats) -> Floats:
+    """Uniform clock of one span: the sampling's own period, in phase with its samples."""
+    inside = sampling.time[
+        np.searchsorted(sampling.time, span[0]) : np.searchsorted(
+            sampling.time, span[1], side="right"
+        )
+    ]
+    period = sampling.period
+    origin = inside[0] if inside.size else span[0]
+    behind = (inside - origin) / period
+    phase = float(np.mean(behind - np.round(behind))) if inside.size else 0.0
+    first = np.ceil((span[0] - origin) / period - phase - _ON_THE_TICK)
+    last = np.floor((span[1] - origin) / period - phase + _ON_THE_TICK)
+    return np.asarray(origin + period * (phase + np.arange(first, last + 1)))

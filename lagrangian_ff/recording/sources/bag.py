@@ -1,0 +1,277 @@
+"""rosbag2: a directory, or one of its files, sqlite3 or MCAP, compressed or not, whole or cut off.
+
+Files are read with the library `rosbags`; what it refuses (a recording that was killed, a file
+cut off) is read record by record as far as it goes.
+"""
+
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import zstandard
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.progress import Progress
+from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
+from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.sources.bag_intact import IntactFile, UnreadableError
+from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
+from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage
+
+NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
+_SUFFIXES = (".db3", ".mcap")
+_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_EPOCH_NS = 10**17  # stamps above are dates (1973 and later), not seconds since start-up
+
+
+class StorageFile(Protocol):
+    """One file of a bag.
+
+    Attributes:
+        topics: message type and number of messages (0 where unknown) by topic.
+        damage: what was wrong with it, in words; complete only after `messages` has ended.
+    """
+
+    topics: dict[str, tuple[str, int]]
+    damage: str
+
+    def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
+        """Time received in ns and serialized message, in order of arrival."""
+
+
+def recognises(path: Path) -> bool:
+    """Any directory, and files named as rosbag2 names them."""
+    return path.is_dir() or _kind(path) is not None
+
+
+def _kind(path: Path) -> str | None:
+    name = path.name.removesuffix(".zstd")
+    return next((suffix for suffix in _SUFFIXES if name.endswith(suffix)), None)
+
+
+def read(path: Path, topic: str | None, progress: Progress) -> Recording:
+    """Read the joint states of one topic."""
+    notes: list[str] = []
+    paths = _files(path, notes)
+    with ExitStack() as stack:
+        workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
+        local = [_prepare(file, workplace, notes) for file in paths]
+        chosen = _choose_topic(path, _topics(local), topic, notes)
+        table = JointStateTable()
+        for index, (file, original) in enumerate(zip(local, paths, strict=True)):
+            share = (index / len(local), 1 / len(local))
+            _read_file(file, original, chosen, table, notes, progress, share)
+        return _as_recording(f"{path} ({chosen})", table, notes)
+
+
+def _files(path: Path, notes: list[str]) -> list[Path]:
+    """The files of the bag in the order they were recorded."""
+    if path.is_file():
+        return [path]
+    found = [file for file in path.iterdir() if file.is_file() and _kind(file)]
+    # A compressor that was killed leaves the whole file beside the part it has compressed.
+    names = {file.name for file in found}
+    found = [
+        file
+        for file in found
+        if not (file.suffix == ".zstd" and file.name.removesuffix(".zstd") in names)
+    ]
+    if not found:
+        raise RecordingError(f"{path}: not a bag; it holds no .db3 or .mcap file")
+    metadata = path / "metadata.yaml"
+    if not metadata.exists():
+        notes.append(f"{path}: metadata.yaml is missing (recording interrupted?); read without it")
+    else:
+        stems = {file.name.removesuffix(".zstd") for file in found}
+        for name in _promised(metadata):
+            if name.removesuffix(".zstd") not in stems:
+                notes.append(f"{path}: metadata.yaml names {name}, which is not there")
+    return sorted(found, key=lambda file: [int(n) for n in re.findall(r"\d+", file.name)])
+
+
+def _promised(metadata: Path) -> list[str]:
+    try:
+        content = YAML(typ="safe").load(metadata.read_text(encoding="utf-8", errors="replace"))
+        names = content["rosbag2_bagfile_information"]["relative_file_paths"]
+        return [Path(str(name)).name for name in names]
+    except (YAMLError, KeyError, TypeError):
+        return []
+
+
+def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
+    """A file that can be opened as it is: decompressed, its write-ahead log merged."""
+    sidecars = [
+        log
+        for end in ("-wal", "-journal")
+        if (log := path.with_name(path.name + end)).exists() and log.stat().st_size
+    ]
+    if path.suffix == ".zstd":
+        target = workplace / path.name.removesuffix(".zstd")
+        if not _decompress(path, target):
+            notes.append(f"{path}: its compression ends early; what could be unpacked is used")
+        return target
+    if sidecars:
+        target = workplace / path.name
+        shutil.copy(path, target)
+        for log in sidecars:
+            shutil.copy(log, workplace / log.name)
+        notes.append(f"{path}: the recorder left an open transaction; recovered from its log")
+        SqliteSalvage.settle(target)
+        return target
+    return path
+
+
+def _decompress(path: Path, target: Path) -> bool:
+    """Unpack as far as it goes; whether that was to the end."""
+    decompressor = zstandard.ZstdDecompressor().decompressobj()
+    with path.open("rb") as packed, target.open("wb") as unpacked:
+        while part := packed.read(1 << 20):
+            try:
+                unpacked.write(decompressor.decompress(part))
+            except zstandard.ZstdError:
+                return False
+            if decompressor.eof:
+                return True
+    return False
+
+
+def _open(path: Path, *, salvage: bool) -> StorageFile:
+    if not salvage:
+        return IntactFile(path)
+    return McapSalvage(path) if _kind(path) == ".mcap" else SqliteSalvage(path)
+
+
+def _topics(paths: list[Path]) -> dict[str, str]:
+    """The type of every topic that has messages, or of all if none has."""
+    types: dict[str, str] = {}
+    empty: dict[str, str] = {}
+    for path in paths:
+        try:
+            topics = _open(path, salvage=False).topics
+        except UnreadableError:
+            topics = _open(path, salvage=True).topics
+        for name, (kind, count) in topics.items():
+            (types if count else empty)[name] = kind
+    return types or empty
+
+
+def _choose_topic(
+    path: Path, topics: Mapping[str, str], wanted: str | None, notes: list[str]
+) -> str:
+    joint_states = [
+        name for name, kind in topics.items() if kind.replace("/msg/", "/") == _SHORT_TYPE
+    ]
+    if wanted is not None:
+        names = [name for name in joint_states if name.lstrip("/") == wanted.lstrip("/")]
+        if names:
+            return names[0]
+        if any(name.lstrip("/") == wanted.lstrip("/") for name in topics):
+            raise RecordingError(f"{path}: topic {wanted} is not of type {MESSAGE_TYPE}")
+        raise RecordingError(f"{path}: no topic {wanted}; {_listed(topics, joint_states)}")
+    if len(joint_states) == 1:
+        return joint_states[0]
+    preferred = [name for name in joint_states if name.split("/")[-1] == "joint_states"]
+    if len(preferred) == 1:
+        others = ", ".join(name for name in joint_states if name != preferred[0])
+        notes.append(f"{path}: {preferred[0]} is read; it also holds joint states on {others}")
+        return preferred[0]
+    if not joint_states:
+        raise RecordingError(f"{path}: no joint states; {_listed(topics, joint_states)}")
+    raise RecordingError(
+        f"{path}: joint states on several topics, name one of them: {', '.join(joint_states)}"
+    )
+
+
+_SHORT_TYPE = MESSAGE_TYPE.replace("/msg/", "/")
+
+
+def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
+    if joint_states:
+        return f"joint states are on {', '.join(joint_states)}"
+    if not topics:
+        return "it holds no topics"
+    found = ", ".join(f"{name} [{kind}]" for name, kind in topics.items())
+    return f"expected a topic of type {MESSAGE_TYPE}, found {found}"
+
+
+def _read_file(
+    path: Path,
+    original: Path,
+    topic: str,
+    table: JointStateTable,
+    notes: list[str],
+    progress: Progress,
+    share: tuple[float, float],
+) -> None:
+    """Add this file's messages; a file that breaks half-way is read again, by salvage."""
+    mark = table.mark()
+    before = len(table)
+    try:
+        _append(_open(path, salvage=False), topic, table, original, progress, share)
+        return
+    except UnreadableError as error:
+        reason = str(error)
+    table.rewind(mark)
+    salvaged = _open(path, salvage=True)
+    _append(salvaged, topic, table, original, progress, share)
+    notes.append(
+        f"{original}: cut off or damaged ({salvaged.damage or reason}); "
+        f"the {len(table) - before} messages that can be read are used"
+    )
+
+
+def _append(
+    file: StorageFile,
+    topic: str,
+    table: JointStateTable,
+    original: Path,
+    progress: Progress,
+    share: tuple[float, float],
+) -> None:
+    _, expected = file.topics.get(topic, ("", 0))
+    unpack = zstandard.ZstdDecompressor()
+    for number, (received, data) in enumerate(file.messages(topic)):
+        if data[:4] == _ZSTD_MAGIC:
+            try:
+                data = unpack.decompress(data)
+            except zstandard.ZstdError:
+                data = b""
+        table.add(received, data)
+        if number % 8192 == 0:
+            part = min(1.0, number / expected) if expected else 0.0
+            progress(share[0] + share[1] * part, f"read {original.name}")
+
+
+def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Recording:
+    malformed = table.malformed
+    joints, stamps, received, position, velocity, effort = table.finish()
+    if malformed:
+        notes.append(f"{source}: {malformed} messages are not valid JointState; left out")
+    if stamps.size == 0:
+        raise RecordingError(
+            f"{source}: no joint state can be read" + "".join(f"; {note}" for note in notes)
+        )
+    unset = stamps == 0
+    if unset.all() or (unset.any() and stamps[~unset].min() > _EPOCH_NS):
+        notes.append(
+            f"{source}: {int(unset.sum())} of {unset.size} messages have no header stamp; "
+            "the time at which the recorder received them is used"
+        )
+        stamps = np.where(unset, received, stamps)
+    return Recording(
+        joints=joints,
+        time=(stamps - stamps[0]) / 1e9,
+        position=position,
+        velocity=velocity,
+        effort=effort,
+        start=float(stamps[0]) / 1e9,
+        source=source,
+        notes=tuple(notes),
+    )

@@ -1,0 +1,85 @@
+"""NumPy archives: `time`, `position`, `velocity` (optional), `effort`, `joints`.
+
+The names used by other collections (`times`, `positions`, `velocities`, `torques`) are read as
+well; joints without names are called joint_1, joint_2, ...
+"""
+
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.progress import Progress
+from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.sources.arrays import from_arrays
+
+NAME = "an .npz with time, position, velocity, effort, joints"
+_KEYS = {
+    "time": ("time", "times"),
+    "position": ("position", "positions"),
+    "velocity": ("velocity", "velocities"),
+    "effort": ("effort", "efforts", "torques"),
+}
+
+
+def recognises(path: Path) -> bool:
+    """Files that end in .npz."""
+    return path.suffix.lower() == ".npz"
+
+
+def read(path: Path, topic: str | None, progress: Progress) -> Recording:
+    """Read the arrays; an archive has no topics: `topic` is not used."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise RecordingError(f"{path}: a single array, expected an .npz archive")
+            found = {
+                name: np.asarray(archive[key], dtype=np.float64)
+                for name, keys in _KEYS.items()
+                if (key := next((key for key in keys if key in archive), None)) is not None
+            }
+            names = [str(name) for name in archive["joints"]] if "joints" in archive else None
+            start = float(archive["start"]) if "start" in archive else 0.0
+            keys = list(archive)
+    except (ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, KeyError) as error:
+        raise RecordingError(f"{path}: not a readable .npz archive: {error}") from error
+    for required in ("time", "position"):
+        if required not in found:
+            raise RecordingError(
+                f"{path}: no array `{required}`; expected time, position, velocity, effort and "
+                f"joints, found {', '.join(keys) or 'nothing'}"
+            )
+    position = found["position"]
+    if position.ndim != 2 or found["time"].ndim != 1:
+        raise RecordingError(
+            f"{path}: time has shape {found['time'].shape} and position {position.shape}; "
+            "expected (samples,) and (samples, joints)"
+        )
+    missing: NDArray[np.float64] = np.full(position.shape, np.nan)
+    return from_arrays(
+        path,
+        joints=names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)],
+        time=found["time"],
+        position=position,
+        velocity=found.get("velocity", missing),
+        effort=found.get("effort", missing),
+        start=start,
+    )
+
+
+def write(path: Path, recording: Recording) -> None:
+    """Write the arrays under the first names above, and `start`."""
+    # An open file keeps NumPy from appending .npz to another name.
+    with path.open("wb") as file:
+        np.savez(
+            file,
+            time=recording.time,
+            position=recording.position,
+            velocity=recording.velocity,
+            effort=recording.effort,
+            joints=np.array(recording.joints, dtype=np.str_),
+            start=recording.start,
+        )

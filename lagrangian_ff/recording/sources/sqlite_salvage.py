@@ -1,0 +1,170 @@
+"""sqlite3 page by page, for rosbag2 files that were cut off.
+
+Rows lie in leaf pages that each stand for themselves, so the rows on every page that is there
+can be read although the tree above them is gone. rosbag2 only ever appends: what is left is the
+beginning of the recording. Source: SQLite file format (sqlite.org/fileformat2.html).
+"""
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+
+from lagrangian_ff.errors import RecordingError
+
+_MAGIC = b"SQLite format 3\0"
+_LEAF = 0x0D
+_FILE_HEAD = 100  # the file header, on the first page only
+_INT_SIZES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8}
+
+Value = int | bytes | str | None
+
+
+class SqliteSalvage:
+    """What can be read of a sqlite3 file of rosbag2.
+
+    Attributes:
+        topics: message type and number of messages (0: not counted), by topic.
+        damage: what is wrong with the file.
+
+    Raises:
+        RecordingError: it is not a sqlite3 file at all.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._size = path.stat().st_size
+        with path.open("rb") as file:
+            head = file.read(_FILE_HEAD)
+        if head[:16] != _MAGIC:
+            raise RecordingError(f"{path}: not a sqlite3 file (it does not begin as one)")
+        if len(head) < _FILE_HEAD:
+            raise RecordingError(f"{path}: cut off inside its header; nothing can be read")
+        # The format writes 65536, which does not fit, as 1.
+        self._page = {1: 65536}.get(size := int.from_bytes(head[16:18], "big"), size)
+        if self._page < 512:
+            raise RecordingError(f"{path}: damaged header; nothing can be read")
+        self._usable = self._page - head[20]
+        promised = int.from_bytes(head[28:32], "big") * self._page
+        self.damage = f"{self._size} of {promised} bytes" if promised > self._size else ""
+        self._topics: dict[int, tuple[str, str]] = {}
+        for key, row in self._rows():
+            match row:
+                # The table `topics` as rosbag2 lays it out: key, name, type, serialization.
+                case [None, str(name), str(kind), str(), *_] if "/" in kind:
+                    self._topics.setdefault(key, (name, kind))
+        self.topics = {name: (kind, 0) for name, kind in self._topics.values()}
+
+    @staticmethod
+    def settle(path: Path) -> None:
+        """Let sqlite merge the log beside a private copy of a file into it."""
+        try:
+            connection = sqlite3.connect(path)
+            try:
+                connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+                connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+                connection.execute("PRAGMA journal_mode=DELETE")
+            finally:
+                connection.close()
+        except sqlite3.Error:
+            return  # what is wrong shows when the file is read
+
+    def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
+        """Time received in ns and serialized message, in order of arrival."""
+        numbers = {number for number, (name, _) in self._topics.items() if name == topic}
+        found: dict[int, tuple[int, bytes]] = {}
+        for key, row in self._rows():
+            match row:
+                case [None, int(number), int(received), bytes(data)] if number in numbers:
+                    found[key] = (received, data)
+        for key in sorted(found):
+            yield found[key]
+
+    def _rows(self) -> Iterator[tuple[int, list[Value]]]:
+        """Key and columns of every row of every table, on the pages that are whole."""
+        with self._path.open("rb") as file:
+            for number in range(self._size // self._page):
+                page = file.read(self._page)
+                start = _FILE_HEAD if number == 0 else 0
+                if page[start] != _LEAF:
+                    continue
+                cells = int.from_bytes(page[start + 3 : start + 5], "big")
+                for cell in range(cells):
+                    pointer = start + 8 + 2 * cell
+                    offset = int.from_bytes(page[pointer : pointer + 2], "big")
+                    if (row := self._cell(page, offset)) is not None:
+                        yield row
+
+    def _cell(self, page: bytes, offset: int) -> tuple[int, list[Value]] | None:
+        try:
+            length, offset = _varint(page, offset)
+            key, offset = _varint(page, offset)
+            payload = self._payload(page, offset, length)
+            return None if payload is None else (key, _columns(payload))
+        except (IndexError, ValueError):
+            return None
+
+    def _payload(self, page: bytes, offset: int, length: int) -> bytes | None:
+        largest = self._usable - 35
+        if length <= largest:
+            inside = page[offset : offset + length]
+            return inside if len(inside) == length else None
+        least = (self._usable - 12) * 32 // 255 - 23
+        local = least + (length - least) % (self._usable - 4)
+        local = local if local <= largest else least
+        parts = [page[offset : offset + local]]
+        left = length - local
+        following = int.from_bytes(page[offset + local : offset + local + 4], "big")
+        with self._path.open("rb") as file:
+            while left > 0:
+                file.seek((following - 1) * self._page)
+                overflow = file.read(self._page)
+                if following < 1 or len(overflow) < self._page:
+                    return None
+                following = int.from_bytes(overflow[:4], "big")
+                parts.append(overflow[4 : 4 + min(left, self._usable - 4)])
+                left -= len(parts[-1])
+        return b"".join(parts)
+
+
+def _varint(data: bytes, offset: int) -> tuple[int, int]:
+    """A number of 1 to 9 bytes and the offset behind it."""
+    value = 0
+    for index in range(8):
+        byte = data[offset + index]
+        value = value << 7 | byte & 0x7F
+        if byte < 0x80:
+            return value, offset + index + 1
+    return value << 8 | data[offset + 8], offset + 9
+
+
+def _columns(payload: bytes) -> list[Value]:
+    """The values of a row.
+
+    Raises:
+        ValueError, IndexError: the bytes are not a row.
+    """
+    head, position = _varint(payload, 0)
+    kinds = []
+    while position < head:
+        kind, position = _varint(payload, position)
+        kinds.append(kind)
+    values: list[Value] = []
+    for kind in kinds:
+        size = _INT_SIZES.get(kind, 0)
+        if kind >= 12:
+            size = (kind - 12) // 2
+        elif kind == 7:
+            size = 8
+        part = payload[position : position + size]
+        if len(part) != size:
+            raise ValueError("ends inside a value")
+        position += size
+        if kind in _INT_SIZES:
+            values.append(int.from_bytes(part, "big", signed=True))
+        elif kind in (8, 9):
+            values.append(kind - 8)
+        elif kind >= 12:
+            values.append(part if kind % 2 == 0 else part.decode("utf-8"))
+        else:
+            values.append(None)
+    return values
