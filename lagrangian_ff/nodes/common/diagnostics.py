@@ -1,0 +1,58 @@
+"""The state of a node on /diagnostics, once a second."""
+
+from collections.abc import Callable, Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from lagrangian_ff.nodes.common.status import Level, Status
+
+PERIOD = 1.0
+
+
+class Diagnostics:
+    """Asks every task for its status once a second and publishes them together.
+
+    The timer runs on the steady clock, so that it also runs while simulated time stands still.
+
+    Args:
+        node: whose state it is; its name without the leading slash starts every status name.
+        hardware_id: which machine it is about.
+        tasks: name of the task to a function that tells its status.
+        each: called first, once a second, for housekeeping.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        hardware_id: str,
+        tasks: Mapping[str, Callable[[], Status]],
+        each: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._node = node
+        self._name = node.get_fully_qualified_name().lstrip("/")
+        self._hardware_id = hardware_id
+        self._tasks = tasks
+        self._each = each
+        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._timer = node.create_timer(
+            PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    def publish(self) -> None:
+        """Publish the present state now."""
+        self._each()
+        message = DiagnosticArray()
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.status = [self._status(task, tell()) for task, tell in self._tasks.items()]
+        self._publisher.publish(message)
+
+    def _status(self, task: str, status: Status) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=bytes([Level(status.level)]),
+            name=f"{self._name}: {task}",
+            message=status.message,
+            hardware_id=self._hardware_id,
+            values=[KeyValue(key=key, value=text) for key, text in status.texts().items()],
+        )

@@ -1,0 +1,109 @@
+"""Work at a fixed rate, paced by the clock instead of by rclpy timers, which miss their rate."""
+
+import threading
+import time
+from collections.abc import Callable
+
+
+class Pacer:
+    """The instants start + k·period on a monotonic clock, and what became of them.
+
+    Args:
+        period: s between two instants.
+        max_catch_up: how many instants that have passed are still worked off; those before
+            them are skipped and counted.
+        clock: ns of a monotonic clock.
+        sleep: s to wait.
+
+    Attributes:
+        start: ns of instant 0.
+        late: instants worked off at least one period after their time.
+        skipped: instants never worked off.
+    """
+
+    def __init__(
+        self,
+        period: float,
+        max_catch_up: int = 1,
+        clock: Callable[[], int] = time.monotonic_ns,
+        sleep: Callable[[float], object] = time.sleep,
+    ) -> None:
+        self.period = round(period * 1e9)
+        self.start = clock()
+        self.late = 0
+        self.skipped = 0
+        self._max_catch_up = max_catch_up
+        self._clock = clock
+        self._sleep = sleep
+        self._next = 1
+
+    def instant(self, index: int) -> int:
+        """Ns of the monotonic clock at this instant."""
+        return self.start + index * self.period
+
+    def wait(self) -> range:
+        """Sleep until the next instant; the indices of all instants that are due, never none."""
+        remaining = self.instant(self._next) - self._clock()
+        if remaining > 0:
+            self._sleep(remaining / 1e9)
+        due = max((self._clock() - self.start) // self.period, self._next)
+        first = max(self._next, due - self._max_catch_up + 1)
+        self.skipped += first - self._next
+        self.late += due - first
+        self._next = due + 1
+        return range(first, due + 1)
+
+
+class RateMeter:
+    """How many events a second came since the rate was last asked for."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._since = clock()
+        self._count = 0
+
+    def add(self, count: int = 1) -> None:
+        """Count events."""
+        self._count += count
+
+    def take(self) -> float:
+        """Events a second since the last call; starts counting anew."""
+        now = self._clock()
+        rate = self._count / max(now - self._since, 1e-9)
+        self._since, self._count = now, 0
+        return rate
+
+
+class PacedThread:
+    """A thread that calls `work` with the instants that are due, until it is stopped.
+
+    An exception in `work` is handed to `failed` and the next instant is worked off all the
+    same: a thread that ends silently would leave its last output standing.
+    """
+
+    def __init__(
+        self,
+        pacer: Pacer,
+        work: Callable[[range], None],
+        failed: Callable[[Exception], None],
+        name: str,
+    ) -> None:
+        self._pacer = pacer
+        self._work = work
+        self._failed = failed
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        while not self._stop.is_set():
+            due = self._pacer.wait()
+            try:
+                self._work(due)
+            except Exception as error:
+                self._failed(error)
+
+    def stop(self) -> None:
+        """End after the instant under way; returns when it has ended."""
+        self._stop.set()
+        self._thread.join(timeout=2.0)

@@ -1,0 +1,1 @@
+"""Recording joint states and identifying from them. Nothing here imports rclpy."""

@@ -1,0 +1,1 @@
+"""From a reference to a safe stream of torques. Nothing here imports rclpy."""

@@ -1,0 +1,195 @@
+"""The motion to follow: points in time, complete with velocities and accelerations."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline, make_interp_spline
+
+from lagrangian_ff.nodes.common.errors import RefusedReference
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Points:
+    """A trajectory as it came in a message: rows may be empty or of the wrong length.
+
+    Attributes:
+        names: joints in the order of the columns.
+        time: K times from the start, s.
+        position: K rows; velocity and acceleration: K rows, empty where not given.
+    """
+
+    names: Sequence[str]
+    time: Sequence[float]
+    position: Sequence[Sequence[float]]
+    velocity: Sequence[Sequence[float]]
+    acceleration: Sequence[Sequence[float]]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Where N joints shall be at K times.
+
+    Between two points the motion is the 5th-order polynomial that meets position, velocity and
+    acceleration at both; before the first point and after the last one it stands still.
+
+    Attributes:
+        joints: N names; the columns follow them.
+        time: (K,) s from the start, increasing.
+        q: (K, N) rad.  qd: (K, N) rad/s.  qdd: (K, N) rad/s².
+        filled: what was not given and had to be filled in, in words.
+    """
+
+    joints: tuple[str, ...]
+    time: Floats
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    filled: tuple[str, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """Time of the last point, s."""
+        return float(self.time[-1])
+
+    @property
+    def is_setpoint(self) -> bool:
+        """One point at time 0: a sample of a stream of set-points."""
+        return len(self.time) == 1
+
+    def sample(self, time: Floats) -> tuple[Floats, Floats, Floats]:
+        """q, qd, qdd, each (L, N), at L times from the start."""
+        if self.is_setpoint:
+            rows = np.zeros(len(time), dtype=np.int64)
+            return self.q[rows], self.qd[rows], self.qdd[rows]
+        t = self.time
+        left = np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 2)
+        span = (t[left + 1] - t[left])[:, None]
+        s = (np.clip(time, t[0], t[-1]) - t[left])[:, None] / span
+        c = _quintic(
+            self.q[left], self.qd[left] * span, self.qdd[left] * span**2,
+            self.q[left + 1], self.qd[left + 1] * span, self.qdd[left + 1] * span**2,
+        )  # fmt: skip
+        q = ((((c[5] * s + c[4]) * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0]
+        qd = (((5 * c[5] * s + 4 * c[4]) * s + 3 * c[3]) * s + 2 * c[2]) * s + c[1]
+        qdd = ((20 * c[5] * s + 12 * c[4]) * s + 6 * c[3]) * s + 2 * c[2]
+        still = ((time < t[0]) | (time > t[-1]))[:, None]
+        return q, np.where(still, 0.0, qd / span), np.where(still, 0.0, qdd / span**2)
+
+
+def _quintic(
+    p0: Floats, v0: Floats, a0: Floats, p1: Floats, v1: Floats, a1: Floats
+) -> tuple[Floats, ...]:
+    """Coefficients, lowest first, of the quintic on [0, 1] with these ends."""
+    d = p1 - p0
+    return (
+        p0,
+        v0,
+        0.5 * a0,
+        10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+        -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+        6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
+    )
+
+
+def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_000) -> Reference:
+    """Check a trajectory and complete it.
+
+    Columns are matched by name: any order, further joints are ignored. Missing velocities and
+    accelerations come from a 5th-order spline through the positions that starts and ends at
+    rest; accelerations missing beside given velocities from a cubic spline of the velocities.
+    A set-point (one point at time 0) has no neighbours: what it lacks is zero.
+
+    Args:
+        points: the message.
+        joints: the N joints wanted, in this order.
+        max_points: refuse longer ones.
+
+    Raises:
+        RefusedReference: names the joint and the point that are wrong.
+    """
+    columns = _columns(points.names, joints)
+    count = len(points.time)
+    if not 1 <= count <= max_points:
+        raise RefusedReference(f"{count} points; expected 1 to {max_points}")
+    time = np.asarray(points.time, dtype=np.float64)
+    _check_time(time)
+    q = _table(points.position, "position", points.names, columns)
+    if q is None:
+        raise RefusedReference("the points have no positions")
+    qd = _table(points.velocity, "velocity", points.names, columns)
+    qdd = _table(points.acceleration, "acceleration", points.names, columns)
+    filled = []
+    if count == 1:
+        if qd is None:
+            filled.append("velocities by zeros")
+        if qdd is None:
+            filled.append("accelerations by zeros")
+        zeros = np.zeros_like(q)
+        qd = zeros if qd is None else qd
+        qdd = zeros if qdd is None else qdd
+    elif qd is None:
+        rest = [(1, np.zeros(q.shape[1])), (2, np.zeros(q.shape[1]))]
+        spline = make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+        qd = spline(time, 1)
+        filled.append("velocities by a spline through the positions")
+        if qdd is None:
+            qdd = spline(time, 2)
+            filled.append("accelerations by a spline through the positions")
+    elif qdd is None:
+        qdd = CubicSpline(time, qd)(time, 1)
+        filled.append("accelerations by a spline through the velocities")
+    return Reference(tuple(joints), time, q, qd, qdd, tuple(filled))
+
+
+def _columns(names: Sequence[str], joints: Sequence[str]) -> list[int]:
+    if len(set(names)) != len(names):
+        raise RefusedReference(f"it names a joint twice: {', '.join(names)}")
+    missing = [joint for joint in joints if joint not in names]
+    if missing:
+        raise RefusedReference(
+            f"no joint {', '.join(missing)}; it moves {', '.join(names) or 'no joints'}"
+        )
+    return [list(names).index(joint) for joint in joints]
+
+
+def _check_time(time: Floats) -> None:
+    if not np.isfinite(time).all() or time[0] < 0.0:
+        raise RefusedReference("time_from_start must be finite and not negative")
+    backwards = np.flatnonzero(np.diff(time) <= 0.0)
+    if len(backwards):
+        at = int(backwards[0]) + 1
+        raise RefusedReference(
+            f"time_from_start must increase; point {at} is at {time[at]:.6g} s after one at "
+            f"{time[at - 1]:.6g} s"
+        )
+    if len(time) == 1 and time[0] > 0.0:
+        raise RefusedReference(
+            f"one point at {time[0]:.6g} s has no start: give at least two points, or one at "
+            "time 0 for a streamed set-point"
+        )
+
+
+def _table(
+    rows: Sequence[Sequence[float]], label: str, names: Sequence[str], columns: list[int]
+) -> Floats | None:
+    """(K, N) of the wanted columns, or None where every row is empty."""
+    lengths = {len(row) for row in rows}
+    if lengths == {0}:
+        return None
+    if lengths != {len(names)}:
+        wrong = next(k for k, row in enumerate(rows) if len(row) != len(names))
+        raise RefusedReference(
+            f"point {wrong} has {len(rows[wrong])} {label} values for {len(names)} joints"
+        )
+    table = np.array(rows, dtype=np.float64)[:, columns]
+    bad = np.argwhere(~np.isfinite(table))
+    if len(bad):
+        point, joint = bad[0]
+        raise RefusedReference(
+            f"the {label} of {names[columns[joint]]} in point {point} is {table[point, joint]}"
+        )
+    return table

@@ -1,0 +1,44 @@
+"""A model of two joints whose terms can be written down, for tests of the logic around it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FakeTerms:
+    gravity: Floats
+    inertia: Floats
+    coriolis: Floats
+    effects: dict[str, Floats]
+
+
+@dataclass(frozen=True)
+class FakeRange:
+    q_low: Floats = field(default_factory=lambda: np.array([-2.0, -2.0]))
+    q_high: Floats = field(default_factory=lambda: np.array([2.0, 2.0]))
+    qd_max: Floats = field(default_factory=lambda: np.array([3.0, 3.0]))
+    qdd_max: Floats = field(default_factory=lambda: np.array([20.0, 20.0]))
+    tau_max: Floats = field(default_factory=lambda: np.array([50.0, 50.0]))
+
+
+@dataclass(frozen=True)
+class FakeModel:
+    joints: tuple[str, ...] = ("a", "b")
+    range: FakeRange = field(default_factory=FakeRange)
+
+    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
+        return FakeTerms(
+            gravity=10.0 * np.cos(q),
+            inertia=2.0 * qdd,
+            coriolis=0.3 * qd**2,
+            effects={"viscous": 0.5 * qd, "coulomb": np.tanh(qd / 0.01)},
+        )
+
+    def predict(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        return (
+            10.0 * np.cos(q) + 2.0 * qdd + 0.3 * qd**2 + 0.5 * qd + np.tanh(qd / 0.01)
+        )  # fmt: skip

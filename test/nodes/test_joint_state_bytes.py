@@ -1,0 +1,81 @@
+"""Reading serialised joint states agrees with rclpy's own serialisation."""
+
+import math
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
+
+from lagrangian_ff.nodes.common.errors import MessageError
+from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
+
+names = st.lists(st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=9))
+values = st.lists(st.floats(width=64), max_size=5)
+
+
+def message(
+    name: list[str], position: list[float], velocity: list[float], effort: list[float],
+    frame: str = "", sec: int = 3, nanosec: int = 7,
+) -> bytes:  # fmt: skip
+    joint_state = JointState(name=name, position=position, velocity=velocity, effort=effort)
+    joint_state.header.frame_id = frame
+    joint_state.header.stamp.sec = sec
+    joint_state.header.stamp.nanosec = nanosec
+    return bytes(serialize_message(joint_state))
+
+
+@given(st.lists(st.tuples(names, values, values, values, st.text("xyz", max_size=4)), max_size=4))
+def test_one_reader_reads_what_was_serialised(
+    states: list[tuple[list[str], list[float], list[float], list[float], str]],
+) -> None:
+    reader = JointStateReader()
+    for name, position, velocity, effort, frame in [*states, *reversed(states)]:
+        view = reader.read(message(name, position, velocity, effort, frame))
+        assert view.names == tuple(name)
+        assert view.stamp == 3_000_000_007
+        np.testing.assert_array_equal(view.position, position)
+        np.testing.assert_array_equal(view.velocity, velocity)
+        np.testing.assert_array_equal(view.effort, effort)
+
+
+@given(st.binary(max_size=200))
+def test_junk_is_a_message_error_and_leaves_the_reader_usable(junk: bytes) -> None:
+    reader = JointStateReader()
+    good = message(["a"], [1.0], [], [])
+    reader.read(good)
+    with suppress(MessageError):
+        reader.read(junk)
+    assert reader.read(good).names == ("a",)
+
+
+@given(st.integers(0, 200))
+def test_a_message_cut_off_anywhere_is_an_error(length: int) -> None:
+    whole = message(["left", "right"], [1.0, 2.0], [3.0, 4.0], [5.0, 6.0], "base")
+    reader = JointStateReader()
+    reader.read(whole)
+    cut = whole[: min(length, len(whole) - 1)]
+    with pytest.raises(MessageError):
+        reader.read(cut)
+
+
+@pytest.mark.parametrize(
+    ("state", "expected"),
+    [
+        ((["a", "b"], [0.0, 1.0], [], [math.nan, 1.0]), None),
+        (([], [], [], []), "without names"),
+        ((["a", "a"], [0.0, 1.0], [], []), "twice"),
+        ((["a", "b"], [0.0], [], []), "1 positions for 2 names"),
+        ((["a"], [0.0], [1.0, 2.0], []), "2 velocities for 1 names"),
+        ((["a"], [0.0], [], [1.0, 2.0]), "2 efforts for 1 names"),
+        ((["a", "b"], [0.0, math.nan], [], []), "position of b is NaN"),
+    ],
+)
+def test_faults_are_named(
+    state: tuple[list[str], list[float], list[float], list[float]], expected: str | None
+) -> None:
+    fault = JointStateReader().read(message(*state)).fault()
+    assert (fault is None) if expected is None else (fault is not None and expected in fault)

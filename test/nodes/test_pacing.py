@@ -1,0 +1,78 @@
+"""The clock-paced loop keeps its grid whatever sleeping does to it."""
+
+import threading
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
+
+PERIOD = 2_000_000
+
+
+class SleepyClock:
+    """A clock that only moves when slept on, each time longer than asked by the next delay."""
+
+    def __init__(self, delays: list[int]) -> None:
+        self.now = 0
+        self.delays = delays
+
+    def __call__(self) -> int:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += round(seconds * 1e9) + (self.delays.pop(0) if self.delays else 0)
+
+
+@given(st.lists(st.integers(0, 12_000_000), max_size=40), st.integers(1, 5))
+def test_every_instant_is_worked_off_or_counted_as_skipped(
+    delays: list[int], catch_up: int
+) -> None:
+    clock = SleepyClock(list(delays))
+    pacer = Pacer(0.002, catch_up, clock, clock.sleep)
+    worked: list[int] = []
+    for _ in range(len(delays) + 5):
+        due = pacer.wait()
+        assert 1 <= len(due) <= catch_up
+        assert pacer.instant(due[-1]) <= clock.now < pacer.instant(due[-1] + 1)
+        worked += due
+    assert worked == sorted(set(worked))
+    assert len(worked) + pacer.skipped == worked[-1]
+    assert pacer.late == len(worked) - (len(delays) + 5)
+
+
+def test_a_punctual_clock_is_never_late() -> None:
+    clock = SleepyClock([])
+    pacer = Pacer(0.002, 1, clock, clock.sleep)
+    assert [pacer.wait()[0] for _ in range(100)] == list(range(1, 101))
+    assert clock.now == 100 * PERIOD
+    assert pacer.late == pacer.skipped == 0
+
+
+def test_the_thread_goes_on_after_a_failure_and_ends_when_told() -> None:
+    done = threading.Event()
+    failures: list[Exception] = []
+    calls = 0
+
+    def work(due: range) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 1:
+            raise ValueError("the first one fails")
+        done.set()
+
+    thread = PacedThread(Pacer(0.001), work, failures.append, "test")
+    assert done.wait(5.0)
+    thread.stop()
+    after = calls
+    assert not done.wait(0.0) or calls == after
+    assert [str(error) for error in failures] == ["the first one fails"]
+
+
+def test_rate_meter_counts_anew_each_time() -> None:
+    times = iter([0.0, 2.0, 3.0])
+    meter = RateMeter(lambda: next(times))
+    meter.add(10)
+    assert meter.take() == 5.0
+    meter.add()
+    assert meter.take() == 1.0

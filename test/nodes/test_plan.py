@@ -1,0 +1,114 @@
+"""Plans: the model's torques along a reference, faded or refused outside what is known."""
+
+import numpy as np
+import pytest
+from fake_model import FakeModel
+
+from lagrangian_ff.nodes.common.errors import RefusedReference
+from lagrangian_ff.nodes.streaming.plan import Plan, Policy, make_plan
+from lagrangian_ff.nodes.streaming.ranges import excess, fade_around
+from lagrangian_ff.nodes.streaming.reference import Reference
+
+MODEL = FakeModel()
+ALL = np.ones(4)
+SCALE = np.ones(2)
+LIMIT = np.full(2, 1000.0)
+
+
+def swing(amplitude: float = 1.0, step: float = 0.05) -> Reference:
+    """One swing of both joints, at rest at its ends."""
+    time = np.arange(0.0, 2.0 + 1e-9, step)
+    w = np.pi
+    q = amplitude * 0.5 * (1.0 - np.cos(w * time))
+    qd = amplitude * 0.5 * w * np.sin(w * time)
+    qdd = amplitude * 0.5 * w**2 * np.cos(w * time)
+    q, qd, qdd = (np.column_stack([x, -x]) for x in (q, qd, qdd))
+    return Reference(("a", "b"), time, q, qd, qdd)
+
+
+def plan_of(reference: Reference, policy: Policy | None = None) -> Plan:
+    return make_plan(MODEL, reference, policy or Policy("allow"))
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 64, 10_000])
+def test_the_sum_of_the_parts_is_the_prediction(chunk: int) -> None:
+    plan = make_plan(MODEL, swing(), Policy("allow"), chunk=chunk)
+    states = plan.reference.sample(plan.time)
+    np.testing.assert_allclose(plan.parts.sum(axis=1), MODEL.predict(*states), atol=1e-12)
+
+
+def test_samples_are_close_together_and_hold_the_own_points() -> None:
+    plan = plan_of(swing())
+    assert np.diff(plan.time).max() <= 0.004 + 1e-9
+    np.testing.assert_allclose(plan.time[plan.own], plan.reference.time)
+    assert len(plan_of(swing(step=0.004)).time) == 501
+
+
+def test_effort_is_the_prediction_at_the_points_within_its_limit() -> None:
+    reference = swing()
+    plan = plan_of(reference)
+    expected = MODEL.predict(reference.q, reference.qd, reference.qdd)
+    np.testing.assert_allclose(plan.effort(ALL, SCALE, LIMIT), expected, atol=1e-9)
+    np.testing.assert_allclose(
+        plan.effort(ALL, np.array([0.5, 0.0]), LIMIT), expected * [0.5, 0.0], atol=1e-9
+    )
+    assert np.abs(plan.effort(ALL, SCALE, np.full(2, 3.0))).max() == 3.0
+    gravity = plan.effort(np.array([1.0, 0.0, 0.0, 0.0]), SCALE, LIMIT)
+    np.testing.assert_allclose(gravity, 10.0 * np.cos(reference.q), atol=1e-9)
+
+
+def test_looking_up_interpolates_and_holds_the_ends_at_rest() -> None:
+    plan = plan_of(swing())
+    parts, weight = plan.at(0.7531)
+    states = plan.reference.sample(np.array([0.7531]))
+    np.testing.assert_allclose(parts.sum(axis=0), MODEL.predict(*states)[0], atol=1e-3)
+    assert weight == 1.0
+    for elapsed, q in ((-0.5, [0.0, 0.0]), (2.5, [0.0, 0.0])):
+        held, _ = plan.at(elapsed)
+        np.testing.assert_allclose(held[0], 10.0 * np.cos(q))
+        assert not held[1:].any()
+    np.testing.assert_allclose(plan.at(2.0)[0], plan.parts[-1])
+
+
+def test_refuse_names_joint_quantity_time_and_range() -> None:
+    make_plan(MODEL, swing(2.0), Policy("refuse", margin=0.1))
+    with pytest.raises(RefusedReference) as refusal:
+        make_plan(MODEL, swing(3.0), Policy("refuse", margin=0.1))
+    text = str(refusal.value)
+    assert "velocity of" in text
+    assert "between -3 and 3 rad/s" in text
+
+
+def test_fade_has_no_torque_outside_and_all_of_it_far_inside() -> None:
+    reference = swing(3.0)
+    plan = plan_of(reference, Policy("fade", margin=0.1, fade_time=0.2))
+    states = reference.sample(plan.time)
+    outside = excess(reference.joints, plan.time, states, MODEL.range, 0.1).outside
+    assert outside.any()
+    assert not plan.weight[outside].any()
+    assert plan.weight[0] == 1.0
+    assert np.abs(np.diff(plan.weight)).max() <= 0.004 / 0.2 + 1e-9
+
+
+def test_allow_lets_everything_through_and_says_what_is_outside() -> None:
+    plan = plan_of(swing(3.0))
+    assert (plan.weight == 1.0).all()
+    assert plan.excess.worst
+
+
+def test_fading_takes_its_time_on_both_sides() -> None:
+    time = np.linspace(0.0, 4.0, 401)
+    outside = (time > 1.0) & (time < 2.0)
+    weight = fade_around(time, outside, 0.5)
+    expected = np.clip(np.maximum(1.005 - time, time - 1.995) / 0.5, 0.0, 1.0)
+    np.testing.assert_allclose(weight, expected, atol=0.02)
+    assert (fade_around(time, np.zeros(401, dtype=bool), 0.5) == 1.0).all()
+
+
+def test_a_model_that_gives_no_number_is_refused() -> None:
+    class Broken(FakeModel):
+        def terms(self, q, qd, qdd):  # type: ignore[no-untyped-def]
+            return super().terms(np.where(q > 0.9, np.nan, q), qd, qdd)
+
+    with pytest.raises(RefusedReference, match="no finite torque"):
+        make_plan(Broken(), swing(), Policy("allow"))
