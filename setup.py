@@ -1,4 +1,4 @@
-"""Package description for pip and colcon (ament_python)."""
+"""Package description for pip and for colcon (ament_python)."""
 
 from glob import glob
 
@@ -6,11 +6,49 @@ from setuptools import find_packages, setup
 
 PACKAGE = "lagrangian_ff"
 
+# Lower bounds are what Ubuntu 24.04, the home of ROS 2 Jazzy, ships (constraints-ubuntu-24.04.txt),
+# or, where it ships nothing, the oldest release the tests pass with. Upper bounds close behind the
+# newest release they pass with.
+RUNTIME = [
+    "numpy >=1.26.4, <2.5",
+    "scipy >=1.11.4, <1.18",
+    "numba >=0.58.1, <0.69",
+    "matplotlib >=3.6.3, <3.12",
+    "rich >=13.7.1, <16",
+    "rosbags >=0.10.10, <0.12",
+    "mcap >=1.2.1, <2",
+    "zstandard >=0.22, <0.26",
+    "pybullet >=3.2.6, <3.3",
+]
+
+EXTRAS = {
+    # ROS 2 for a machine that has none. An extra and not a requirement: where ROS is installed from
+    # its own packages, pip must neither look for it nor put a second copy beside it, and reading,
+    # identifying and diagnosing recordings needs no ROS at all.
+    "ros": [
+        "ros-jazzy-rclpy[fastrtps] ==7.1.6",
+        "ros-jazzy-common-interfaces ==5.3.6",
+    ],
+    "test": [
+        "pytest >=7.4.4, <10",
+        "hypothesis >=6.98.15, <7",
+        "ruff >=0.17.5, <0.18",
+        "mypy >=2.4.1, <2.5",
+        "colcon-core >=0.21.3, <0.22",
+        "colcon-ros >=0.5, <0.6",
+    ],
+}
+
 setup(
     name=PACKAGE,
     version="0.1.0",
+    description="Robot dynamics that are learned, explained and used, inside ROS 2.",
+    license="Apache-2.0",
+    maintainer="lagrangian_ff maintainers",
+    maintainer_email="maintainers@lagrangian-ff.example",
+    keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "arm/*.urdf"]},
+    package_data={PACKAGE: ["py.typed", "arm/*.urdf", "report/*.html", "report/*.css"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
@@ -18,6 +56,8 @@ setup(
         (f"share/{PACKAGE}/launch", glob("launch/*.launch.py")),
     ],
     python_requires=">=3.10",
+    install_requires=RUNTIME,
+    extras_require=EXTRAS,
     zip_safe=False,
     entry_points={
         "console_scripts": [

@@ -1,0 +1,69 @@
+# Every target does its own set-up: the first run makes the virtual environment, later runs find it.
+
+# The Python to build on: 3.11 first, the newest that has a wheel of PyBullet. make PYTHON=... takes
+# another one.
+ifndef PYTHON
+PYTHON := $(shell for name in python3.11 python3.10 python3 python; do \
+	"$$name" -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2>/dev/null \
+	&& command -v "$$name" && break; done)
+endif
+VENV ?= .venv
+# Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
+ARGS ?=
+
+BIN = $(VENV)/bin
+SOURCES = lagrangian_ff test benchmark tools setup.py
+# A ROS that is sourced in this shell belongs to another Python, and would be found before our own.
+ifdef ROS_DISTRO
+unexport PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH
+endif
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+export RMW_IMPLEMENTATION = rmw_fastrtps_cpp
+
+define environment
+@test -n "$(PYTHON)" || { \
+	echo "No Python 3.10 or newer found. Install Python 3.11, or name one:" >&2; \
+	echo "make $@ PYTHON=/path/to/python3.11" >&2; exit 2; }
+@"$(PYTHON)" tools/environment.py "$(VENV)" --extras
+endef
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-oldest lint types format benchmark install clean
+
+help:  ## list the targets
+	@echo "make TARGET, where TARGET is one of"
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in out/
+	$(environment) ros
+	@$(BIN)/lagrangian_ff demo $(ARGS)
+
+test: lint types  ## everything CI checks: style, types, then all tests
+	@$(BIN)/python -m pytest $(ARGS)
+
+test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04
+	@$(MAKE) --no-print-directory VENV=.venv-oldest install CONSTRAINTS=constraints-ubuntu-24.04.txt
+	@.venv-oldest/bin/python -m pytest $(ARGS)
+
+install:  ## only make the environment
+	$(environment) ros,test $(addprefix --constraints ,$(CONSTRAINTS))
+
+lint: install  ## check style
+	@$(BIN)/ruff check $(wildcard $(SOURCES))
+	@$(BIN)/ruff format --check $(wildcard $(SOURCES))
+
+types: install  ## check types
+	@$(BIN)/mypy $(wildcard $(SOURCES))
+
+format: install  ## put the sources into the one format
+	@$(BIN)/ruff check --fix $(wildcard $(SOURCES))
+	@$(BIN)/ruff format $(wildcard $(SOURCES))
+
+benchmark:  ## measure speed against named yardsticks
+	$(environment) ros
+	@for script in benchmark/*.py; do echo "== $$script"; $(BIN)/python "$$script" || exit 1; done
+
+clean:  ## remove what the build and the tests left; keeps .venv and out/
+	rm -rf build install log dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage
+	rm -rf lagrangian_ff.egg-info
+	find lagrangian_ff test benchmark tools launch -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true
