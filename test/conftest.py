@@ -1,0 +1,96 @@
+"""Fixtures for every room's tests.
+
+Kept to one file on purpose: a second conftest.py elsewhere would be a second module of that name.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import random
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+ROOT = Path(__file__).resolve().parent.parent
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+# Machines differ in speed, so no example has a deadline; CI tries the same examples every time.
+settings.register_profile(
+    "lagrangian_ff",
+    deadline=None,
+    derandomize="CI" in os.environ,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+settings.load_profile("lagrangian_ff")
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """Return the root of the source tree."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """Return the folder of measured recordings and reference values beside the source tree."""
+    folder = ROOT.parent / "shared"
+    if not folder.is_dir():
+        pytest.skip("no measured data: the folder ../shared is not beside the source tree")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def shared_data(shared: Path) -> Path:
+    """Return the folder of measured recordings."""
+    folder = shared / "data"
+    if not folder.is_dir():
+        pytest.skip("no measured data: ../shared/data is absent")
+    return folder
+
+
+def _claim_domain() -> tuple[int, IO[str]]:
+    """Return a ROS domain that no other test session on this machine uses, and the lock on it."""
+    domains = list(range(1, 102))  # above 101 DDS's ports may meet those that Linux gives out
+    random.SystemRandom().shuffle(domains)
+    for domain in domains:
+        lock = (Path(tempfile.gettempdir()) / f"lagrangian_ff_test_domain_{domain}").open("w")
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            lock.close()
+        else:
+            return domain, lock
+    raise RuntimeError("all ROS domains are taken by other test sessions")
+
+
+@pytest.fixture(scope="session")
+def ros_environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+    """Return the environment variables for ROS processes of this test session alone.
+
+    Discovery stays on this machine and in a domain of its own. The variables are also set in the
+    test process itself, before the first context is initialised.
+    """
+    pytest.importorskip("rclpy", reason="rclpy is not installed")
+    domain, lock = _claim_domain()
+    prefixes = [*filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep))]
+    if sys.prefix not in prefixes:
+        prefixes.append(sys.prefix)
+    ours = {
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOG_DIR": str(tmp_path_factory.mktemp("ros_log")),
+        "AMENT_PREFIX_PATH": os.pathsep.join(prefixes),
+        "PYTHONUNBUFFERED": "1",
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in ours.items():
+            patch.setenv(name, value)
+        yield dict(os.environ)
+    lock.close()

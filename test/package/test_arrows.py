@@ -1,0 +1,138 @@
+"""The rooms of the house: who may import whom, what only some may import, how long a file is."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "lagrangian_ff"
+
+LOW = {"recording"}
+MODEL = {"kernels", "effects", *LOW}
+IDENTIFIED = {"identification", *MODEL}
+UNDERSTOOD = {"diagnosis", *IDENTIFIED}
+# A room may import those on the right, itself, and what is for all.
+ARROWS: dict[str, set[str]] = {
+    "recording": set(),
+    "kernels": LOW,
+    "effects": {"kernels", *LOW},  # an effect is a function of the states that kernels compare
+    "identification": MODEL,
+    "diagnosis": IDENTIFIED,
+    # Not the effects: the plant's physics must not share code with what is to find it.
+    "arm": LOW,
+    "report": UNDERSTOOD,
+    "nodes": {"arm", *UNDERSTOOD},
+    "studies": {"arm", "report", *UNDERSTOOD},
+    "demo": {"arm", "nodes", "report", *UNDERSTOOD},
+    "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},
+}
+FOR_ALL = {"errors", "progress", ""}
+ROS = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python", "launch"}
+
+
+def sources(*folders: str) -> list[Path]:
+    """Return the Python files below the folders."""
+    return sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
+
+
+def imports(file: Path) -> list[tuple[int, str]]:
+    """Return the line and the dotted name of every import in a file, relative ones made absolute."""
+    return list(imports_of(file.read_text(), list(file.relative_to(ROOT).parts[:-1])))
+
+
+def imports_of(text: str, package: list[str]) -> Iterator[tuple[int, str]]:
+    """Yield the imports in the text of a module that lies in the package."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            start = package[: len(package) - node.level + 1] if node.level else []
+            module = ".".join([*start, *filter(None, [node.module])])
+            # `from lagrangian_ff import recording` names a room behind the word import.
+            names = [alias.name for alias in node.names] if module == PACKAGE.name else [""]
+            yield from ((node.lineno, f"{module}.{name}".rstrip(".")) for name in names)
+
+
+def room(dotted: str) -> str:
+    """Return the room that a dotted name of the package lies in, empty for the package itself."""
+    return [*dotted.split("."), ""][1]
+
+
+def is_ros(name: str) -> bool:
+    """Tell whether a top-level module comes with ROS."""
+    return name in ROS or name.endswith("_msgs") or name.startswith("rosidl")
+
+
+def test_every_room_is_known() -> None:
+    rooms = {file.relative_to(PACKAGE).parts[0] for file in sources(PACKAGE.name)}
+    folders = {name for name in rooms if not name.endswith(".py")}
+    assert folders <= set(ARROWS), "a room without arrows: add it to ARROWS and to the docs"
+
+
+@pytest.mark.parametrize("name", ARROWS)
+def test_arrows_point_one_way(name: str) -> None:
+    allowed = ARROWS[name] | FOR_ALL | {name}
+    wrong = [
+        f"{file.relative_to(ROOT)}:{line} imports {imported}"
+        for file in sources(f"{PACKAGE.name}/{name}")
+        for line, imported in imports(file)
+        if imported.split(".")[0] == PACKAGE.name and room(imported) not in allowed
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_what_is_for_all_rests_on_no_room() -> None:
+    for file in PACKAGE.glob("*.py"):
+        rooms = {room(name) for _, name in imports(file) if name.split(".")[0] == PACKAGE.name}
+        assert rooms <= FOR_ALL, f"{file.name} imports {rooms}"
+
+
+def test_only_the_arm_knows_pybullet() -> None:
+    users = {
+        file.relative_to(PACKAGE).parts[0]
+        for file in sources(PACKAGE.name)
+        for _, name in imports(file)
+        if name.split(".")[0].startswith("pybullet")
+    }
+    assert users <= {"arm"}
+
+
+def test_only_nodes_and_demo_know_ros() -> None:
+    wrong = [
+        f"{file.relative_to(ROOT)}:{line} imports {name}"
+        for file in sources(PACKAGE.name)
+        for line, name in imports(file)
+        if is_ros(name.split(".")[0])
+        and file.relative_to(PACKAGE).parts[0] not in {"nodes", "demo"}
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_the_reader_of_imports_sees_every_form() -> None:
+    text = """
+import a.b
+from ..recording import x
+from . import y
+from lagrangian_ff import nodes
+def f():
+    from rclpy.node import Node
+"""
+    names = [name for _, name in imports_of(text, ["lagrangian_ff", "arm"])]
+    assert names == [
+        "a.b",
+        "lagrangian_ff.recording",
+        "lagrangian_ff.arm",
+        "lagrangian_ff.nodes",
+        "rclpy.node",
+    ]
+
+
+def test_no_file_is_long() -> None:
+    folders = ("lagrangian_ff", "test", "launch", "benchmark", "tools")
+    lengths = {file: len(file.read_text().splitlines()) for file in sources(*folders)}
+    long = {str(file.relative_to(ROOT)): n for file, n in lengths.items() if n > 400}
+    assert not long
