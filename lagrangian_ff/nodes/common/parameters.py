@@ -12,23 +12,29 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from lagrangian_ff.errors import UserError
-
 
 class Parameters:
     """The declared parameters of a node.
 
     Args:
         node: whose parameters they are.
-        changed: called after parameters were set at run time.
     """
 
-    def __init__(self, node: Node, changed: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
         self._choices: dict[str, tuple[str, ...]] = {}
-        self._changed = changed
+        self._declaring = False
         node.add_on_set_parameters_callback(self._check)
-        node.add_post_set_parameters_callback(lambda parameters: self._changed())
+
+    def watch(self, changed: Callable[[], None]) -> None:
+        """Call this now, and whenever parameters were set at run time."""
+
+        def after(parameters: list[Parameter]) -> None:
+            if not self._declaring:
+                changed()
+
+        self._node.add_post_set_parameters_callback(after)
+        changed()
 
     def declare(
         self,
@@ -53,7 +59,8 @@ class Parameters:
             read_only: can be set at the start only.
 
         Raises:
-            UserError: the value given at the start is not allowed.
+            InvalidParameterValueException, InvalidParameterTypeException: of rclpy; the value
+                given at the start is not allowed. `run` tells the user.
         """
         if self._node.has_parameter(name):
             return self.value(name)
@@ -68,10 +75,11 @@ class Parameters:
         if choices:
             descriptor.additional_constraints = f"one of: {', '.join(choices)}"
             self._choices[name] = tuple(choices)
-        value = self._node.declare_parameter(name, default, descriptor).value
-        if choices and value not in choices:
-            raise UserError(self._reason(name, value))
-        return value
+        self._declaring = True
+        try:
+            return self._node.declare_parameter(name, default, descriptor).value
+        finally:
+            self._declaring = False
 
     def value(self, name: str) -> Any:
         """The present value."""
@@ -84,14 +92,13 @@ class Parameters:
         """
         return tuple(text for text in self.value(name) if text)
 
-    def _reason(self, name: str, value: object) -> str:
-        return f"parameter {name} is {value!r}; expected one of {', '.join(self._choices[name])}"
-
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         for parameter in parameters:
             allowed = self._choices.get(parameter.name)
             if allowed is not None and parameter.value not in allowed:
                 return SetParametersResult(
-                    successful=False, reason=self._reason(parameter.name, parameter.value)
+                    successful=False,
+                    reason=f"{parameter.name} is {parameter.value!r}; expected one of "
+                    f"{', '.join(allowed)}",
                 )
         return SetParametersResult(successful=True)

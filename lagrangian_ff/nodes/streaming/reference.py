@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ class Points:
     Attributes:
         names: joints in the order of the columns.
         time: K times from the start, s.
-        position: K rows; velocity and acceleration: K rows, empty where not given.
+        position: K rows; velocity, acceleration, effort: K rows, empty where not given.
     """
 
     names: Sequence[str]
@@ -27,6 +28,7 @@ class Points:
     position: Sequence[Sequence[float]]
     velocity: Sequence[Sequence[float]]
     acceleration: Sequence[Sequence[float]]
+    effort: Sequence[Sequence[float]] = ()
 
 
 @dataclass(frozen=True)
@@ -145,6 +147,15 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
     return Reference(tuple(joints), time, q, qd, qdd, tuple(filled))
 
 
+def read_effort(points: Points, joints: Sequence[str]) -> Floats | None:
+    """(K, N) N·m the trajectory carries for these joints, or None where it carries none.
+
+    Raises:
+        RefusedReference: names the joint and the point that are wrong.
+    """
+    return _table(points.effort, "effort", points.names, _columns(points.names, joints))
+
+
 def _columns(names: Sequence[str], joints: Sequence[str]) -> list[int]:
     if len(set(names)) != len(names):
         raise RefusedReference(f"it names a joint twice: {', '.join(names)}")
@@ -178,14 +189,15 @@ def _table(
 ) -> Floats | None:
     """(K, N) of the wanted columns, or None where every row is empty."""
     lengths = {len(row) for row in rows}
-    if lengths == {0}:
+    if lengths <= {0}:
         return None
     if lengths != {len(names)}:
         wrong = next(k for k, row in enumerate(rows) if len(row) != len(names))
         raise RefusedReference(
             f"point {wrong} has {len(rows[wrong])} {label} values for {len(names)} joints"
         )
-    table = np.array(rows, dtype=np.float64)[:, columns]
+    flat = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * len(names))
+    table = flat.reshape(len(rows), len(names))[:, columns]
     bad = np.argwhere(~np.isfinite(table))
     if len(bad):
         point, joint = bad[0]

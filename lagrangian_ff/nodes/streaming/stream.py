@@ -1,5 +1,6 @@
 """Which torque to send now: the one place that decides, at every instant."""
 
+import threading
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -81,7 +82,8 @@ class TorqueStream:
 
     Times of the reference are ns of the node's clock, which may be simulated; the watchdogs
     count in s of a steady clock. The gain multiplies after all limits, so that fading takes
-    `fade_time` whatever the rate limit is.
+    `fade_time` whatever the rate limit is. Everything may be told in one thread while another
+    ticks.
     """
 
     def __init__(self, joints: tuple[str, ...], settings: Settings) -> None:
@@ -91,6 +93,7 @@ class TorqueStream:
         self._plan: Plan | None = None
         self._start = 0
         self._next: tuple[Plan, int] | None = None
+        self._lock = threading.Lock()
         self._ramp = Ramp(settings.ramp_time, settings.fade_time)
         self._limited = np.zeros(len(joints))
         self._reference_at = -np.inf
@@ -105,7 +108,8 @@ class TorqueStream:
 
     def play(self, plan: Plan, start: int, steady: float) -> None:
         """Follow this plan from `start` (ns) on; until then, what is followed now."""
-        self._next, self._refused = (plan, start), ""
+        with self._lock:
+            self._next, self._refused = (plan, start), ""
         self._reference_at = steady
 
     def withhold(self, reason: str) -> None:
@@ -122,7 +126,8 @@ class TorqueStream:
 
     def forget(self) -> None:
         """No reference, no torque."""
-        self._plan = self._next = None
+        with self._lock:
+            self._plan = self._next = None
         self._refused = ""
         self._ramp.value = 0.0
         self._last_tick = None
@@ -163,12 +168,13 @@ class TorqueStream:
 
     def _take_over(self, now: int) -> None:
         """Let the next plan take the place of the present one when its time has come."""
-        if self._next is None:
-            return
-        plan, start = self._next
-        moving = self._plan is not None and not self._plan.reference.is_setpoint
-        if not moving or now >= start:
-            self._plan, self._start, self._next = plan, start, None
+        with self._lock:
+            if self._next is None:
+                return
+            plan, start = self._next
+            moving = self._plan is not None and not self._plan.reference.is_setpoint
+            if not moving or now >= start:
+                self._plan, self._start, self._next = plan, start, None
 
     def _withheld(self, phase: Phase, steady: float) -> str:
         """Why the torque must not be sent; empty where it may."""

@@ -1,0 +1,236 @@
+"""The simulated arm as a node: what a driver and a joint_trajectory_controller would be.
+
+Topics
+    ~/joint_trajectory  in   trajectory_msgs/JointTrajectory, the reference; header.stamp is
+                             its start, 0 = now. One point at time 0 is a streamed set-point.
+    ~/commands          in   std_msgs/Float64MultiArray, feedforward torque in joint order, N·m
+    joint_states        out  sensor_msgs/JointState, 500 Hz, stamps on an exact grid
+    ~/reference_state   out  sensor_msgs/JointState, the reference and the feedforward used, with
+                             the stamps of joint_states
+    robot_description   out  std_msgs/String, the URDF, latched
+    /diagnostics        out
+"""
+
+import sys
+import time
+import traceback
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, String
+from trajectory_msgs.msg import JointTrajectory
+
+from lagrangian_ff.arm import HOME, JOINTS, Arm, Trajectory, robot_description
+from lagrangian_ff.arm.simulation import check_limits
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.common.complaints import Complaints
+from lagrangian_ff.nodes.common.diagnostics import Diagnostics
+from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, points
+from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
+from lagrangian_ff.nodes.common.parameters import Parameters
+from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
+from lagrangian_ff.nodes.common.running import ClosingNode, run
+from lagrangian_ff.nodes.common.status import Level, Status
+from lagrangian_ff.nodes.streaming.follower import Follower, Segment
+from lagrangian_ff.nodes.streaming.reference import read_effort, read_reference
+
+Floats = NDArray[np.float64]
+
+SOURCES = ("none", "stream", "trajectory", "true")
+CHECK_STEP = 0.01  # s between the samples of a reference that are checked against the limits
+CATCH_UP = 250  # ticks
+
+
+class ArmNode(ClosingNode):
+    """Steps the arm at its tick in a thread paced by the clock; callbacks only hand things over."""
+
+    def __init__(self) -> None:
+        super().__init__("arm")
+        self._settings = Parameters(self)
+        self._declare()
+        value = self._settings.value
+        self._arm = Arm(
+            seed=value("seed"),
+            loads=self._loads(),
+        )
+        q = np.array(value("initial_position"))
+        self._arm.reset(q)
+        self._follower = Follower(JOINTS, q, value("start_tolerance"))
+        self._complaints = Complaints(self.get_logger().warning)
+        self._command = np.zeros(len(JOINTS))
+        self._command_at = -np.inf
+        self._settings.watch(self._parameters_changed)
+
+        self._states = self._offer(JointState, "joint_states")
+        self._references = self._offer(JointState, "~/reference_state")
+        self._description = self.create_publisher(String, "robot_description", LATCHED)
+        self._description.publish(String(data=robot_description(self._loads())))
+        self._state_maker = JointStateMaker(JOINTS)
+        self._reference_maker = JointStateMaker(JOINTS)
+        self.create_subscription(
+            JointTrajectory, "~/joint_trajectory", self._on_trajectory, RELIABLE,
+            qos_overriding_options=overridable(),
+        )  # fmt: skip
+        self.create_subscription(
+            Float64MultiArray, "~/commands", self._on_command, NEWEST,
+            qos_overriding_options=overridable(),
+        )  # fmt: skip
+
+        self._meter = RateMeter()
+        self._squared_error, self._ticks, self._saturated = np.zeros(len(JOINTS)), 0, 0
+        self._diagnostics = Diagnostics(
+            self, "simulated arm", {"plant": self._plant_status}, self._complaints.flush
+        )
+        tick = self._arm.parameters.tick
+        self._pacer = Pacer(tick, max_catch_up=CATCH_UP)
+        self._origin = self.get_clock().now().nanoseconds
+        self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
+        self.get_logger().info(
+            f"the arm stands at its initial position, {1.0 / tick:g} Hz, feedforward from: "
+            f"{self._source}"
+        )
+
+    def _declare(self) -> None:
+        declare = self._settings.declare
+        declare(
+            "feedforward_source", "stream",
+            "where the feedforward torque comes from: none; stream: ~/commands; trajectory: "
+            "points[i].effort of the reference; true: the plant's own torques for it, the bound "
+            "of what feedforward can reach", choices=SOURCES,
+        )  # fmt: skip
+        declare(
+            "command_timeout", 0.1,
+            "s after which a command on ~/commands no longer acts; 0 = never", low=0.0, high=10.0,
+        )  # fmt: skip
+        declare(
+            "start_tolerance", 0.05,
+            "rad by which a new reference may differ from the present one where it takes over",
+            low=0.0, high=3.2, read_only=True,
+        )  # fmt: skip
+        declare("seed", 0, "of the sensor noise", low=0, high=2**31, read_only=True)
+        declare("initial_position", list(HOME), "rad, the 6 joints at the start", read_only=True)
+        for joint in JOINTS:
+            declare(
+                f"loads.{joint}", 0.0, f"kg fixed to the link that {joint} moves; 0 = none",
+                low=0.0, high=20.0, read_only=True,
+            )  # fmt: skip
+
+    def _loads(self) -> dict[str, float]:
+        loads = {joint: self._settings.value(f"loads.{joint}") for joint in JOINTS}
+        return {joint: mass for joint, mass in loads.items() if mass > 0.0}
+
+    def _offer(self, kind: type, topic: str) -> Publisher:
+        return self.create_publisher(kind, topic, RELIABLE, qos_overriding_options=overridable())
+
+    def _parameters_changed(self) -> None:
+        self._source: str = self._settings.value("feedforward_source")
+        self._timeout: float = self._settings.value("command_timeout")
+
+    def _on_command(self, message: Float64MultiArray) -> None:
+        command = np.array(message.data)
+        if command.shape != (len(JOINTS),) or not np.isfinite(command).all():
+            self._complaints.add(
+                "bad command",
+                f"ignored a command on ~/commands with {len(command)} values, "
+                f"{int(np.isfinite(command).sum())} of them finite; expected {len(JOINTS)}",
+            )
+            return
+        self._command, self._command_at = command, time.monotonic()
+
+    def _on_trajectory(self, message: JointTrajectory) -> None:
+        now = self.get_clock().now().nanoseconds
+        try:
+            given = points(message)
+            reference = read_reference(given, JOINTS)
+            effort = read_effort(given, JOINTS)
+            fine = np.linspace(
+                0.0, reference.duration, max(2, int(reference.duration / CHECK_STEP) + 2)
+            )
+            check_limits(Trajectory(fine, *reference.sample(fine)))
+            segment = Segment(reference, nanoseconds(message.header.stamp) or now, effort)
+            self._follower.accept(segment, now)
+        except UserError as error:
+            self._complaints.add("refused trajectory", f"refused a trajectory: {error}")
+            return
+        if not reference.is_setpoint:
+            self.get_logger().info(
+                f"following a trajectory of {len(reference.time)} points, "
+                f"{reference.duration:.3f} s, in {(segment.start - now) / 1e9:.3f} s; "
+                f"filled in: {', '.join(reference.filled) or 'nothing'}"
+            )
+
+    def _step(self, due: range) -> None:
+        for index in due:
+            now = self._origin + index * self._pacer.period
+            q, qd, qdd, effort = self._follower.at(now)
+            torque = self._feedforward(q, qd, qdd, effort)
+            sample = self._arm.step(q, qd, torque)
+            self._states.publish(
+                self._state_maker.fill(now, sample.position, sample.velocity, sample.effort)
+            )
+            self._references.publish(self._reference_maker.fill(now, q, qd, torque))
+            self._squared_error += (q - sample.position) ** 2
+            self._ticks += 1
+            self._saturated += bool(self._arm.saturated.any())
+        self._meter.add(len(due))
+
+    def _feedforward(self, q: Floats, qd: Floats, qdd: Floats, effort: Floats) -> Floats:
+        """(6,) N·m to add now."""
+        if self._source == "stream":
+            age = time.monotonic() - self._command_at
+            if self._timeout == 0.0 or age <= self._timeout:
+                return self._command
+        elif self._source == "trajectory":
+            return effort
+        elif self._source == "true":
+            return self._arm.plant.true_torque(q, qd, qdd)
+        return np.zeros(len(JOINTS))
+
+    def _step_failed(self, error: Exception) -> None:
+        text = str(error) if isinstance(error, UserError) else traceback.format_exc()
+        self._complaints.add("failed tick", f"a tick failed: {text}")
+
+    def _plant_status(self) -> Status:
+        rate = self._meter.take()
+        ticks, self._ticks = max(self._ticks, 1), 0
+        error, self._squared_error = np.sqrt(self._squared_error / ticks), np.zeros(len(JOINTS))
+        saturated, self._saturated = self._saturated, 0
+        factor = rate * self._arm.parameters.tick
+        now = self.get_clock().now().nanoseconds
+        level, message = Level.OK, "moving" if self._follower.moving(now) else "standing"
+        if factor < 0.98:
+            level, message = Level.WARN, f"runs at {factor:.2f} of real time"
+        elif saturated:
+            level, message = Level.WARN, f"torque limit reached in {saturated} ticks"
+        elif self._source == "trajectory" and not self._follower.has_effort:
+            level, message = Level.WARN, "the reference carries no effort to add"
+        values = {
+            "real-time factor": factor,
+            "late ticks": self._pacer.late,
+            "skipped ticks": self._pacer.skipped,
+            "ticks at the torque limit": saturated,
+            "feedforward source": self._source,
+            "command age [s]": time.monotonic() - self._command_at,
+            **{
+                f"RMS tracking error {joint} [rad]": float(value)
+                for joint, value in zip(JOINTS, error, strict=True)
+            },
+            **self._complaints.counts,
+        }
+        return Status(level, message, values)
+
+    def close(self) -> None:
+        """Stop the clock of the plant."""
+        self._loop.stop()
+        self._arm.close()
+
+
+def main() -> int:
+    """Entry point of the executable `arm`."""
+    return run(ArmNode, sys.argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
