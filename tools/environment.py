@@ -194,7 +194,10 @@ class Environment:
             if not ours and not (self.directory / "pyvenv.cfg").exists():
                 raise SetupError(f"{self.directory} is in the way: no virtual environment.")
             say(f"{self.directory.name} is incomplete or was made for another place: made anew")
-            shutil.rmtree(self.directory)
+            if self.directory.is_dir() and not self.directory.is_symlink():
+                shutil.rmtree(self.directory)
+            else:
+                self.directory.unlink()
         self.directory.mkdir(parents=True)
         self.unfinished.touch()
         self.run("making the environment", [sys.executable, "-m", "venv", self.directory])

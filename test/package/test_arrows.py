@@ -40,7 +40,7 @@ def sources(*folders: str) -> list[Path]:
 
 
 def imports(file: Path) -> list[tuple[int, str]]:
-    """Return the line and the dotted name of every import in a file, relative ones made absolute."""
+    """Return the line and the dotted name of every import in a file, the relative ones too."""
     return list(imports_of(file.read_text(), list(file.relative_to(ROOT).parts[:-1])))
 
 
