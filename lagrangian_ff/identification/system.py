@@ -6,8 +6,12 @@ sample major, G = K + D and
 
     b = (Φᵀ G⁻¹ Φ)⁻¹ Φᵀ G⁻¹ y,      a = G⁻¹ (y − Φ b) = P y,
 
-which solves (44) exactly: the basis is not penalised. P = G⁻¹ − G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ Φᵀ G⁻¹ also gives
-the restricted evidence and the residuals of samples left out, (P_ff)⁻¹ (P y)_f, without refitting.
+which solves (44) exactly: the basis is not penalised. The projection
+
+    P = G⁻¹ − G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ Φᵀ G⁻¹
+
+also gives the restricted evidence, and the residuals of samples left out, (P_ff)⁻¹ (P y)_f,
+without refitting.
 """
 
 from collections.abc import Iterator, Sequence
@@ -143,8 +147,8 @@ class System:
             half = self._inverse_upper[rows, first:]
             half = half * (np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None])
             projected = half @ half.T - white[rows] @ covariance @ white[rows].T
-            residual = np.linalg.solve(projected, self.weights[rows])
-            yield LeftOut(rows, residual, -covariance @ (white[rows].T @ residual))
+            residual = np.asarray(np.linalg.solve(projected, self.weights[rows]), dtype=np.float64)
+            yield LeftOut(rows, residual, np.asarray(-covariance @ (white[rows].T @ residual)))
 
 
 @dataclass(frozen=True)

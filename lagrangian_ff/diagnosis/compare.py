@@ -1,0 +1,72 @@
+"""A model held against a motion: predicted and measured torque, and the error per joint."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model, Score
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Torques side by side.
+
+    Attributes:
+        motion: the measured motion, its joints in the model's order.
+        predicted: (M, N) N·m.
+        score: the error per joint.
+        outside: the share of samples outside the range the model was identified on.
+    """
+
+    motion: Motion
+    predicted: Floats
+    score: Score
+    outside: float
+
+    @property
+    def residual(self) -> Floats:
+        """(M, N) N·m, measured minus predicted."""
+        return self.motion.tau - self.predicted
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            **self.score.record(),
+            "samples": len(self.motion),
+            "outside_range": self.outside,
+            "source": self.motion.source,
+        }
+
+
+def compare(model: Model, motion: Motion, margin: float = 0.05) -> Comparison:
+    """Predict the torque of a motion and measure the error.
+
+    Args:
+        model: the model.
+        motion: measured; may hold more joints than the model, in any order.
+        margin: how far outside the identified range still counts as inside, in parts of it.
+
+    Raises:
+        ModelError: the motion lacks a joint of the model; names both lists.
+    """
+    missing = [name for name in model.joints if name not in motion.joints]
+    if missing:
+        raise ModelError(
+            f"the model is of the joints {', '.join(model.joints)}; {motion.source} holds "
+            f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
+        )
+    motion = motion.select(model.joints)
+    predicted = model.predict(motion.q, motion.qd, motion.qdd)
+    excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
+    return Comparison(
+        motion,
+        predicted,
+        Score.of(model.joints, motion.tau, predicted),
+        float(np.mean(np.any(excess > margin, axis=1))),
+    )

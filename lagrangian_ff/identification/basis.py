@@ -1,0 +1,71 @@
+"""The finite basis of effects, Φ(x) b in (44): which columns belong to which joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.effects import Effect
+from lagrangian_ff.kernels import States
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """One effect on one joint, its shape parameters fixed.
+
+    Attributes:
+        effect: what it is.
+        joint: the index of the joint it acts on.
+        shape: its nonlinear parameters, by name.
+    """
+
+    effect: Effect
+    joint: int
+    shape: Mapping[str, float] = field(default_factory=dict)
+
+    def columns(self, x: States) -> Floats:
+        """(M, P) what the term's P parameters multiply in its joint's torque."""
+        return self.effect.columns(x, self.joint, self.shape)
+
+
+@dataclass(frozen=True)
+class Basis:
+    """The terms of a model and where each one's parameters lie in b."""
+
+    terms: tuple[Term, ...]
+
+    @property
+    def size(self) -> int:
+        """B, the number of parameters."""
+        return sum(len(term.effect.parameters) for term in self.terms)
+
+    def slices(self) -> list[tuple[Term, slice]]:
+        """Each term with the place of its parameters in b."""
+        placed, first = [], 0
+        for term in self.terms:
+            last = first + len(term.effect.parameters)
+            placed.append((term, slice(first, last)))
+            first = last
+        return placed
+
+    def of_joints(self, joints: tuple[int, ...]) -> "Basis":
+        """The terms that act on these joints."""
+        return Basis(tuple(term for term in self.terms if term.joint in joints))
+
+    def design(self, x: States) -> Floats:
+        """(M, N, B) Φ(x): the torque of each joint per unit of each parameter."""
+        out = np.zeros((len(x), x.joints, self.size))
+        for term, place in self.slices():
+            out[:, term.joint, place] = term.columns(x)
+        return out
+
+    def torque(self, x: States, b: Floats) -> dict[str, Floats]:
+        """(M, N) N·m of each effect by name, for parameters b (B,)."""
+        parts: dict[str, Floats] = {}
+        for term, place in self.slices():
+            part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
+            part[:, term.joint] += term.columns(x) @ b[place]
+        return parts

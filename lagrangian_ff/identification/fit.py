@@ -1,0 +1,212 @@
+"""Fitting the semi-parametric model (44) with every hyperparameter given."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.identification.system import System
+from lagrangian_ff.kernels import CoupledKernel, IndependentKernel, Kernel, States
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Everything about a model that is not linear in the torques.
+
+    Attributes:
+        kernel: with its hyperparameters.
+        noise: (N,) variance of each normalised torque, γ M of (42) in the kernel's units.
+        shapes: for each effect that has them, (N,) of each shape parameter.
+    """
+
+    kernel: Kernel
+    noise: Floats
+    shapes: Mapping[str, Mapping[str, Floats]]
+
+    def basis(self, spec: Spec, joints: int) -> Basis:
+        """Every effect of the model on every joint, joint by joint."""
+        return Basis(
+            tuple(
+                Term(
+                    effect,
+                    joint,
+                    {name: float(v[joint]) for name, v in self.shapes.get(effect.name, {}).items()},
+                )
+                for joint in range(joints)
+                for effect in spec.effects
+            )
+        )
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """How torques are normalised before the kernel sees them.
+
+    Attributes:
+        unit: (N,) N·m that count as one; undone on the way out.
+        noise: (N,) relative standard deviation of the noise between joints, in those units.
+    """
+
+    unit: Floats
+    noise: Floats
+
+    @classmethod
+    def of(cls, tau: Floats, per_joint: bool = True) -> "Scaling":
+        """Per joint, each torque is divided by its own spread; else all by the largest.
+
+        With one unit for all joints the predicted torques still derive from one Lagrangian, and
+        the noise is taken in proportion to each joint's spread instead.
+        """
+        spread = np.std(tau, axis=0)
+        largest = spread.max(initial=0.0) or 1.0
+        spread = np.where(spread > 1e-9 * largest, spread, largest)
+        if per_joint:
+            return cls(spread, np.ones_like(spread))
+        return cls(np.full_like(spread, largest), spread / largest)
+
+    @property
+    def spread(self) -> Floats:
+        """(N,) N·m, the spread of each joint's torque."""
+        return self.unit * self.noise
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model, still in its systems: what evidence and validation are asked of.
+
+    Attributes:
+        choice: the hyperparameters.  scaling: of the torques.  basis: the effects' terms.
+        states: (M, N) the training states.
+        systems: which joints were solved together, their basis, and the factored system.
+    """
+
+    choice: Choice
+    scaling: Scaling
+    basis: Basis
+    states: States
+    systems: tuple[tuple[tuple[int, ...], Basis, System], ...]
+
+    @property
+    def weights(self) -> Floats:
+        """(M, N) a: what the kernel is multiplied by, in normalised torque."""
+        out = np.empty_like(self.states.q)
+        for joints, _, system in self.systems:
+            out[:, list(joints)] = system.weights.reshape(len(self.states), len(joints))
+        return out
+
+    @property
+    def coefficients(self) -> Floats:
+        """(B,) b: the effects' parameters, in physical units."""
+        return self._gather([system.coefficients for _, _, system in self.systems])
+
+    @property
+    def deviations(self) -> Floats:
+        """(B,) standard deviations of b if the noise were as the model says."""
+        return self._gather(
+            [
+                np.sqrt(np.maximum(system.amplitude * np.diag(system.covariance), 0.0))
+                for _, _, system in self.systems
+            ]
+        )
+
+    @property
+    def log_evidence(self) -> float:
+        """Restricted log evidence of all torques, in nats."""
+        return sum(system.log_evidence for _, _, system in self.systems)
+
+    def left_out(self, groups: Sequence[Ints]) -> tuple[Floats, Floats]:
+        """What a fit without each group of samples would have met, from the factor at hand.
+
+        Args:
+            groups: for each, the samples left out together; every sample in at most one.
+
+        Returns:
+            (M, N) residuals in N·m, NaN where a sample is in no group; and (groups, B) the
+            effects' parameters without each group.
+        """
+        residual = np.full(self.states.q.shape, np.nan)
+        changed = np.tile(self.coefficients, (len(groups), 1))
+        for joints, basis, system in self.systems:
+            width, columns = len(joints), np.array(joints)
+            rows = [(g[:, None] * width + np.arange(width)).ravel() for g in groups]
+            places = self._places(basis)
+            for number, (group, left) in enumerate(zip(groups, system.left_out(rows), strict=True)):
+                residual[np.ix_(group, columns)] = left.residual.reshape(-1, width)
+                changed[number, places] += left.change
+        return residual * self.scaling.unit, changed
+
+    def _gather(self, values: list[Floats]) -> Floats:
+        out = np.empty(self.basis.size)
+        for (_, basis, _), value in zip(self.systems, values, strict=True):
+            out[self._places(basis)] = value
+        return out
+
+    def _places(self, basis: Basis) -> Ints:
+        wanted = {id(term) for term in basis.terms}
+        places = [np.arange(p.start, p.stop) for t, p in self.basis.slices() if id(t) in wanted]
+        return np.concatenate(places) if places else np.empty(0, dtype=np.int64)
+
+
+def fit(spec: Spec, choice: Choice, states: States, tau: Floats, scaling: Scaling) -> Fit:
+    """Solve (44) for given hyperparameters: one Cholesky factor a system.
+
+    Args:
+        spec: the kernel's family and the effects.
+        choice: hyperparameters and shapes.
+        states: (M, N) training states.
+        tau: (M, N) N·m.
+        scaling: how torques are normalised.
+
+    Raises:
+        NotPositiveDefiniteError: the noise is too small for the arithmetic.
+    """
+    basis = choice.basis(spec, states.joints)
+    kernel = choice.kernel
+    groups: list[tuple[int, ...]]
+    if isinstance(kernel, CoupledKernel):
+        groups = [tuple(range(states.joints))]
+    else:
+        groups = [(joint,) for joint in range(states.joints)]
+    target = tau / scaling.unit
+    noise = choice.noise * scaling.noise**2
+    systems = []
+    for joints in groups:
+        part = basis.of_joints(joints)
+        rows = list(joints)
+        design = part.design(states)[:, rows, :] / scaling.unit[rows][None, :, None]
+        gram = _gram(kernel, states, joints)
+        system = System.factor(
+            gram,
+            np.tile(noise[rows], len(states)),
+            design.reshape(len(states) * len(rows), part.size),
+            target[:, rows].ravel(),
+        )
+        systems.append((joints, part, system))
+    return Fit(choice, scaling, basis, states, tuple(systems))
+
+
+def _gram(kernel: Kernel, states: States, joints: tuple[int, ...]) -> Floats:
+    if isinstance(kernel, CoupledKernel):
+        return kernel.gram(states)
+    assert isinstance(kernel, IndependentKernel)
+    return np.ascontiguousarray(kernel.gram(states, joints[0]))
+
+
+def with_noise(choice: Choice, relative: Floats, states: States) -> Choice:
+    """The choice with its noise set relative to the kernel's mean prior variance.
+
+    Args:
+        relative: (N,) or (1,) ratio of noise variance to prior variance.
+        states: (M, N) where the prior variance is taken.
+    """
+    prior = choice.kernel.variance(states).mean(axis=0)
+    if isinstance(choice.kernel, CoupledKernel):
+        prior = np.full_like(prior, prior.mean())
+    prior = np.where(prior > 0.0, prior, 1.0)
+    return replace(choice, noise=np.broadcast_to(relative, prior.shape) * prior)

@@ -1,0 +1,40 @@
+"""Intervals of the effects' parameters that hold although residuals are correlated in time."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from lagrangian_ff.identification.fit import Fit
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+LEVEL = 0.9
+"""The share of such intervals that should hold the true value."""
+
+
+def intervals(fitted: Fit, block: Ints) -> tuple[Floats, Floats]:
+    """Lower and upper ends of 90 % intervals of the effects' parameters.
+
+    The wider of two is taken: the model's own standard deviation, which believes the noise to be
+    independent, and the jackknife over blocks of time (Künsch 1989), which does not. Both follow
+    from the factor of the fit.
+
+    Args:
+        fitted: the model.
+        block: (M,) the block of time each training sample lies in.
+
+    Returns:
+        low (B,) and high (B,), in the parameters' physical units.
+    """
+    value, own = fitted.coefficients, fitted.deviations
+    groups = [np.flatnonzero(block == number) for number in np.unique(block)]
+    if len(groups) < 3 or not len(value):
+        reach = own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(groups) - 1))
+        return value - reach, value + reach
+    _, changed = fitted.left_out(groups)
+    count = len(groups)
+    spread = changed - changed.mean(axis=0)
+    jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+    reach = np.maximum(own, jackknife) * student.ppf(0.5 + LEVEL / 2.0, df=count - 1)
+    return value - reach, value + reach

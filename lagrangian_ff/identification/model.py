@@ -1,0 +1,147 @@
+"""The identified model: torques from states, and the parts they are made of."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.kernels import Kernel, States
+
+Floats = NDArray[np.float64]
+
+CHUNK_SAMPLES = 20_000
+"""States evaluated at once, so that memory stays bounded on long recordings."""
+
+
+@dataclass(frozen=True)
+class Terms:
+    """A torque split into what causes it; every array is (M, N), or (N,) for one state, in N·m.
+
+    Attributes:
+        gravity: the Lagrangian part at rest.
+        inertia: what acceleration adds to it.
+        coriolis: what velocity adds: Coriolis, centrifugal, and whatever the kernel took for them.
+        effects: friction and every other effect of the basis, by name.
+    """
+
+    gravity: Floats
+    inertia: Floats
+    coriolis: Floats
+    effects: Mapping[str, Floats]
+
+    @property
+    def friction(self) -> Floats:
+        """All effects of the basis together."""
+        return sum(self.effects.values(), np.zeros_like(self.gravity))
+
+    @property
+    def total(self) -> Floats:
+        """The whole torque."""
+        return self.gravity + self.inertia + self.coriolis + self.friction
+
+
+@dataclass(frozen=True)
+class Model:
+    """Torques τ(q, qd, qdd) of N joints, eq. (45).
+
+    Attributes:
+        joints: N names; the columns of every array follow them.
+        name: kernel and effects, e.g. `vrbfs+fri`.
+        kernel: the Lagrangian part's kernel with its hyperparameters.
+        basis: the effects and their shapes.
+        centres: (C, N) the training states.
+        weights: (C, N) a of (45), in units of `unit`.
+        coefficients: (B,) b of (45), in physical units.
+        unit: (N,) N·m that count as one.
+        range: the motion it was identified on.
+        record: what identification found, as JSON holds it.
+        training_tau: (C, N) N·m measured at the centres, so that it can be refitted.
+        training_time, training_segment: (C,) when, in s, and in which uninterrupted stretch.
+    """
+
+    joints: tuple[str, ...]
+    name: str
+    kernel: Kernel
+    basis: Basis
+    centres: States
+    weights: Floats
+    coefficients: Floats
+    unit: Floats
+    range: MotionRange
+    record: Mapping[str, object]
+    training_tau: Floats
+    training_time: Floats
+    training_segment: NDArray[np.int64]
+
+    def predict(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Floats:
+        """Torque in N·m.
+
+        Args:
+            q, qd, qdd: (M, N) in rad, rad/s, rad/s²; or one state (N,).
+
+        Returns:
+            (M, N), or (N,) for one state.
+
+        Raises:
+            ModelError: the arrays are not of this model's joints.
+        """
+        x = self._states(q, qd, qdd)
+        out = np.empty_like(x.q)
+        for first in range(0, len(x), CHUNK_SAMPLES):
+            part = slice(first, first + CHUNK_SAMPLES)
+            states = x.take(part)
+            out[part] = self._lagrangian(states)
+            for torque in self.basis.torque(states, self.coefficients).values():
+                out[part] += torque
+        return out if np.ndim(q) > 1 else out[0]
+
+    def terms(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Terms:
+        """The torque in parts: gravity, inertia, Coriolis, and each effect.
+
+        Raises:
+            ModelError: the arrays are not of this model's joints.
+        """
+        x = self._states(q, qd, qdd)
+        gravity = self._lagrangian(x.at_rest())
+        inertia = self._lagrangian(x.without_velocity()) - gravity
+        coriolis = self._lagrangian(x) - gravity - inertia
+        effects = self.basis.torque(x, self.coefficients)
+        if np.ndim(q) > 1:
+            return Terms(gravity, inertia, coriolis, effects)
+        return Terms(
+            gravity[0], inertia[0], coriolis[0], {name: v[0] for name, v in effects.items()}
+        )
+
+    def _lagrangian(self, x: States) -> Floats:
+        return self.kernel.apply(x, self.centres, self.weights) * self.unit
+
+    def _states(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> States:
+        x = States.of(q, qd, qdd)
+        if x.joints != len(self.joints):
+            raise ModelError(
+                f"the model is of {len(self.joints)} joints ({', '.join(self.joints)}), "
+                f"got states of {x.joints}"
+            )
+        return x
+
+    def save(self, path: "str | Path") -> None:
+        """Write the model to a file; see `storage`."""
+        from lagrangian_ff.identification import storage
+
+        storage.save(self, Path(path))
+
+    @classmethod
+    def load(cls, path: "str | Path") -> "Model":
+        """Read a model from a file; see `storage`.
+
+        Raises:
+            ModelError: there is no such file, it is damaged, no model, or of a newer version.
+        """
+        from lagrangian_ff.identification import storage
+
+        return storage.load(Path(path))

@@ -1,0 +1,254 @@
+"""Choosing hyperparameters: blocked cross-validation, as the paper does, or the evidence.
+
+Both come from the one factor of a fit. The search is a simplex search on logarithms within stated
+ranges, on few samples first and on more then, so that it costs little more than a few fits.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit, with_noise
+from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.kernels import IndependentKernel, Kernel, States
+from lagrangian_ff.progress import Progress, silent
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NOISE_RANGE = (1e-6, 0.5)
+NOISE_START = 1e-2
+CRITERIA = ("validation", "evidence")
+STAGES = ((120, 0.7), (240, 0.3))
+"""Samples used and share of the evaluations spent, stage by stage."""
+FAILED = 1e12
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """What hyperparameters are chosen on.
+
+    Attributes:
+        states: (M, N).  tau: (M, N) N·m.  fold: (M,) the fold each sample is left out with.
+        scaling: of the torques.
+    """
+
+    states: States
+    tau: Floats
+    fold: Ints
+    scaling: Scaling
+
+    def thinned(self, samples: int) -> "TrainingSet":
+        """At most this many samples, evenly spread."""
+        index = evenly(len(self.states), samples)
+        return replace(
+            self, states=self.states.take(index), tau=self.tau[index], fold=self.fold[index]
+        )
+
+    def groups(self) -> list[Ints]:
+        """The samples of each fold."""
+        return [np.flatnonzero(self.fold == number) for number in np.unique(self.fold)]
+
+
+def evenly(available: int, wanted: int) -> Ints:
+    """Positions of at most `wanted` samples, evenly spread over those available."""
+    if wanted >= available:
+        return np.arange(available)
+    return np.round(np.linspace(0, available - 1, wanted)).astype(np.int64)
+
+
+def validation_score(fitted: Fit, groups: Sequence[Ints]) -> Floats:
+    """(N,) mean squared error of each joint on left-out folds, over its torque's variance.
+
+    NaN for a joint that was not fitted.
+    """
+    residual, _ = fitted.left_out(groups)
+    errors = (residual / fitted.scaling.spread) ** 2
+    seen = np.isfinite(errors).any(axis=0)
+    score = np.full(errors.shape[1], np.nan)
+    score[seen] = np.nanmean(errors[:, seen], axis=0)
+    return score
+
+
+def starting_choice(spec: Spec, states: States) -> Choice:
+    """The hyperparameters before any search."""
+    shapes = {
+        effect.name: {s.name: np.full(states.joints, s.start) for s in effect.shapes}
+        for effect in spec.effects
+        if effect.shapes
+    }
+    choice = Choice(spec.kernel.start(states), np.ones(states.joints), shapes)
+    return with_noise(choice, np.array([NOISE_START]), states)
+
+
+def choose(
+    spec: Spec,
+    data: TrainingSet,
+    criterion: str = "validation",
+    evaluations: int = 90,
+    progress: Progress = silent,
+) -> Choice:
+    """Search the kernel's hyperparameters, the noise, and the effects' shape parameters.
+
+    Args:
+        spec: kernel family and effects.
+        data: training samples with their folds.
+        criterion: `validation` (blocked cross-validation, section IV-B) or `evidence`.
+        evaluations: how many settings are tried, a joint where joints choose apart.
+        progress: told the share done.
+
+    Raises:
+        ModelError: the criterion is unknown, or there is one fold only to validate on.
+    """
+    if criterion not in CRITERIA:
+        raise ModelError(f"selection '{criterion}' is unknown; expected {' or '.join(CRITERIA)}")
+    if criterion == "validation" and len(np.unique(data.fold)) < 2:
+        raise ModelError(
+            "cross-validation needs at least two blocks of training motion, got one: "
+            "record longer, use a larger --train, shorter blocks, or --selection evidence"
+        )
+    start = starting_choice(spec, data.states)
+    per_joint = issubclass(spec.kernel, IndependentKernel) and spec.kernel.per_joint
+    if not per_joint:
+        return _search(spec, data, start, None, criterion, evaluations, progress)
+    chosen = start
+    for joint in range(data.states.joints):
+
+        def told(share: float, label: str, done: int = joint) -> None:
+            progress((done + share) / data.states.joints, label)
+
+        chosen = _search(spec, data, chosen, joint, criterion, evaluations, told)
+    return chosen
+
+
+def _search(
+    spec: Spec,
+    data: TrainingSet,
+    start: Choice,
+    joint: int | None,
+    criterion: str,
+    evaluations: int,
+    progress: Progress,
+) -> Choice:
+    """Simplex search of the numbers that one joint, or all, depend on."""
+    axes = _axes(spec, start)
+    tried = 0
+    point = np.array([axis.start for axis in axes])
+    step = np.array([axis.step for axis in axes])
+    for samples, share in STAGES:
+        part = data.thinned(samples)
+        groups = part.groups()
+
+        def objective(
+            values: Floats, part: TrainingSet = part, groups: list[Ints] = groups
+        ) -> float:
+            nonlocal tried
+            tried += 1
+            progress(min(1.0, tried / evaluations), "choosing hyperparameters")
+            choice = _at(start, axes, values, joint, part.states)
+            try:
+                fitted = fit(spec, choice, part.states, part.tau, part.scaling)
+                if joint is not None:
+                    fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
+                if criterion == "evidence":
+                    return -fitted.log_evidence
+                score = validation_score(fitted, groups)
+            except (NotPositiveDefiniteError, np.linalg.LinAlgError):
+                return FAILED
+            total = float(np.nanmean(score if joint is None else score[joint]))
+            return float(np.log(total)) if np.isfinite(total) and total > 0.0 else FAILED
+
+        point = _simplex(objective, point, step, axes, int(share * evaluations))
+        step = step * 0.4
+    return _at(start, axes, point, joint, data.states)
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """One number that is searched: the logarithm of a multiple, or of the number itself."""
+
+    kind: str
+    name: str
+    low: float
+    high: float
+    start: float
+    step: float
+
+
+def _axes(spec: Spec, start: Choice) -> list[_Axis]:
+    axes = [
+        _Axis("kernel", h.name, np.log(h.low), np.log(h.high), 0.0, 1.2)
+        for h in spec.kernel.searched
+    ]
+    low, high = np.log(NOISE_RANGE)
+    axes.append(_Axis("noise", "noise", low, high, float(np.log(NOISE_START)), -1.5))
+    for effect in spec.effects:
+        axes.extend(
+            _Axis(effect.name, s.name, np.log(s.low), np.log(s.high), np.log(s.start), 0.8)
+            for s in effect.shapes
+        )
+    return axes
+
+
+def _at(
+    start: Choice, axes: Sequence[_Axis], values: Floats, joint: int | None, states: States
+) -> Choice:
+    """The choice at a point of the search, for all joints or for one of them."""
+    joints = states.joints
+    kernel: Kernel = start.kernel
+    shapes = {effect: dict(named) for effect, named in start.shapes.items()}
+    noise = start.noise
+    for axis, value in zip(axes, values, strict=True):
+        if axis.kind == "kernel":
+            first = type(kernel).start(states).hyperparameters[axis.name]
+            kernel = kernel.replace(
+                **{axis.name: _set(kernel.hyperparameters[axis.name], first * np.exp(value),
+                                   joint, joints)}
+            )  # fmt: skip
+        elif axis.kind != "noise":
+            old = shapes[axis.kind][axis.name]
+            shapes[axis.kind][axis.name] = _set(old, np.exp([value]), joint, joints)
+    choice = Choice(kernel, noise, shapes)
+    relative = np.exp([values[[axis.kind for axis in axes].index("noise")]])
+    fresh = with_noise(choice, relative, states).noise
+    return replace(choice, noise=_set(noise, fresh if joint is None else fresh[[joint]],
+                                      joint, joints))  # fmt: skip
+
+
+def _set(old: Floats, new: Floats, joint: int | None, joints: int) -> Floats:
+    """All joints' value, or one joint's with the others kept."""
+    if joint is None:
+        return np.asarray(new if new.shape == old.shape else np.broadcast_to(new, old.shape))
+    values = np.array(np.broadcast_to(old, (joints,)))
+    values[joint] = new[0]
+    return values
+
+
+def _simplex(
+    objective: Callable[[Floats], float],
+    point: Floats,
+    step: Floats,
+    axes: Sequence[_Axis],
+    evaluations: int,
+) -> Floats:
+    low = np.array([axis.low for axis in axes])
+    high = np.array([axis.high for axis in axes])
+    corners = np.vstack([point, point + np.diag(step)])
+    found = minimize(
+        objective,
+        point,
+        method="Nelder-Mead",
+        bounds=list(zip(low, high, strict=True)),
+        options={
+            "initial_simplex": np.clip(corners, low, high),
+            "maxfev": max(evaluations, len(axes) + 2),
+            "xatol": 0.03,
+            "fatol": 1e-4,
+        },
+    )
+    return np.asarray(found.x)

@@ -1,0 +1,145 @@
+"""Models on disk: a zip of plain arrays and one JSON text (.npz). Reading executes nothing."""
+
+import json
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.kernels import States
+
+FORMAT = "lagrangian_ff model"
+VERSION = 1
+ARRAYS = {
+    "q": 2, "qd": 2, "qdd": 2, "weights": 2, "training_tau": 2, "coefficients": 1, "unit": 1,
+    "training_time": 1, "training_segment": 1,
+}  # fmt: skip
+"""Every array of the file and its number of dimensions."""
+
+
+def save(model: Model, path: Path) -> None:
+    """Write the model; an existing file is replaced only once the new one is whole.
+
+    Raises:
+        ModelError: the folder does not exist or cannot be written.
+    """
+    header = {
+        "format": FORMAT,
+        "version": VERSION,
+        "joints": list(model.joints),
+        "units": {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "tau": "N·m", "time": "s"},
+        "name": model.name,
+        "hyperparameters": {k: v.tolist() for k, v in model.kernel.hyperparameters.items()},
+        "basis": [
+            {"effect": t.effect.name, "joint": t.joint, "shape": dict(t.shape)}
+            for t in model.basis.terms
+        ],
+        "range": model.range.record(),
+        "record": dict(model.record),
+    }
+    arrays: dict[str, Any] = {
+        "q": model.centres.q,
+        "qd": model.centres.qd,
+        "qdd": model.centres.qdd,
+        "weights": model.weights,
+        "training_tau": model.training_tau,
+        "coefficients": model.coefficients,
+        "unit": model.unit,
+        "training_time": model.training_time,
+        "training_segment": model.training_segment,
+    }
+    text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with whole.open("wb") as file:
+            np.savez_compressed(file, header=text, **arrays)
+        whole.replace(path)
+    except OSError as error:
+        whole.unlink(missing_ok=True)
+        raise ModelError(f"cannot write the model to {path}: {error.strerror}") from error
+
+
+def load(path: Path) -> Model:
+    """Read a model.
+
+    Raises:
+        ModelError: there is no such file, it is damaged, no model, or of a newer version.
+    """
+    header, arrays = _read(path)
+    if header.get("format") != FORMAT:
+        raise ModelError(f"{path} is not a model of lagrangian_ff")
+    version = header.get("version")
+    if not isinstance(version, int) or version > VERSION:
+        raise ModelError(
+            f"{path} is a model of version {version}, this program reads up to {VERSION}: "
+            "update lagrangian_ff, or identify the model again"
+        )
+    try:
+        return _build(header, arrays)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise ModelError(f"{path} is damaged: {error}; identify the model again") from error
+
+
+def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            if not isinstance(file, np.lib.npyio.NpzFile) or "header" not in file:
+                raise ModelError(f"{path} is not a model of lagrangian_ff")
+            header = json.loads(bytes(file["header"]).decode())
+            if not isinstance(header, dict):
+                raise ModelError(f"{path} is not a model of lagrangian_ff")
+            return header, {name: file[name] for name in file.files if name != "header"}
+    except FileNotFoundError as error:
+        raise ModelError(f"no model file {path}") from error
+    except IsADirectoryError as error:
+        raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError) as error:
+        raise ModelError(f"{path} is damaged or no model file: {error}") from error
+
+
+def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
+    joints = tuple(str(name) for name in header["joints"])
+    for name, dimensions in ARRAYS.items():
+        found = arrays[name]
+        if found.ndim != dimensions or found.dtype.kind not in "fi":
+            raise ValueError(f"array {name} has shape {found.shape} and type {found.dtype}")
+        if not np.isfinite(found).all():
+            raise ValueError(f"array {name} holds values that are not finite")
+        if dimensions == 2 and found.shape != arrays["q"].shape:
+            raise ValueError(f"array {name} has shape {found.shape}, not {arrays['q'].shape}")
+    if arrays["q"].shape[1] != len(joints) or arrays["unit"].shape != (len(joints),):
+        raise ValueError(f"arrays of {arrays['q'].shape[1]} joints for {len(joints)} names")
+    centres = States.of(arrays["q"], arrays["qd"], arrays["qdd"])
+    values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
+    basis = Basis(
+        tuple(
+            Term(EFFECTS[entry["effect"]], int(entry["joint"]), dict(entry["shape"]))
+            for entry in header["basis"]
+        )
+    )
+    if arrays["coefficients"].shape != (basis.size,):
+        raise ValueError(f"{arrays['coefficients'].shape} coefficients for {basis.size} columns")
+    return Model(
+        joints=joints,
+        name=str(header["name"]),
+        kernel=parse(header["name"]).kernel.start(centres).replace(**values),
+        basis=basis,
+        centres=centres,
+        weights=arrays["weights"],
+        coefficients=arrays["coefficients"],
+        unit=arrays["unit"],
+        range=MotionRange.from_record(header["range"]),
+        record=header["record"],
+        training_tau=arrays["training_tau"],
+        training_time=arrays["training_time"],
+        training_segment=arrays["training_segment"],
+    )
