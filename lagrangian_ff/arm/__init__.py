@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lagrangian_ff.arm.arm import Arm as Arm
     from lagrangian_ff.arm.arm import JointSample as JointSample
+    from lagrangian_ff.arm.collision import check_clearance as check_clearance
     from lagrangian_ff.arm.description import HOME as HOME
     from lagrangian_ff.arm.description import JOINTS as JOINTS
     from lagrangian_ff.arm.description import PAPER_LOADS as PAPER_LOADS
     from lagrangian_ff.arm.description import Load as Load
+    from lagrangian_ff.arm.description import limits as limits
     from lagrangian_ff.arm.description import robot_description as robot_description
     from lagrangian_ff.arm.drawing import picture as picture
     from lagrangian_ff.arm.exciting import exciting_trajectory as exciting_trajectory
@@ -24,20 +26,22 @@ if TYPE_CHECKING:
     from lagrangian_ff.arm.simulation import Run as Run
     from lagrangian_ff.arm.simulation import simulate as simulate
     from lagrangian_ff.arm.trajectory import Trajectory as Trajectory
+    from lagrangian_ff.arm.trajectory import check_limits as check_limits
     from lagrangian_ff.arm.trajectory import move_to as move_to
     from lagrangian_ff.arm.trajectory_csv import read_trajectory as read_trajectory
     from lagrangian_ff.arm.trajectory_csv import write_trajectory as write_trajectory
 
 _ROOM = {
     "arm": ("Arm", "JointSample"),
-    "description": ("HOME", "JOINTS", "PAPER_LOADS", "Load", "robot_description"),
+    "collision": ("check_clearance",),
+    "description": ("HOME", "JOINTS", "PAPER_LOADS", "Load", "limits", "robot_description"),
     "exciting": ("exciting_trajectory",),
     "joint_effect": ("JointEffect", "JointMoment"),
     "parameters": ("ArmParameters",),
     "drawing": ("picture",),
     "plant": ("Plant", "true_torque"),
     "simulation": ("Run", "simulate"),
-    "trajectory": ("Trajectory", "move_to"),
+    "trajectory": ("Trajectory", "check_limits", "move_to"),
     "trajectory_csv": ("read_trajectory", "write_trajectory"),
 }
 _FILE = {name: file for file, names in _ROOM.items() for name in names}

@@ -8,11 +8,13 @@ import pybullet
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.description import LINKS, Load
+from lagrangian_ff.arm.description import JOINTS, LINKS, Load
+from lagrangian_ff.arm.trajectory import Trajectory
+from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
 
-MARGIN = 0.02  # m
+CHECK_EVERY = 0.05  # s
 
 
 class Surroundings:
@@ -23,9 +25,13 @@ class Surroundings:
 
     Args:
         loads: kg (or Load) by joint or link.
+        margin: m, what is nearer counts as contact.
     """
 
-    def __init__(self, loads: Mapping[str, float | Load] | None = None) -> None:
+    def __init__(
+        self, loads: Mapping[str, float | Load] | None = None, *, margin: float = 0.0
+    ) -> None:
+        self._margin = margin
         self._body = Body(loads)
         self._args = {"physicsClientId": self._body.client}
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, **self._args)
@@ -49,10 +55,10 @@ class Surroundings:
         body, floor, args = self._body.id, self._floor, self._args
         self._body.set_state(q, np.zeros_like(q))
         for a, b in self._pairs:
-            if pybullet.getClosestPoints(body, body, MARGIN, a, b, **args):
+            if pybullet.getClosestPoints(body, body, self._margin, a, b, **args):
                 return f"{self._name(a)} and {self._name(b)}"
         for link in self._low:
-            if pybullet.getClosestPoints(body, floor, MARGIN, link, **args):
+            if pybullet.getClosestPoints(body, floor, self._margin, link, **args):
                 return f"{self._name(link)} and the floor"
         return None
 
@@ -75,3 +81,24 @@ class Surroundings:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def check_clearance(
+    trajectory: Trajectory, loads: Mapping[str, float | Load] | None = None
+) -> None:
+    """Whether the arm can follow a trajectory without touching itself or the floor.
+
+    Args:
+        trajectory: of the arm's joints; looked at every 50 ms.
+        loads: kg (or Load) by joint or link.
+
+    Raises:
+        ArmError: it cannot; names what touches, and when.
+    """
+    count = int(np.ceil(trajectory.duration / CHECK_EVERY)) + 1
+    times = np.linspace(trajectory.time[0], trajectory.time[-1], count)
+    with Surroundings(loads) as surroundings:
+        for time, q in zip(times, trajectory.select(JOINTS).sample(times)[0], strict=True):
+            contact = surroundings.first_contact(q)
+            if contact is not None:
+                raise ArmError(f"trajectory: {contact} touch at {time:.2f} s")

@@ -22,8 +22,8 @@ HOME: tuple[float, ...] = (0.0, -0.5, 1.4, 0.0, 0.7, 0.0)
 
 STEEL = 7850.0  # kg/m³
 LOAD_POINTS = {
-    "link_1": (-0.13, 0.0, 0.135),
-    "link_2": (0.0, 0.225, 0.20),
+    "link_1": (-0.24, 0.0, 0.03),
+    "link_2": (0.0, 0.215, 0.36),
     "link_3": (0.095, 0.0, 0.09),
     "link_4": (0.085, 0.0, 0.05),
     "link_5": (0.06, 0.0, 0.045),
@@ -33,7 +33,7 @@ LOAD_POINTS = {
 
 @dataclass(frozen=True)
 class Load:
-    """A steel ball fixed to a link.
+    """A steel ball fixed to a link by a rod without mass.
 
     Attributes:
         mass: kg.
@@ -120,6 +120,13 @@ def _ball(link: str, load: Load) -> str:
     assert load.point is not None
     inertia = 0.4 * load.mass * load.radius**2
     where = " ".join(f"{x:.9g}" for x in load.point)
+    x, y, _ = load.point
+    rod = (
+        f'    <visual><origin xyz="{-x / 2:.6g} {-y / 2:.6g} 0" '
+        f'rpy="0 {np.pi / 2} {np.arctan2(y, x)}"/>'
+        f'<geometry><cylinder radius="0.008" length="{np.hypot(x, y):.6g}"/></geometry>'
+        f'<material name="graphite"/></visual>\n'
+    )
     shape = f'<geometry><sphere radius="{load.radius:.6g}"/></geometry>'
     return (
         f'  <link name="load_on_{link}">\n'
@@ -127,6 +134,7 @@ def _ball(link: str, load: Load) -> str:
         f'      <inertia ixx="{inertia:.9g}" ixy="0" ixz="0" iyy="{inertia:.9g}" iyz="0" '
         f'izz="{inertia:.9g}"/>\n    </inertial>\n'
         f'    <visual>{shape}<material name="steel"/></visual>\n'
+        f"{rod if np.hypot(x, y) > load.radius else ''}"
         f"    <collision>{shape}</collision>\n  </link>\n"
         f'  <joint name="fix_load_on_{link}" type="fixed">\n    <parent link="{link}"/>\n'
         f'    <child link="load_on_{link}"/>\n    <origin xyz="{where}"/>\n  </joint>\n'

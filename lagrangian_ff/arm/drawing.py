@@ -15,10 +15,13 @@ from lagrangian_ff.arm.description import Load
 
 Floats = NDArray[np.float64]
 Mesh = tuple[Floats, Floats, NDArray[np.int64]]
+Pose = tuple[Sequence[float], Sequence[float]]
 
 POSE: tuple[float, ...] = (0.35, 0.45, 1.15, 0.5, 0.6, 0.4)  # rad
 BACKGROUND = np.array([0.957, 0.965, 0.973])
 OVERSAMPLING = 3
+FLOOR_COLOUR = (0.86, 0.88, 0.90, 1.0)
+FLOOR_RADIUS = 0.48  # m
 SIDES = 64
 CHAMFER = 0.0035  # m
 
@@ -81,17 +84,23 @@ def _replace_by_fine_meshes(body: Body) -> None:
         _, link, kind, size, _, place, turn, colour = shape[:8]
         position, orientation = _frame(body, link)
         where = pybullet.multiplyTransforms(position, orientation, place, turn)
-        vertices, normals, triangles = _mesh(kind, size)
-        visual = pybullet.createVisualShape(
-            pybullet.GEOM_MESH,
-            vertices=vertices.tolist(),
-            normals=normals.tolist(),
-            indices=triangles.ravel().tolist(),
-            rgbaColor=colour,
-            **args,
-        )
-        pybullet.createMultiBody(0, -1, visual, *where, **args)
+        _show(body, _mesh(kind, size), colour, where)
     pybullet.removeBody(body.id, **args)
+    disc = _mesh(pybullet.GEOM_CYLINDER, (0.01, FLOOR_RADIUS))
+    _show(body, disc, FLOOR_COLOUR, ((0.0, 0.0, -0.005), (0.0, 0.0, 0.0, 1.0)))
+
+
+def _show(body: Body, mesh: Mesh, colour: Sequence[float], where: Pose) -> None:
+    vertices, normals, triangles = mesh
+    visual = pybullet.createVisualShape(
+        pybullet.GEOM_MESH,
+        vertices=vertices.tolist(),
+        normals=normals.tolist(),
+        indices=triangles.ravel().tolist(),
+        rgbaColor=colour,
+        physicsClientId=body.client,
+    )
+    pybullet.createMultiBody(0, -1, visual, *where, physicsClientId=body.client)
 
 
 def _frame(body: Body, link: int) -> tuple[Sequence[float], Sequence[float]]:

@@ -14,10 +14,11 @@ from lagrangian_ff.errors import ArmError
 Floats = NDArray[np.float64]
 
 SPEEDS = range(1, 11)
-MEAN_NORM = 0.4  # rad/s of mean velocity norm for each speed number
-DURATION = 36.0  # s
+MEAN_NORM = 0.38  # rad/s of mean velocity norm for each speed number
+DURATION, SHORTEST, LONGEST = 35.0, 30.0, 40.0  # s
 GRID = 0.01  # s, the spacing of the points
-CHECK = 5  # every so many points are checked for collisions
+MARGIN = 0.02  # m, kept from the floor and between links
+CHECK = 4  # every so many points are checked for collisions
 REACH = 0.85  # share of the joint ranges that via points are drawn from
 USED_VELOCITY, USED_EFFORT, USED_RANGE = 0.95, 0.85, 0.98
 REPAIRS = 300
@@ -40,9 +41,9 @@ def exciting_trajectory(
     drawn anew.
 
     Args:
-        speed: 1 to 10; the mean norm of velocity rises with it, by about 0.4 rad/s each.
+        speed: 1 to 10; the mean norm of velocity rises with it, by 0.38 rad/s each.
         seed: the same seed, speed and duration give the same motion.
-        duration: s; None for 36 s.
+        duration: s; None for what gives that mean velocity, 30 to 40 s.
         parameters: the drives whose torque counts.
 
     Returns:
@@ -53,17 +54,20 @@ def exciting_trajectory(
     """
     if speed not in SPEEDS:
         raise ArmError(f"speed: expected a whole number from 1 to {SPEEDS[-1]}, got {speed!r}")
-    duration = DURATION if duration is None else duration
-    if not (np.isfinite(duration) and duration >= 4.0):
+    if duration is not None and not (np.isfinite(duration) and duration >= 4.0):
         raise ArmError(f"duration: expected at least 4 s, got {duration!r}")
     random = np.random.default_rng([seed, speed])
-    vias = _via_points(random, MEAN_NORM * speed * duration)
+    vias = _via_points(random, MEAN_NORM * speed * (duration or DURATION))
     plants = [Plant(parameters, loads) for loads in (None, PAPER_LOADS)]
     try:
-        with Surroundings(PAPER_LOADS) as surroundings:
+        with Surroundings(PAPER_LOADS, margin=MARGIN) as surroundings:
             for _ in range(REPAIRS):
-                times = _times(vias, duration)
+                times = _times(vias, duration or DURATION)
                 trajectory = _sampled(times, vias)
+                if duration is None:
+                    ratio = _mean_norm(trajectory) / (MEAN_NORM * speed)
+                    times = _times(vias, float(np.clip(DURATION * ratio, SHORTEST, LONGEST)))
+                    trajectory = _sampled(times, vias)
                 failures = _failures(trajectory, plants, surroundings)
                 if not len(failures):
                     return trajectory
@@ -72,8 +76,8 @@ def exciting_trajectory(
         for plant in plants:
             plant.close()
     raise ArmError(
-        f"no motion of speed {speed} and {duration:g} s within limits and free of collision was "
-        f"found from seed {seed}; try another seed, a lower speed or a longer duration"
+        f"no motion of speed {speed} within limits and free of collision was found from seed "
+        f"{seed}; try another seed, a lower speed or a longer duration"
     )
 
 
@@ -115,6 +119,10 @@ def _sampled(times: Floats, vias: Floats) -> Trajectory:
     spline: BSpline = make_interp_spline(times, vias, k=5, bc_type=(rest, rest))
     time = np.arange(round(times[-1] / GRID) + 1) * GRID
     return Trajectory(time, spline(time), spline(time, 1), spline(time, 2))
+
+
+def _mean_norm(trajectory: Trajectory) -> float:
+    return float(np.linalg.norm(trajectory.qd, axis=1).mean())
 
 
 def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroundings) -> Floats:

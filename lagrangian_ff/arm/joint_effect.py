@@ -9,6 +9,8 @@ from lagrangian_ff.arm.parameters import ArmParameters
 
 Floats = NDArray[np.float64]
 
+TINY = 1e-300
+
 
 class JointMoment(NamedTuple):
     """What an effect may know about the joints, (6,) each, on the link's side of the gear.
@@ -58,17 +60,17 @@ class Friction:
     def __init__(self, parameters: ArmParameters) -> None:
         self._viscous = np.asarray(parameters.viscous)
         self._coulomb = np.asarray(parameters.coulomb)
-        self._velocity = np.asarray(parameters.coulomb_velocity)
+        self._per_velocity = 1.0 / np.asarray(parameters.coulomb_velocity)
+        self._steepest = self._coulomb * self._per_velocity
 
     def reset(self, q: Floats) -> None:
         """Nothing to forget."""
 
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
         """See JointEffect."""
-        x = moment.qd / self._velocity
-        # tanh(x) / x at zero is one; beside it the quotient is exact to rounding.
-        x = np.where(np.abs(x) < 1e-9, 1e-9, x)
-        chord = self._viscous + self._coulomb / self._velocity * (np.tanh(x) / x)
+        # tanh(x) / x is one at zero, and beside it exact to rounding.
+        x = moment.qd * self._per_velocity + TINY
+        chord = self._viscous + self._steepest * (np.tanh(x) / x)
         return chord * moment.qd, chord
 
     def advance(self, moment: JointMoment) -> None:
@@ -76,4 +78,4 @@ class Friction:
 
     def at(self, qd: Floats) -> Floats:
         """The torque at velocities (..., 6) rad/s, in N·m."""
-        return self._viscous * qd + self._coulomb * np.tanh(qd / self._velocity)
+        return self._viscous * qd + self._coulomb * np.tanh(qd * self._per_velocity)

@@ -14,8 +14,9 @@ from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
 
+DIAGONAL = slice(None, None, len(JOINTS) + 1)
 ITERATIONS = 8
-SETTLED = 1e-7  # rad/s
+SETTLED = 1e-6  # rad/s
 
 
 class Plant:
@@ -50,7 +51,6 @@ class Plant:
         self.friction = Friction(self.parameters)
         self._effects: tuple[JointEffect, ...] = (self.friction, *effects)
         self._armature = self.parameters.reflected_inertia
-        self._diagonal = np.diag_indices(len(JOINTS))
         self.reset(np.zeros(len(JOINTS)))
 
     def reset(self, q: Floats) -> None:
@@ -74,18 +74,18 @@ class Plant:
         mass = self.body.mass_matrix(self.q)
         bias = self.body.bias(self.q, self.qd)
         inertia = mass.copy()
-        inertia[self._diagonal] += self._armature
+        inertia.ravel()[DIAGONAL] += self._armature
         drive = motor - bias
-        guess = self.qd
+        guess = self.qd + self.dt * self.qdd
         for _ in range(ITERATIONS):
             resisting, slope = self._resistance(guess, motor)
             system = inertia.copy()
-            system[self._diagonal] += self.dt * slope
+            system.ravel()[DIAGONAL] += self.dt * slope
             qdd = dposv(system, drive - resisting + slope * (guess - self.qd))[1]
             qd = self.qd + self.dt * qdd
             change = qd - guess
             guess = qd
-            if max(abs(change)) < SETTLED:
+            if np.abs(change).max() < SETTLED:
                 break
         self.effect_torque = resisting + slope * change
         self.load_torque = bias + mass @ qdd

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.arm import Arm
-from lagrangian_ff.arm.description import JOINTS, Load, limits
+from lagrangian_ff.arm.collision import check_clearance
+from lagrangian_ff.arm.description import JOINTS, Load
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
-from lagrangian_ff.arm.trajectory import Trajectory
+from lagrangian_ff.arm.trajectory import Trajectory, check_limits
 from lagrangian_ff.errors import ArmError
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.recording import Recording
@@ -75,10 +76,11 @@ def simulate(
         progress: told the fraction done.
 
     Raises:
-        ArmError: other joints than the arm's, a point outside its limits (names joint and time),
-            a feedforward of another shape or not finite.
+        ArmError: other joints than the arm's; a motion outside its limits or through itself or
+            the floor (names joint or links, and time); a feedforward of another shape or not
+            finite.
     """
-    reference = _on_ticks(trajectory, parameters or ArmParameters())
+    reference = _on_ticks(trajectory, parameters or ArmParameters(), loads)
     arm = Arm(parameters, seed=seed, loads=loads, effects=effects)
     try:
         torque = _torque(feedforward, trajectory, reference, arm)
@@ -87,7 +89,11 @@ def simulate(
         arm.close()
 
 
-def _on_ticks(trajectory: Trajectory, parameters: ArmParameters) -> Trajectory:
+def _on_ticks(
+    trajectory: Trajectory,
+    parameters: ArmParameters,
+    loads: Mapping[str, float | Load] | None,
+) -> Trajectory:
     unknown = [name for name in trajectory.joints if name not in JOINTS]
     if unknown:
         raise ArmError(
@@ -99,28 +105,8 @@ def _on_ticks(trajectory: Trajectory, parameters: ArmParameters) -> Trajectory:
     q, qd, qdd = trajectory.sample(trajectory.time[0] + time)
     reference = Trajectory(time, q, qd, qdd, JOINTS)
     check_limits(reference)
+    check_clearance(reference, loads)
     return reference
-
-
-def check_limits(trajectory: Trajectory) -> None:
-    """Whether position and velocity at the points of an arm's trajectory stay in its limits.
-
-    Raises:
-        ArmError: they do not; names the first joint and time.
-    """
-    bounds = limits()
-    slack = 1e-6
-    for what, unit, value, low, high in (
-        ("position", "rad", trajectory.q, bounds.lower, bounds.upper),
-        ("velocity", "rad/s", trajectory.qd, -bounds.velocity, bounds.velocity),
-    ):
-        bad = np.argwhere((value < low - slack) | (value > high + slack))
-        if bad.size:
-            point, n = bad[0]
-            raise ArmError(
-                f"trajectory: {what} of {JOINTS[n]} at {trajectory.time[point]:.3f} s is "
-                f"{value[point, n]:.3f} {unit}, outside {low[n]:.3f} to {high[n]:.3f} {unit}"
-            )
 
 
 def _torque(

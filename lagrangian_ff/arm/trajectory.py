@@ -170,6 +170,27 @@ class Trajectory:
         )
 
 
+def check_limits(trajectory: Trajectory) -> None:
+    """Whether position and velocity at the points of an arm's trajectory stay in its limits.
+
+    Raises:
+        ArmError: they do not; names the first joint and time.
+    """
+    bounds = limits()
+    slack = 1e-6
+    for what, unit, value, low, high in (
+        ("position", "rad", trajectory.q, bounds.lower, bounds.upper),
+        ("velocity", "rad/s", trajectory.qd, -bounds.velocity, bounds.velocity),
+    ):
+        bad = np.argwhere((value < low - slack) | (value > high + slack))
+        if bad.size:
+            point, n = bad[0]
+            raise ArmError(
+                f"trajectory: {what} of {JOINTS[n]} at {trajectory.time[point]:.3f} s is "
+                f"{value[point, n]:.3f} {unit}, outside {low[n]:.3f} to {high[n]:.3f} {unit}"
+            )
+
+
 def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> Trajectory:
     """From rest to rest along a quintic, at most at 40 % of the arm's velocity limits.
 
