@@ -6,6 +6,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.nodes.streaming.reference import Points
@@ -59,3 +60,28 @@ class JointStateMaker:
 def _doubles(values: Floats) -> "array[float]":
     # The setters check element by element whatever is not an array already.
     return array("d", np.ascontiguousarray(values, dtype=np.float64).tobytes())
+
+
+def annotated(
+    message: JointTrajectory, joints: tuple[str, ...], effort: Floats, start: int
+) -> JointTrajectory:
+    """The same message with effort and start filled in; joints without a torque get zero.
+
+    Args:
+        message: K points; it is changed.
+        joints: N names in it.
+        effort: (K, N) N·m.
+        start: ns.
+    """
+    columns = [message.joint_names.index(joint) for joint in joints]
+    row = np.zeros(len(message.joint_names))
+    for point, tau in zip(message.points, effort, strict=True):
+        row[columns] = tau
+        point.effort = _doubles(row)
+    message.header.stamp = stamp(start)
+    return message
+
+
+def command(tau: Floats) -> Float64MultiArray:
+    """A command that is never NaN: what is not finite is zero."""
+    return Float64MultiArray(data=_doubles(np.where(np.isfinite(tau), tau, 0.0)))

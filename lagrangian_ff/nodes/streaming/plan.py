@@ -111,7 +111,7 @@ def make_plan(
     policy: Policy,
     step: float = 0.004,
     report: Callable[[float], None] = lambda fraction: None,
-    chunk: int = 64,
+    chunk: int = 16,
 ) -> Plan:
     """Compute the torques of a reference.
 
