@@ -76,6 +76,8 @@ class BagWriter:
 
     def append_raw(self, data: bytes, stamp_ns: int, topic: str | None = None) -> None:
         """Append a serialized JointState (CDR) received at `stamp_ns` (since the epoch)."""
+        if self._file.closed:
+            raise RecordingError(f"{self.path}: the bag is closed; nothing can be appended")
         topic = self._topic if topic is None else topic
         channel = self._channel(topic)
         # Readers without an index need times that never decrease; the header keeps its own.

@@ -29,6 +29,8 @@ from lagrangian_ff.recording.usable import require_known, require_usable
 
 Floats = NDArray[np.float64]
 
+_CLOCKS = ("auto", "stamps", "steady")
+_SLOWEST = 10.0  # Hz; an arm sampled more slowly hides its accelerations
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
 
@@ -45,6 +47,8 @@ class Conditioning:
             None takes half a period of the bandwidth or 2.5 samples, whichever is longer.
         trim: s, cut off at both ends of a segment, where the filter had to guess what lies
             beyond; None takes the time in which it settles to 1/1000.
+        clock: "stamps" believes the stamps, "steady" that samples were taken by a steady clock
+            and stamped with delay, "auto" decides by which of the two the motion follows.
         effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
         effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
     """
@@ -54,6 +58,7 @@ class Conditioning:
     rate: float | None = None
     max_gap: float | None = None
     trim: float | None = None
+    clock: str = "auto"
     effort_scale: Mapping[str, float] = field(default_factory=dict)
     effort_offset: Mapping[str, float] = field(default_factory=dict)
 
@@ -62,6 +67,10 @@ class Conditioning:
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value > 0):
                 raise RecordingError(f"conditioning: {name} is {value}, expected more than 0")
+        if self.clock not in _CLOCKS:
+            raise RecordingError(
+                f"conditioning: clock is {self.clock!r}, expected one of {', '.join(_CLOCKS)}"
+            )
         if self.order < 1:
             raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
         if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
@@ -84,7 +93,8 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
     require_known(recording, named)
     require_usable(recording)
     notes = list(recording.notes)
-    signals = read_signals(recording, notes)
+    signals = read_signals(recording, settings.clock, notes)
+    _require_timed(recording, signals)
     filters = _Filters.design(signals, settings, notes)
     clocks = _clocks(recording, signals, settings, filters, notes)
     pieces = [filters.output_times(ticks) for ticks in clocks]
@@ -241,6 +251,20 @@ def _clocks(
             "onto it by cubic splines"
         )
     return long
+
+
+def _require_timed(recording: Recording, signals: Signals) -> None:
+    slowest = signals.slowest.period
+    if any(np.isnan(sampling.period) for sampling in signals.samplings):
+        raise RecordingError(
+            f"{recording.source}: all samples bear the same stamp, {recording.time[0]:.3f} s; "
+            "the driver must stamp its messages"
+        )
+    if slowest > 1 / _SLOWEST:
+        raise RecordingError(
+            f"{recording.source}: sampled at {1 / slowest:.3g} Hz; expected at least "
+            f"{_SLOWEST:g} Hz, better 100 Hz and more"
+        )
 
 
 def _require_moving(recording: Recording, q: Floats, notes: list[str]) -> None:

@@ -79,6 +79,8 @@ def read_layout(data: bytes) -> Layout:
     number = count()
     if number > len(data):
         raise MalformedError("more joints than bytes")
+    if number == 0:
+        raise MalformedError("no joints")
     names = []
     for _ in range(number):
         inside = text()
@@ -115,20 +117,22 @@ class _Block:
 
 
 class JointStateTable:
-    """Collects messages of any joint order or subset into one table.
-
-    Attributes:
-        malformed: messages that were no JointState; they take no row.
-    """
+    """Collects messages of any joint order or subset into one table."""
 
     def __init__(self) -> None:
-        self.malformed = 0
+        self._malformed = 0
         self._columns: dict[str, int] = {}
         self._blocks: list[_Block] = []
         self._stamps: list[Ints] = []
         self._received: list[Ints] = []
         self._rows = 0
         self._pending: list[tuple[int, bytes]] = []
+
+    @property
+    def malformed(self) -> int:
+        """Messages that were no JointState or named no joint; they take no row."""
+        self._flush()
+        return self._malformed
 
     def __len__(self) -> int:
         self._flush()
@@ -143,12 +147,12 @@ class JointStateTable:
     def mark(self) -> tuple[int, int, int, int]:
         """Where the table stands, for `rewind`."""
         self._flush()
-        return self._rows, self.malformed, len(self._blocks), len(self._stamps)
+        return self._rows, self._malformed, len(self._blocks), len(self._stamps)
 
     def rewind(self, mark: tuple[int, int, int, int]) -> None:
         """Forget the messages added since this mark."""
         self._pending.clear()
-        self._rows, self.malformed, blocks, batches = mark
+        self._rows, self._malformed, blocks, batches = mark
         del self._blocks[blocks:], self._stamps[batches:], self._received[batches:]
 
     def finish(self) -> tuple[tuple[str, ...], Ints, Ints, Floats, Floats, Floats]:
@@ -185,15 +189,15 @@ class JointStateTable:
         by_length: dict[int, list[int]] = {}
         for index, (_, data) in enumerate(pending):
             by_length.setdefault(len(data), []).append(index)
-        for indices in by_length.values():
+        for length, indices in by_length.items():
             matrix = np.frombuffer(b"".join(pending[i][1] for i in indices), dtype=np.uint8)
-            matrix = matrix.reshape(len(indices), -1)
+            matrix = matrix.reshape(len(indices), length)
             left = np.array(indices, dtype=np.int64)
             while left.size:
                 try:
                     layout = read_layout(matrix[0].tobytes())
                 except MalformedError:
-                    self.malformed += 1
+                    self._malformed += 1
                     left, matrix = left[1:], matrix[1:]
                     continue
                 alike = (matrix[:, layout.fixed] == matrix[0, layout.fixed]).all(axis=1)

@@ -8,6 +8,7 @@ Floats = NDArray[np.float64]
 _ROUNDING = 1e-12  # of the largest value: differences below are floating point
 _MULTIPLE = 0.1  # of a step: how near to a multiple counts as one
 _AGREEING = 0.98  # share of the differences that must be multiples
+_FEWEST = 10  # differences to judge by
 _PILE = 5  # times as many samples as on the neighbouring values make a clipped effort
 _REST = 3  # samples in a row at the extreme
 
@@ -15,8 +16,8 @@ _REST = 3  # samples in a row at the extreme
 def resolution(position: Floats) -> float | None:
     """The step of which the values are multiples (same unit); None where there is none.
 
-    The median of the differences between neighbouring distinct values, small ones taken first,
-    refined by dividing all small differences by their numbers of steps.
+    The smallest difference between distinct values, or a half or third of it, of which all
+    small differences must be multiples; refined by dividing these by their numbers of steps.
     """
     values = np.unique(position[np.isfinite(position)])
     if values.size < 3:
@@ -24,19 +25,23 @@ def resolution(position: Floats) -> float | None:
     floor = _ROUNDING * max(np.abs(values).max(), 1.0)
     difference = np.diff(values)
     difference = np.sort(difference[difference > floor])
-    if difference.size < 2:
-        return None
-    # A tenth of the differences being single steps is enough to see the step.
-    step = float(difference[difference.size // 20])
-    near = difference[difference < 20 * step]
-    for _ in range(3):
+    for parts in (1, 2, 3):
+        if difference.size and (step := _common_step(difference, difference[0] / parts)):
+            return step
+    return None
+
+
+def _common_step(difference: Floats, step: float) -> float | None:
+    """The step near this one of which the small differences (sorted) are multiples."""
+    for reach in (4, 12, 40, 120):
+        near = difference[difference < (reach + 0.5) * step]
         count = np.round(near / step)
-        whole = count > 0
-        if not whole.any():
+        if near.size == 0 or count.min() < 1:
             return None
-        step = float(near[whole].sum() / count[whole].sum())
+        step = float(near.sum() / count.sum())
     off = np.abs(near / step - np.round(near / step))
-    return step if np.mean(off < _MULTIPLE) >= _AGREEING else None
+    agree = near.size >= _FEWEST and np.mean(off < _MULTIPLE) >= _AGREEING
+    return step if agree else None
 
 
 def clipped(effort: Floats) -> list[tuple[float, float]]:

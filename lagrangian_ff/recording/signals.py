@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from lagrangian_ff.recording.clock import ON_THE_TICK, retime
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.stamps import order, usual_period, without_resets
 
@@ -18,8 +19,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Spans = NDArray[np.float64]
 """(S, 2) s, begin and end of intervals of time, in order."""
-
-_ON_THE_TICK = 1e-3  # of a period: stamps this near a uniform clock are on it
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ class Sampling:
         time, values = self.time[first:last], column[self.index[first:last]]
         first, last = self._matching(time, ticks)
         if last - first == len(ticks):
-            tolerance = _ON_THE_TICK * self.period
+            tolerance = ON_THE_TICK * self.period
             if np.abs(time[first:last] - ticks).max() <= tolerance:
                 return values[first:last]
         return np.asarray(CubicSpline(time, values)(ticks))
@@ -101,7 +100,7 @@ class Signals:
             longest = max(longest, lost.max(initial=0.0))
             behind = (time - ticks[0]) / period
             off_clock = max(off_clock, period * np.abs(behind - np.round(behind)).max(initial=0.0))
-        if off_clock <= _ON_THE_TICK * period:
+        if off_clock <= ON_THE_TICK * period:
             off_clock = 0.0
         return Mended(bridged, float(longest), float(off_clock))
 
@@ -121,8 +120,12 @@ class Mended:
     off_clock: float
 
 
-def read_signals(recording: Recording, notes: list[str]) -> Signals:
-    """Put stamps in order, column by column, and note what was done."""
+def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
+    """Put stamps in order, column by column, and note what was done.
+
+    Args:
+        clock: "auto", "stamps" or "steady", as in `Conditioning`.
+    """
     time, resets = without_resets(recording.time)
     if resets.size:
         when = ", ".join(f"{recording.time[at - 1]:.3f} s" for at in resets[:3])
@@ -130,6 +133,7 @@ def read_signals(recording: Recording, notes: list[str]) -> Signals:
             f"the clock was set back {resets.size} times (after {when}); what follows is "
             "treated as another stretch of time"
         )
+    time = retime(recording, time, clock, notes)
     samplings: dict[bytes, int] = {}
     found: list[Sampling] = []
     moved = repeated = 0
@@ -195,6 +199,6 @@ def ticks_of(sampling: Sampling, span: Floats) -> Floats:
     origin = inside[0] if inside.size else span[0]
     behind = (inside - origin) / period
     phase = float(np.mean(behind - np.round(behind))) if inside.size else 0.0
-    first = np.ceil((span[0] - origin) / period - phase - _ON_THE_TICK)
-    last = np.floor((span[1] - origin) / period - phase + _ON_THE_TICK)
+    first = np.ceil((span[0] - origin) / period - phase - ON_THE_TICK)
+    last = np.floor((span[1] - origin) / period - phase + ON_THE_TICK)
     return np.asarray(origin + period * (phase + np.arange(first, last + 1)))

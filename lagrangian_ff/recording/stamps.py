@@ -75,6 +75,8 @@ def clock_resets(time: Floats) -> Ints:
             and len(time) - at >= _STEADY
             and (step[at - _STEADY : at - 1] >= 0).all()
             and (step[at : at + _STEADY - 1] >= 0).all()
+            # A single stamp that is far off looks like a fall, too.
+            and np.median(time[at : at + _STEADY]) < np.median(time[at - _STEADY : at])
         ],
         dtype=np.int64,
     )

@@ -63,7 +63,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     with ExitStack() as stack:
         workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
         local = [_prepare(file, workplace, notes) for file in paths]
-        chosen = _choose_topic(path, _topics(local), topic, notes)
+        chosen = _choose_topic(path, _topics(local, paths), topic, notes)
         table = JointStateTable()
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
             share = (index / len(local), 1 / len(local))
@@ -142,21 +142,19 @@ def _decompress(path: Path, target: Path) -> bool:
     return False
 
 
-def _open(path: Path, *, salvage: bool) -> StorageFile:
-    if not salvage:
-        return IntactFile(path)
-    return McapSalvage(path) if _kind(path) == ".mcap" else SqliteSalvage(path)
+def _salvage(path: Path, name: Path) -> StorageFile:
+    return McapSalvage(path, name) if _kind(path) == ".mcap" else SqliteSalvage(path, name)
 
 
-def _topics(paths: list[Path]) -> dict[str, str]:
+def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
     """The type of every topic that has messages, or of all if none has."""
     types: dict[str, str] = {}
     empty: dict[str, str] = {}
-    for path in paths:
+    for path, original in zip(paths, names, strict=True):
         try:
-            topics = _open(path, salvage=False).topics
+            topics = IntactFile(path).topics
         except UnreadableError:
-            topics = _open(path, salvage=True).topics
+            topics = _salvage(path, original).topics
         for name, (kind, count) in topics.items():
             (types if count else empty)[name] = kind
     return types or empty
@@ -214,17 +212,22 @@ def _read_file(
     mark = table.mark()
     before = len(table)
     try:
-        _append(_open(path, salvage=False), topic, table, original, progress, share)
+        _append(IntactFile(path), topic, table, original, progress, share)
         return
     except UnreadableError as error:
         reason = str(error)
     table.rewind(mark)
-    salvaged = _open(path, salvage=True)
+    salvaged = _salvage(path, original)
     _append(salvaged, topic, table, original, progress, share)
-    notes.append(
-        f"{original}: cut off or damaged ({salvaged.damage or reason}); "
-        f"the {len(table) - before} messages that can be read are used"
-    )
+    if salvaged.damage:
+        notes.append(
+            f"{original}: cut off or damaged ({salvaged.damage}); "
+            f"the {len(table) - before} messages that can be read are used"
+        )
+    else:
+        notes.append(
+            f"{original}: read record by record ({reason}); {len(table) - before} messages"
+        )
 
 
 def _append(
@@ -253,7 +256,9 @@ def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Reco
     malformed = table.malformed
     joints, stamps, received, position, velocity, effort = table.finish()
     if malformed:
-        notes.append(f"{source}: {malformed} messages are not valid JointState; left out")
+        notes.append(
+            f"{source}: {malformed} messages are no valid JointState or name no joint; left out"
+        )
     if stamps.size == 0:
         raise RecordingError(
             f"{source}: no joint state can be read" + "".join(f"; {note}" for note in notes)

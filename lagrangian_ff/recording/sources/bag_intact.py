@@ -6,6 +6,8 @@ from pathlib import Path
 
 from rosbags.rosbag2 import Reader
 
+from lagrangian_ff.recording.sources.sqlite_salvage import shortfall
+
 
 class UnreadableError(Exception):
     """`rosbags` refuses the file or breaks off inside it; the text says why."""
@@ -22,6 +24,8 @@ class IntactFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        if path.suffix == ".db3" and (damage := shortfall(path)):
+            raise UnreadableError(damage)
         with _translated(), Reader(path) as reader:
             self.topics = _counted(reader)
 

@@ -22,6 +22,10 @@ _MESSAGE_HEAD = 22  # channel, sequence, time logged, time published
 class McapSalvage:
     """What can be read of an MCAP file.
 
+    Args:
+        path: the file, perhaps a copy.
+        name: the file the user gave, for messages.
+
     Attributes:
         topics: message type and number of messages, by topic.
         damage: what is wrong with the file.
@@ -30,8 +34,9 @@ class McapSalvage:
         RecordingError: it is not an MCAP file at all.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, name: Path) -> None:
         self._path = path
+        self._name = name
         self.damage = ""
         self._channels: dict[int, str] = {}
         self.topics = self._scan()
@@ -66,7 +71,7 @@ class McapSalvage:
         self.damage = ""
         with self._path.open("rb") as file:
             if file.read(len(_MAGIC)) != _MAGIC:
-                raise RecordingError(f"{self._path}: not an MCAP file (it does not begin as one)")
+                raise RecordingError(f"{self._name}: not an MCAP file (it does not begin as one)")
             while True:
                 offset = file.tell()
                 head = file.read(_FRAME)

@@ -22,6 +22,10 @@ Value = int | bytes | str | None
 class SqliteSalvage:
     """What can be read of a sqlite3 file of rosbag2.
 
+    Args:
+        path: the file, perhaps a copy.
+        name: the file the user gave, for messages.
+
     Attributes:
         topics: message type and number of messages (0: not counted), by topic.
         damage: what is wrong with the file.
@@ -30,29 +34,28 @@ class SqliteSalvage:
         RecordingError: it is not a sqlite3 file at all.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, name: Path) -> None:
         self._path = path
+        self._name = name
         self._size = path.stat().st_size
+        self.damage = shortfall(path)
         with path.open("rb") as file:
             head = file.read(_FILE_HEAD)
         if head[:16] != _MAGIC:
-            raise RecordingError(f"{path}: not a sqlite3 file (it does not begin as one)")
+            raise RecordingError(f"{name}: not a sqlite3 file (it does not begin as one)")
         if len(head) < _FILE_HEAD:
-            raise RecordingError(f"{path}: cut off inside its header; nothing can be read")
-        # The format writes 65536, which does not fit, as 1.
-        self._page = {1: 65536}.get(size := int.from_bytes(head[16:18], "big"), size)
+            raise RecordingError(f"{name}: cut off inside its header; nothing can be read")
+        self._page = _page_size(head)
         if self._page < 512:
-            raise RecordingError(f"{path}: damaged header; nothing can be read")
+            raise RecordingError(f"{name}: damaged header; nothing can be read")
         self._usable = self._page - head[20]
-        promised = int.from_bytes(head[28:32], "big") * self._page
-        self.damage = f"{self._size} of {promised} bytes" if promised > self._size else ""
         self._topics: dict[int, tuple[str, str]] = {}
         for key, row in self._rows():
             match row:
                 # The table `topics` as rosbag2 lays it out: key, name, type, serialization.
-                case [None, str(name), str(kind), str(), *_] if "/" in kind:
-                    self._topics.setdefault(key, (name, kind))
-        self.topics = {name: (kind, 0) for name, kind in self._topics.values()}
+                case [None, str(topic), str(kind), str(), *_] if "/" in kind:
+                    self._topics.setdefault(key, (topic, kind))
+        self.topics = {topic: (kind, 0) for topic, kind in self._topics.values()}
 
     @staticmethod
     def settle(path: Path) -> None:
@@ -124,6 +127,30 @@ class SqliteSalvage:
                 parts.append(overflow[4 : 4 + min(left, self._usable - 4)])
                 left -= len(parts[-1])
         return b"".join(parts)
+
+
+def shortfall(path: Path) -> str:
+    """What a sqlite3 file lacks by its own account; empty where it is complete.
+
+    sqlite itself reads the missing part of the last page as zeros.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(_FILE_HEAD)
+    page = _page_size(head)
+    counted = head[24:28] == head[92:96]  # else an old version wrote, without this count
+    promised = int.from_bytes(head[28:32], "big") * page if counted else 0
+    if size < promised:
+        return f"{size} of {promised} bytes"
+    if page and size % page:
+        return "its last page is incomplete"
+    return ""
+
+
+def _page_size(head: bytes) -> int:
+    # The format writes 65536, which does not fit, as 1.
+    size = int.from_bytes(head[16:18], "big")
+    return 65536 if size == 1 else size
 
 
 def _varint(data: bytes, offset: int) -> tuple[int, int]:
