@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from lagrangian_ff.arm.description import JOINTS, limits
 from lagrangian_ff.errors import ArmError
@@ -85,7 +85,7 @@ class Trajectory:
         """s from the first point to the last."""
         return float(self.time[-1] - self.time[0])
 
-    def sample(self, time: "Floats | float") -> tuple[Floats, Floats, Floats]:
+    def sample(self, time: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """q, qd and qdd at these times: (..., N) each.
 
         Before the first point and after the last the arm rests there.
@@ -120,7 +120,7 @@ class Trajectory:
             (qdd / span**2 * moving).reshape(shape),
         )
 
-    def effort_at(self, time: "Floats | float") -> Floats:
+    def effort_at(self, time: ArrayLike) -> Floats:
         """Feedforward torque (..., N) N·m at these times, the ends held outside.
 
         Raises:
