@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_lsq_spline
 from scipy.ndimage import median_filter
 
+from lagrangian_ff.recording.publishers import publishers
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.stamps import order
 
@@ -131,7 +132,8 @@ def retime(recording: Recording, time: Floats, mode: str, notes: list[str]) -> F
     if mode == "stamps":
         return time
     corrected = time.copy()
-    for rows, joints in _publishers(recording):
+    for publisher in publishers(recording):
+        rows, joints = publisher.rows, publisher.joints
         known = rows[np.isfinite(recording.position[np.ix_(rows, joints)]).all(axis=1)]
         ordered = order(time[known])
         if len(ordered.index) < _RUN or ordered.period > _DRIFT / _RUN:
@@ -151,18 +153,3 @@ def retime(recording: Recording, time: Floats, mode: str, notes: list[str]) -> F
                 "steady clock"
             )
     return corrected
-
-
-def _publishers(recording: Recording) -> list[tuple[Ints, Ints]]:
-    """Rows and joints that belong together: joints that are told of in the same messages."""
-    told = np.isfinite(recording.position) | np.isfinite(recording.effort)
-    left = list(range(len(recording.joints)))
-    found = []
-    while left:
-        first = told[:, left[0]]
-        common = [joint for joint in left if (told[:, joint] & first).sum() > first.sum() / 2]
-        common = common or left[:1]
-        left = [joint for joint in left if joint not in common]
-        columns = np.array(common, dtype=np.int64)
-        found.append((np.flatnonzero(told[:, columns].any(axis=1)), columns))
-    return found

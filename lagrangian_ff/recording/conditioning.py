@@ -21,11 +21,12 @@ from lagrangian_ff.recording.filtering import (
     settling,
     zero_phase,
 )
-from lagrangian_ff.recording.inspection import clipping_notes
+from lagrangian_ff.recording.inspection import find_clipping
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.usable import require_known, require_usable
+from lagrangian_ff.recording.words import counted
 
 Floats = NDArray[np.float64]
 
@@ -113,7 +114,7 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
                 effort, ticks
             ) + settings.effort_offset.get(name, 0.0)
     _require_moving(recording, q, notes)
-    notes += clipping_notes(recording)
+    notes += [entry.text() for entry in find_clipping(recording)]
     return Motion(
         joints=recording.joints,
         time=np.concatenate(pieces),
@@ -230,20 +231,20 @@ def _clocks(
         )
     if len(spans) > 1:
         notes.append(
-            f"{len(spans) - 1} gaps longer than {filters.longest_gap * 1e3:.3g} ms; "
-            f"{len(long)} segments are used"
+            f"{counted(len(spans) - 1, 'gap')} longer than {filters.longest_gap * 1e3:.3g} ms; "
+            f"{counted(len(long), 'segment')} used"
         )
     if len(long) < len(spans):
         lost = sum(len(ticks) for ticks in clocks if len(ticks) < filters.least)
         notes.append(
-            f"{len(spans) - len(long)} stretches ({lost} samples) between gaps are shorter than "
-            f"{filters.least * filters.period:.3f} s; left out"
+            f"left out {counted(len(spans) - len(long), 'piece')} between gaps, shorter "
+            f"than {filters.least * filters.period:.3f} s ({counted(lost, 'sample')})"
         )
     made = signals.mended(long)
     if made.bridged:
         notes.append(
-            f"{made.bridged} lost samples in short gaps (up to {made.longest * 1e3:.3g} ms) are "
-            "interpolated"
+            f"interpolated {counted(made.bridged, 'lost sample')} in short gaps (up to "
+            f"{made.longest * 1e3:.3g} ms)"
         )
     if made.off_clock:
         notes.append(

@@ -5,9 +5,11 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.recording.publishers import publishers
 from lagrangian_ff.recording.quantisation import clipped, resolution
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.stamps import clock_resets, order
+from lagrangian_ff.recording.words import counted
 
 Floats = NDArray[np.float64]
 
@@ -26,12 +28,20 @@ class Gap:
 
 @dataclass(frozen=True)
 class Missing:
-    """Values that are NaN: how many, and when first (s)."""
+    """Values a publisher of a joint did not give: how many, and when first (s)."""
 
     joint: str
     quantity: str
     samples: int
+    of: int
     first: float
+
+    def text(self) -> str:
+        """One sentence."""
+        return (
+            f"{self.joint}: no {self.quantity} in {self.samples} of {self.of} samples, first at "
+            f"{self.first:.3f} s"
+        )
 
 
 @dataclass(frozen=True)
@@ -41,6 +51,13 @@ class Clipping:
     joint: str
     value: float
     share: float
+
+    def text(self) -> str:
+        """One sentence."""
+        return (
+            f"{self.joint}: effort rests at {self.value:.6g} for {self.share:.2%} of the time; "
+            "it is clipped there"
+        )
 
 
 @dataclass(frozen=True)
@@ -78,7 +95,7 @@ class Inspection:
         out_of_order: samples that arrived after a later one.
         clock_resets: how often the clock was set back.
         joints: by joint, in the order of the recording.
-        missing: values that are NaN although others of the joint are not, or all are.
+        missing: values that are NaN; velocity only where it is there at times.
         clipping: efforts that rest at an extreme.
         notes: what the reader met.
     """
@@ -129,32 +146,26 @@ class Inspection:
                 for gap in sorted(longest, key=lambda gap: gap.at)
             )
             first = f", the {_SHOWN} longest" if len(self.gaps) > _SHOWN else ""
-            found.append(f"  {len(self.gaps)} gaps{first}: {shown}")
-        counted = {
-            "samples repeat a stamp": self.duplicates,
-            "samples arrived out of order": self.out_of_order,
-            "times the clock was set back": self.clock_resets,
-        }
-        found += [f"  {number} {what}" for what, number in counted.items() if number]
+            found.append(f"  {counted(len(self.gaps), 'gap')}{first}: {shown}")
         found += [
-            f"  {lost.joint}: no {lost.quantity} in {lost.samples} of {self.samples} samples, "
-            f"first at {lost.first:.3f} s"
-            for lost in self.missing
+            f"  {text}"
+            for number, text in (
+                (self.duplicates, f"stamps repeated by {counted(self.duplicates, 'sample')}"),
+                (self.out_of_order, f"{counted(self.out_of_order, 'sample')} arrived out of order"),
+                (self.clock_resets, f"clock set back {counted(self.clock_resets, 'time')}"),
+            )
+            if number
         ]
-        found += [f"  {_clipping_text(entry)}" for entry in self.clipping]
+        found += [f"  {entry.text()}" for entry in self.missing]
+        found += [f"  {entry.text()}" for entry in self.clipping]
         return found + [f"  note: {note}" for note in self.notes]
 
 
 def inspect(recording: Recording) -> Inspection:
     """Look at a recording as it came; nothing is changed and nothing is an error."""
-    # Publishers may take turns to tell of different joints: the one heard most gives the time.
-    told = np.isfinite(recording.position)
-    rows = (
-        told[:, int(told.sum(axis=0).argmax())]
-        if recording.joints and told.any()
-        else np.ones(len(recording), dtype=bool)
-    )
-    time = recording.time[rows]
+    sources = publishers(recording)
+    rows = max((source.rows for source in sources), key=len, default=np.arange(len(recording)))
+    time = recording.time[rows if len(rows) else slice(None)]
     ordered = order(time)
     steady = time[ordered.index]
     step = np.diff(steady)
@@ -173,7 +184,7 @@ def inspect(recording: Recording) -> Inspection:
         out_of_order=ordered.moved,
         clock_resets=len(clock_resets(recording.time)),
         joints=tuple(_joint(recording, column) for column in range(len(recording.joints))),
-        missing=_missing(recording),
+        missing=find_missing(recording),
         clipping=find_clipping(recording),
         notes=recording.notes,
     )
@@ -188,16 +199,25 @@ def find_clipping(recording: Recording) -> tuple[Clipping, ...]:
     )
 
 
-def clipping_notes(recording: Recording) -> list[str]:
-    """One sentence for each effort that rests at an extreme value."""
-    return [_clipping_text(entry) for entry in find_clipping(recording)]
-
-
-def _clipping_text(entry: Clipping) -> str:
-    return (
-        f"{entry.joint}: effort rests at {entry.value:.6g} for {entry.share:.2%} of the time; "
-        "it is clipped there"
-    )
+def find_missing(recording: Recording) -> tuple[Missing, ...]:
+    """Values that are NaN in messages that tell of the joint's publisher."""
+    found = []
+    for publisher in publishers(recording):
+        for column in publisher.joints:
+            for quantity in ("position", "velocity", "effort"):
+                lost = ~np.isfinite(getattr(recording, quantity)[publisher.rows, column])
+                if lost.any() and not (quantity == "velocity" and lost.all()):
+                    first = recording.time[publisher.rows[np.argmax(lost)]]
+                    found.append(
+                        Missing(
+                            joint=recording.joints[column],
+                            quantity=quantity,
+                            samples=int(lost.sum()),
+                            of=len(lost),
+                            first=float(first),
+                        )
+                    )
+    return tuple(found)
 
 
 def _joint(recording: Recording, column: int) -> JointRange:
@@ -215,17 +235,6 @@ def _joint(recording: Recording, column: int) -> JointRange:
         effort=bool(np.isfinite(recording.effort[:, column]).any()),
         still=bool(position.size and high - low < _STILL),
     )
-
-
-def _missing(recording: Recording) -> tuple[Missing, ...]:
-    found = []
-    for column, joint in enumerate(recording.joints):
-        for quantity in ("position", "velocity", "effort"):
-            lost = ~np.isfinite(getattr(recording, quantity)[:, column])
-            if lost.any() and not (quantity == "velocity" and lost.all()):
-                first = float(recording.time[np.argmax(lost)])
-                found.append(Missing(joint, quantity, int(lost.sum()), first))
-    return tuple(found)
 
 
 def _plain(value: object) -> object:

@@ -17,6 +17,7 @@ Bytes = NDArray[np.uint8]
 MESSAGE_TYPE = "sensor_msgs/msg/JointState"
 _HEADER = 4  # the encapsulation header; alignment counts from behind it
 _BATCH = 4096
+_LATEST = 2**63 - 1  # ns; MCAP has room for more, in damaged files at least
 _QUANTITIES = 3  # position, velocity, effort
 
 
@@ -140,7 +141,7 @@ class JointStateTable:
 
     def add(self, received: int, data: bytes) -> None:
         """Take one serialized message and the time in ns at which it was received."""
-        self._pending.append((received, data))
+        self._pending.append((min(received, _LATEST), data))
         if len(self._pending) >= _BATCH:
             self._flush()
 

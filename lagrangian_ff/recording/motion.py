@@ -84,7 +84,8 @@ class Motion:
     def blocks(self, seconds: float) -> Ints:
         """(M,) the number of the block each sample lies in.
 
-        Blocks last `seconds` and never cross a segment; the paper cross-validates in blocks of
+        Blocks last `seconds` and never cross a segment; what is left at a segment's end joins the
+        last block where it is shorter than half of one. The paper cross-validates in blocks of
         3 s because neighbouring samples of a motion are not independent (section IV-B).
         """
         number = np.empty(len(self), dtype=np.int64)
@@ -92,7 +93,8 @@ class Motion:
         for segment in np.unique(self.segment):
             inside = self.segment == segment
             elapsed = self.time[inside] - self.time[inside][0]
-            within = np.floor(elapsed / seconds + 1e-9).astype(np.int64)
+            last = max(0, round(float(elapsed[-1]) / seconds) - 1)
+            within = np.minimum(np.floor(elapsed / seconds + 1e-9).astype(np.int64), last)
             number[inside] = first + within
             first = int(number[inside][-1]) + 1
         return number

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from lagrangian_ff.recording.clock import ON_THE_TICK, retime
+from lagrangian_ff.recording.inspection import find_missing
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.stamps import order, usual_period, without_resets
+from lagrangian_ff.recording.words import counted
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -130,8 +132,8 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
     if resets.size:
         when = ", ".join(f"{recording.time[at - 1]:.3f} s" for at in resets[:3])
         notes.append(
-            f"the clock was set back {resets.size} times (after {when}); what follows is "
-            "treated as another stretch of time"
+            f"the clock was set back {counted(resets.size, 'time')} (after {when}); what "
+            "follows is treated as another stretch of time"
         )
     time = retime(recording, time, clock, notes)
     samplings: dict[bytes, int] = {}
@@ -140,7 +142,7 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
     groups: dict[str, list[int]] = {"position": [], "effort": []}
     for quantity, numbers in groups.items():
         table = getattr(recording, quantity)
-        for joint, name in enumerate(recording.joints):
+        for joint in range(len(recording.joints)):
             known = np.isfinite(table[:, joint])
             key = np.packbits(known).tobytes()
             if key not in samplings:
@@ -151,15 +153,15 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
                 samplings[key] = len(found)
                 found.append(Sampling(time[index], index, usual_period(np.diff(time[index]))))
             numbers.append(samplings[key])
-            if not known.all():
-                notes.append(
-                    f"{name}: no {quantity} in {int((~known).sum())} of {len(known)} samples, "
-                    f"first at {recording.time[np.argmin(known)]:.3f} s; left out"
-                )
+    notes += [
+        f"{entry.text()}; left out"
+        for entry in find_missing(recording)
+        if entry.quantity != "velocity"
+    ]
     if moved:
-        notes.append(f"{moved} samples arrived out of order; sorted by their stamps")
+        notes.append(f"{counted(moved, 'sample')} arrived out of order; sorted by their stamps")
     if repeated:
-        notes.append(f"{repeated} samples repeat a stamp; the first of each is used")
+        notes.append(f"stamps repeated by {counted(repeated, 'sample')}; the first of each is used")
     return Signals(tuple(found), tuple(groups["position"]), tuple(groups["effort"]))
 
 

@@ -1,5 +1,6 @@
 """Write recordings as plain tables."""
 
+from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 
@@ -16,12 +17,7 @@ def write_csv(path: str | PathLike[str], recording: Recording, *, overwrite: boo
     Raises:
         RecordingError: the file exists and `overwrite` is false, or cannot be written.
     """
-    path = _free(path, overwrite=overwrite)
-    try:
-        csv_file.write(path, recording)
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
-    return path
+    return _write(csv_file.write, Path(path), recording, overwrite=overwrite)
 
 
 def write_npz(path: str | PathLike[str], recording: Recording, *, overwrite: bool = False) -> Path:
@@ -32,16 +28,19 @@ def write_npz(path: str | PathLike[str], recording: Recording, *, overwrite: boo
     Raises:
         RecordingError: the file exists and `overwrite` is false, or cannot be written.
     """
-    path = _free(path, overwrite=overwrite)
-    try:
-        npz_file.write(path, recording)
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
-    return path
+    return _write(npz_file.write, Path(path), recording, overwrite=overwrite)
 
 
-def _free(path: str | PathLike[str], *, overwrite: bool) -> Path:
-    path = Path(path)
+def _write(
+    write: Callable[[Path, Recording], None], path: Path, recording: Recording, *, overwrite: bool
+) -> Path:
     if path.exists() and not overwrite:
         raise RecordingError(f"{path}: exists already; not overwritten")
+    # What was there stays until the new file is complete.
+    part = path.with_name(path.name + ".part")
+    try:
+        write(part, recording)
+        part.replace(path)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
     return path

@@ -28,6 +28,12 @@ def require_usable(recording: Recording) -> None:
             f"{source}: {len(recording)} samples of {len(recording.joints)} joints; "
             "expected a recording of an arm that moves"
         )
+    timeless = ~np.isfinite(recording.time)
+    if timeless.any():
+        raise RecordingError(
+            f"{source}: time is not a number in {int(timeless.sum())} samples, first in sample "
+            f"{int(np.argmax(timeless)) + 1} of {len(timeless)}"
+        )
     lost = _where(recording, ~np.isfinite(recording.position).any(axis=0))
     if lost:
         raise RecordingError(

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,8 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 
 from lagrangian_ff.recording import Recording
+
+Floats = NDArray[np.float64]
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
 TYPE = "sensor_msgs/msg/JointState"
@@ -23,8 +26,8 @@ def swinging(
 ) -> Recording:
     """Joints that swing at 0.5 Hz and above with effort in proportion to acceleration."""
     time = np.round(np.arange(samples) / rate, 9)
-    omega = 2 * np.pi * (0.5 + 0.3 * np.arange(len(joints)))
-    angle = np.outer(time, omega)
+    omega: Floats = 2 * np.pi * (0.5 + 0.3 * np.arange(len(joints), dtype=np.float64))
+    angle: Floats = np.outer(time, omega)
     return Recording(
         joints=joints,
         time=time,
@@ -66,6 +69,11 @@ def messages_of(recording: Recording) -> list[tuple[int, bytes]]:
     ]
 
 
+def decoded(data: bytes | memoryview) -> Any:
+    """A JointState read by the library `rosbags`."""
+    return STORE.deserialize_cdr(data, TYPE)
+
+
 def foreign_bag(
     path: Path,
     messages: Iterable[tuple[int, bytes]],
@@ -89,7 +97,7 @@ def foreign_bag(
     return path
 
 
-def equal(first: NDArray[np.float64], second: NDArray[np.float64]) -> bool:
+def equal(first: Floats, second: Floats) -> bool:
     """Same numbers, NaN in the same places."""
     return np.array_equal(first, second, equal_nan=True)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recording_examples import STORE, TYPE, assert_same, message, messages_of, swinging
+from recording_examples import STORE, TYPE, assert_same, decoded, message, messages_of, swinging
 from rosbags.rosbag2 import Reader
 
 from lagrangian_ff.errors import RecordingError
@@ -24,7 +24,7 @@ def test_the_library_reads_directory_and_metadata(tmp_path: Path) -> None:
         assert connection.msgcount == reader.message_count == 100
         assert reader.start_time == 1_700_000_000 * 10**9
         assert reader.duration == 99 * 2_000_000 + 1
-        states = [STORE.deserialize_cdr(data, TYPE) for _, _, data in reader.messages()]
+        states = [decoded(data) for _, _, data in reader.messages()]
     assert np.array_equal([state.position for state in states], recording.position)
     assert states[3].name == list(recording.joints)
 
@@ -34,7 +34,7 @@ def test_velocity_and_effort_that_nobody_measured_stay_empty(tmp_path: Path) -> 
     recording.velocity[:] = recording.effort[:] = np.nan
     with Reader(write_bag(tmp_path / "bag", recording)) as reader:
         data = next(data for _, _, data in reader.messages())
-    state = STORE.deserialize_cdr(data, TYPE)
+    state = decoded(data)
     assert len(state.velocity) == len(state.effort) == 0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recording_examples import swinging
+from recording_examples import Floats, swinging
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording import Conditioning, Motion, Recording, condition
@@ -23,8 +23,8 @@ def taken(recording: Recording, rows: object) -> Recording:
 
 def sine(frequency: float, rate: float = 500.0, seconds: float = 4.0) -> Recording:
     """One joint: sin(2π f t), effort equal to its acceleration divided by (2π f)²."""
-    time = np.arange(int(seconds * rate)) / rate
-    wave = np.sin(2 * np.pi * frequency * time)[:, np.newaxis]
+    time = np.arange(int(seconds * rate), dtype=np.float64) / rate
+    wave: Floats = np.sin(2 * np.pi * frequency * time)[:, np.newaxis]
     return Recording(("a",), time, wave, np.full_like(wave, np.nan), -wave)
 
 
@@ -58,7 +58,8 @@ def test_sines_come_out_with_their_derivatives_and_in_step(frequency: float) -> 
 
 def test_noise_on_position_and_torque_is_reduced_alike() -> None:
     noise = np.random.default_rng(1).normal(size=(20_000, 1))
-    recording = Recording(("a",), 0.002 * np.arange(20_000), noise, noise, noise)
+    time = 0.002 * np.arange(20_000, dtype=np.float64)
+    recording = Recording(("a",), time, noise, noise, noise)
     motion = condition(recording)
     assert np.array_equal(motion.q, motion.tau)
     assert 0.2 < motion.q.std() < 0.33  # about sqrt(25 Hz / 250 Hz)
@@ -86,7 +87,7 @@ def test_shuffled_and_repeated_stamps_give_the_same_motion(
     assert_close(condition(dirty), condition(BASE), 1e-12)
     notes = " ".join(condition(dirty).notes)
     if repeats:
-        assert f"{len(repeats)} samples repeat a stamp" in notes
+        assert "stamps repeated by" in notes
     if (np.diff(rows) < 0).any():
         assert "out of order" in notes
 
@@ -101,7 +102,7 @@ def test_the_order_of_joints_does_not_matter(joints: list[str]) -> None:
 def test_jittering_stamps_are_put_on_a_uniform_clock() -> None:
     generator = np.random.default_rng(2)
     time = BASE.time + generator.uniform(-4e-4, 4e-4, len(BASE))
-    omega = 2 * np.pi * (0.5 + 0.3 * np.arange(3))
+    omega: Floats = 2 * np.pi * (0.5 + 0.3 * np.arange(3, dtype=np.float64))
     angle = np.outer(time, omega)
     jittered = replace(BASE, time=time, position=np.sin(angle), effort=3 - omega**2 * np.sin(angle))
     motion = condition(jittered)
@@ -127,8 +128,8 @@ def test_short_gaps_are_bridged_and_long_ones_separate_segments() -> None:
     found = motion.qdd[motion.segment == 0]
     assert np.allclose(found[near], whole.qdd[shared][near], atol=0.02)
     notes = " ".join(motion.notes)
-    assert "1 gaps longer than 20 ms; 2 segments" in notes
-    assert "5 lost samples in short gaps (up to 12 ms)" in notes
+    assert "1 gap longer than 20 ms; 2 segments" in notes
+    assert "interpolated 5 lost samples in short gaps (up to 12 ms)" in notes
 
 
 def test_a_stretch_too_short_between_gaps_is_left_out() -> None:
@@ -136,7 +137,7 @@ def test_a_stretch_too_short_between_gaps_is_left_out() -> None:
     kept[700:800] = kept[830:900] = False
     motion = condition(taken(BASE, kept))
     assert np.array_equal(np.unique(motion.segment), [0, 1])
-    assert any("1 stretches (30 samples)" in note for note in motion.notes)
+    assert any("left out 1 piece" in note and "(30 samples)" in note for note in motion.notes)
 
 
 def test_single_nan_are_bridged_and_told() -> None:
@@ -161,7 +162,7 @@ def test_nan_for_long_ends_a_segment() -> None:
 
 
 def test_publishers_that_take_turns_are_brought_onto_one_clock() -> None:
-    time = np.arange(3000) * 0.001
+    time: Floats = np.arange(3000, dtype=np.float64) * 0.001
     omega = np.array([2.0, 3.0])
     position = np.sin(np.outer(time, omega))
     effort = -position

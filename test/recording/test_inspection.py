@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -102,15 +103,15 @@ def test_every_fault_is_found_where_it_is() -> None:
 
 def test_people_and_machines_get_the_same() -> None:
     found = inspect(dirty())
-    record = json.loads(json.dumps(found.record(), allow_nan=False))
+    record: dict[str, Any] = json.loads(json.dumps(found.record(), allow_nan=False))
     assert record["gaps"][0]["at"] == pytest.approx(2.002)
     assert record["joints"][0]["name"] == "shoulder"
     text = "\n".join(found.lines())
     for words in (
         "500 Hz",
         "98 ms at 2.002 s",
-        "1 samples repeat a stamp",
-        "1 samples arrived out of order",
+        "stamps repeated by 1 sample",
+        "1 sample arrived out of order",
         "shoulder: no effort in 10 of 1953 samples, first at 0.200 s",
         "elbow: effort rests at 4",
         "stands still, no velocity",
@@ -135,8 +136,11 @@ def test_nearly_empty_recordings_are_inspected_too(samples: int) -> None:
 
 
 def test_publishers_that_take_turns_are_timed_by_one_of_them() -> None:
-    position = BASE.position[:, :2].copy()
-    position[::2, 0] = position[1::2, 1] = np.nan
-    found = inspect(replace(BASE.select(("shoulder", "elbow")), position=position))
+    both = BASE.select(("shoulder", "elbow"))
+    position, effort = both.position.copy(), both.effort.copy()
+    for table in (position, effort):
+        table[::2, 0] = table[1::2, 1] = np.nan
+    found = inspect(replace(both, position=position, effort=effort))
+    assert found.missing == ()
     assert found.rate == pytest.approx(250)
     assert found.gaps == ()

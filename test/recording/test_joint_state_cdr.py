@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from recording_examples import STORE, TYPE, equal, message
+from recording_examples import decoded, equal, message
 
 from lagrangian_ff.recording.joint_state import JointStateEncoder, JointStateTable
 
@@ -49,7 +49,7 @@ def test_what_is_written_the_library_reads(
     encoder = JointStateEncoder(tuple(names), velocity=bool(values[1]), effort=bool(values[2]))
     rows = [np.array([value]) for value in values]
     (data,) = encoder.encode(np.array([stamp]), *rows)
-    found = STORE.deserialize_cdr(data, TYPE)
+    found = decoded(data)
     assert found.header.stamp.sec * 10**9 + found.header.stamp.nanosec == stamp
     assert found.name == names
     for array, value in zip((found.position, found.velocity, found.effort), values, strict=True):

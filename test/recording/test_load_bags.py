@@ -172,7 +172,7 @@ def test_malformed_messages_are_left_out_and_counted(tmp_path: Path) -> None:
     messages[7] = (messages[7][0], messages[7][1][:60])
     found = load(foreign_bag(tmp_path / "bag", messages))
     assert len(found) == 19
-    assert any("1 messages" in note for note in found.notes)
+    assert any("left out 1 message " in note for note in found.notes)
 
 
 def test_what_is_no_recording_is_refused_with_the_reason(tmp_path: Path) -> None:

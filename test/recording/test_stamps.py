@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from lagrangian_ff.recording.stamps import clock_resets, order, usual_period, without_resets
 
-CLEAN = 0.002 * np.arange(200)
+CLEAN = 0.002 * np.arange(200, dtype=np.float64)
 
 
 @given(st.permutations(range(40)), st.lists(st.integers(0, 39), max_size=10))

@@ -24,6 +24,7 @@ from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.sources.bag_intact import IntactFile, UnreadableError
 from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
 from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage
+from lagrangian_ff.recording.words import counted
 
 NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
 _SUFFIXES = (".db3", ".mcap")
@@ -130,16 +131,21 @@ def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
 
 def _decompress(path: Path, target: Path) -> bool:
     """Unpack as far as it goes; whether that was to the end."""
-    decompressor = zstandard.ZstdDecompressor().decompressobj()
+    frame = zstandard.ZstdDecompressor().decompressobj()
+    begun = False
     with path.open("rb") as packed, target.open("wb") as unpacked:
         while part := packed.read(1 << 20):
-            try:
-                unpacked.write(decompressor.decompress(part))
-            except zstandard.ZstdError:
-                return False
-            if decompressor.eof:
-                return True
-    return False
+            while part:
+                begun = True
+                try:
+                    unpacked.write(frame.decompress(part))
+                except zstandard.ZstdError:
+                    return False
+                part = frame.unused_data if frame.eof else b""
+                if frame.eof:
+                    frame = zstandard.ZstdDecompressor().decompressobj()
+                    begun = False
+    return not begun
 
 
 def _salvage(path: Path, name: Path) -> StorageFile:
@@ -219,15 +225,12 @@ def _read_file(
     table.rewind(mark)
     salvaged = _salvage(path, original)
     _append(salvaged, topic, table, original, progress, share)
-    if salvaged.damage:
-        notes.append(
-            f"{original}: cut off or damaged ({salvaged.damage}); "
-            f"the {len(table) - before} messages that can be read are used"
-        )
-    else:
-        notes.append(
-            f"{original}: read record by record ({reason}); {len(table) - before} messages"
-        )
+    what = (
+        f"cut off or damaged ({salvaged.damage})"
+        if salvaged.damage
+        else f"read record by record ({reason})"
+    )
+    notes.append(f"{original}: {what}; {counted(len(table) - before, 'message')} could be read")
 
 
 def _append(
@@ -257,7 +260,7 @@ def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Reco
     joints, stamps, received, position, velocity, effort = table.finish()
     if malformed:
         notes.append(
-            f"{source}: {malformed} messages are no valid JointState or name no joint; left out"
+            f"{source}: left out {counted(malformed, 'message')} without joints or malformed"
         )
     if stamps.size == 0:
         raise RecordingError(

@@ -34,12 +34,12 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             names = [name.strip() for name in next(csv.reader([file.readline()]), [])]
             columns = _columns(path, names)
             blocks = []
-            line = 2
+            line, done = 2, 0
             for lines in _blocks(file):
                 blocks.append(_parse(path, names, lines, line))
                 line += len(lines)
-                done = sum(len(text) for text in lines) * line / max(1, len(lines)) / size
-                progress(min(1.0, done), f"read {path.name}")
+                done += sum(map(len, lines))
+                progress(min(1.0, done / size), f"read {path.name}")
     except UnicodeDecodeError as error:
         raise RecordingError(f"{path}: not a CSV text file: {error.reason}") from error
     table = np.concatenate([np.empty((0, len(names))), *blocks])
