@@ -100,7 +100,7 @@ class FeedforwardLink:
         if self._loop is None:
             return
         self._stream.withhold("deactivated")
-        deadline = time.monotonic() + self._stream.settings.fade_time + 0.1
+        deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.1
         while time.monotonic() < deadline and self._sending():
             time.sleep(0.005)
         self._loop.stop()

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+OFFSET = 3.0  # N·m of gravity that the identification took for a constant
+
 
 @dataclass(frozen=True)
 class FakeTerms:
@@ -32,10 +34,14 @@ class FakeModel:
 
     def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
         return FakeTerms(
-            gravity=10.0 * np.cos(q),
+            gravity=10.0 * np.cos(q) - OFFSET,
             inertia=2.0 * qdd,
             coriolis=0.3 * qd**2,
-            effects={"viscous": 0.5 * qd, "coulomb": np.tanh(qd / 0.01)},
+            effects={
+                "viscous": 0.5 * qd,
+                "coulomb": np.tanh(qd / 0.01),
+                "offset": np.full_like(q, OFFSET),
+            },
         )
 
     def predict(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:

@@ -32,8 +32,9 @@ def states(draw: st.DrawFn) -> State:
     text = st.text(st.characters(codec="utf-8", exclude_characters="\0"), min_size=1, max_size=9)
     names = draw(st.lists(text, min_size=1, max_size=5, unique=True))
     full = st.lists(st.floats(width=64), min_size=len(names), max_size=len(names))
-    array = st.one_of(st.just([]), full)
-    return names, draw(array), draw(array), draw(array)
+    absent: st.SearchStrategy[list[float]] = st.just([])
+    values = st.one_of(absent, full)
+    return names, draw(values), draw(values), draw(values)
 
 
 @given(st.lists(st.tuples(states(), st.text("xyz", max_size=4)), max_size=4))

@@ -165,6 +165,16 @@ def test_disable_and_withhold_fade_it_and_a_good_reference_brings_it_back() -> N
     assert bench.run(0.6)[-1].gain == 1.0
 
 
+def test_a_stall_of_the_machine_is_not_followed_by_a_jump() -> None:
+    bench = Bench()
+    bench.play(constant_speed())
+    bench.run(1.0)
+    bench.stream.enabled = False
+    bench.now += 0.3
+    gain = bench.run(0.002)[0].gain
+    assert 0.9 < gain < 1.0
+
+
 def test_saturation_is_clamped_and_flagged() -> None:
     bench = Bench(ramp_time=0.0, effort_limit=np.array([4.0, 100.0]))
     bench.play(constant_speed())

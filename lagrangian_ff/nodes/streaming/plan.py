@@ -164,7 +164,14 @@ def _refine(time: Floats, step: float) -> tuple[Floats, NDArray[np.int64]]:
 
 
 def _parts(model: InverseDynamics, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-    """(L, 4, N) the parts of the torque at L states."""
+    """(L, 4, N) the parts of the torque at L states.
+
+    A constant offset counts as gravity: without an independent measurement of one of them, an
+    identification may share the mean of gravity between the two in any way.
+    """
     terms = model.terms(q, qd, qdd)
-    friction = sum(terms.effects.values(), start=np.zeros_like(q))
-    return np.stack([terms.gravity, terms.inertia, terms.coriolis, friction], axis=1)
+    gravity, friction = terms.gravity.copy(), np.zeros_like(q)
+    for name, torque in terms.effects.items():
+        part = gravity if name == "offset" else friction
+        part += torque
+    return np.stack([gravity, terms.inertia, terms.coriolis, friction], axis=1)

@@ -14,6 +14,11 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
+LONGEST_STEP = 0.02
+"""s that ramps and rate limits move on at most in one tick: when the machine stalls, the torque
+must not jump afterwards."""
+
+
 class Phase(Enum):
     """Where the stream is in its reference."""
 
@@ -139,7 +144,7 @@ class TorqueStream:
             now: ns of the node's clock.
             steady: s of the steady clock.
         """
-        dt = 0.0 if self._last_tick is None else max(0.0, steady - self._last_tick)
+        dt = 0.0 if self._last_tick is None else min(steady - self._last_tick, LONGEST_STEP)
         self._last_tick = steady
         self._take_over(now)
         settings, plan = self.settings, self._plan

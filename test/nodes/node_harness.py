@@ -1,0 +1,194 @@
+"""Nodes as real processes over DDS, and a node of the test to talk to them."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
+RELIABLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+EVERYTHING = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(
+    depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
+
+
+class Process:
+    """A node in its own process and session, its output in a file."""
+
+    def __init__(
+        self, executable: str, log: Path, *, namespace: str = "", params: dict[str, Any] | None
+    ) -> None:
+        arguments = ["--ros-args"]
+        if namespace:
+            arguments += ["-r", f"__ns:=/{namespace}"]
+        for name, value in (params or {}).items():
+            arguments += ["-p", f"{name}:={_yaml(value)}"]
+        self.log = log
+        with log.open("w") as file:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", f"lagrangian_ff.nodes.{executable}", *arguments],
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    @property
+    def alive(self) -> bool:
+        return self._process.poll() is None
+
+    def signal(self, number: int) -> None:
+        os.killpg(self._process.pid, number)
+
+    def wait(self) -> int:
+        """The exit code; fails with the output where it does not end."""
+        try:
+            return self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"still running:\n{self.output}") from None
+
+    def end(self) -> None:
+        """Kill it if it still runs."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            self.signal(signal.SIGKILL)
+        self._process.wait(PATIENCE)
+
+    @property
+    def output(self) -> str:
+        return self.log.read_text(errors="replace")
+
+
+def _yaml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_yaml, value)) + "]"
+    return str(value)
+
+
+class Bench:
+    """A ROS node of the test, in a context of its own, and the processes it started."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._context = Context()
+        rclpy.init(context=self._context)
+        self.node = rclpy.create_node("bench", context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._processes: list[Process] = []
+        self.statuses: dict[str, Any] = {}
+        self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
+
+    def close(self) -> None:
+        for process in self._processes:
+            process.end()
+        self._executor.shutdown(timeout_sec=1.0)
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def start(
+        self, executable: str, *, namespace: str = "", params: dict[str, Any] | None = None
+    ) -> Process:
+        """Start a node; returns at once."""
+        log = self._folder / f"{executable}_{len(self._processes)}.log"
+        process = Process(executable, log, namespace=namespace, params=params)
+        self._processes.append(process)
+        return process
+
+    def _on_status(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.statuses[status.name] = status
+
+    def values(self, name: str) -> dict[str, str]:
+        """Key values of the last status of this name; empty before the first."""
+        status = self.statuses.get(name)
+        return {} if status is None else {pair.key: pair.value for pair in status.values}
+
+    def spin(self, seconds: float) -> None:
+        """Take messages for a while."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=max(0.0, min(0.05, end - time.monotonic())))
+
+    def until(self, condition: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
+        """Take messages until this holds, and return its value."""
+        end = time.monotonic() + patience
+        while time.monotonic() < end:
+            value = condition()
+            if value:
+                return value
+            self._executor.spin_once(timeout_sec=0.05)
+        outputs = "\n".join(f"--- {p.log.name}\n{p.output}" for p in self._processes)
+        raise AssertionError(f"waited {patience:g} s for {what}\n{outputs}")
+
+    def collect(self, kind: type, topic: str, qos: QoSProfile = EVERYTHING) -> deque[Any]:
+        """A queue that fills with (time received, message)."""
+        queue: deque[Any] = deque(maxlen=100_000)
+        self.node.create_subscription(
+            kind, topic, lambda message: queue.append((time.monotonic(), message)), qos
+        )
+        return queue
+
+    def publisher(self, kind: type, topic: str, qos: QoSProfile = RELIABLE) -> Any:
+        """A publisher that somebody already listens to."""
+        publisher = self.node.create_publisher(kind, topic, qos)
+        self.until(lambda: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
+        return publisher
+
+    def call(self, kind: Any, name: str, request: Any = None) -> Any:
+        """Call a service and return its response."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready, f"service {name}")
+        future = client.call_async(kind.Request() if request is None else request)
+        self.until(future.done, f"the answer of {name}")
+        self.node.destroy_client(client)
+        return future.result()
+
+    def set_parameter(self, node: str, name: str, value: Any) -> Any:
+        """Set a parameter of a running node; its result."""
+        kinds = {
+            bool: ("bool_value", ParameterType.PARAMETER_BOOL),
+            float: ("double_value", ParameterType.PARAMETER_DOUBLE),
+            int: ("integer_value", ParameterType.PARAMETER_INTEGER),
+            str: ("string_value", ParameterType.PARAMETER_STRING),
+        }
+        field, kind = kinds[type(value)]
+        parameter = Parameter(name=name, value=ParameterValue(type=kind, **{field: value}))
+        request = SetParameters.Request(parameters=[parameter])
+        return self.call(SetParameters, f"{node}/set_parameters", request).results[0]
+
+    def transition(self, node: str, label: str) -> bool:
+        """Ask for a lifecycle transition; whether it succeeded."""
+        request = ChangeState.Request()
+        request.transition.label = label
+        return bool(self.call(ChangeState, f"{node}/change_state", request).success)
+
+    def state(self, node: str) -> str:
+        """Lifecycle state."""
+        return str(self.call(GetState, f"{node}/get_state").current_state.label)
+
+
+@contextlib.contextmanager
+def open_bench(folder: Path) -> Iterator[Bench]:
+    """A bench that ends every process it started."""
+    bench = Bench(folder)
+    try:
+        yield bench
+    finally:
+        bench.close()

@@ -1,0 +1,174 @@
+"""The arm node over DDS: exact stamps, refusals in words, feedforward from every source."""
+
+import math
+import signal
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("pybullet")
+
+from builtin_interfaces.msg import Duration
+from node_harness import LATCHED, Bench, Process, open_bench
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, String
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from lagrangian_ff.arm import HOME, JOINTS
+
+PERIOD = 2_000_000
+
+
+@pytest.fixture(scope="module")
+def bench(ros_environment: dict[str, str], tmp_path_factory: Any) -> Iterator[Bench]:
+    folder: Path = tmp_path_factory.mktemp("arm")
+    with open_bench(folder) as bench:
+        yield bench
+
+
+@pytest.fixture(scope="module")
+def arm(bench: Bench) -> Process:
+    return bench.start("arm", params={"feedforward_source": "stream"})
+
+
+def stamp(message: JointState) -> int:
+    return int(message.header.stamp.sec) * 10**9 + int(message.header.stamp.nanosec)
+
+
+def trajectory(q: list[list[float]], time: list[float], **changes: Any) -> JointTrajectory:
+    names = changes.get("names", list(JOINTS))
+    message = JointTrajectory(joint_names=names)
+    for row, at in zip(q, time, strict=True):
+        point = JointTrajectoryPoint(positions=row)
+        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
+        if "effort" in changes:
+            point.effort = changes["effort"]
+        message.points.append(point)
+    return message
+
+
+def said(process: Process, text: str) -> bool:
+    return text in process.output
+
+
+def newest(queue: Any) -> JointState:
+    return queue[-1][1]
+
+
+def test_joint_states_come_on_an_exact_grid_with_their_reference(
+    bench: Bench, arm: Process
+) -> None:
+    states = bench.collect(JointState, "joint_states")
+    references = bench.collect(JointState, "arm/reference_state")
+    description = bench.collect(String, "robot_description", LATCHED)
+    bench.until(lambda: len(states) > 500 and len(references) > 500 and description, "a second")
+    stamps = np.array([stamp(message) for _, message in states])
+    assert set(np.diff(stamps)) == {PERIOD}
+    assert set(stamps) & {stamp(message) for _, message in references}
+    assert list(newest(states).name) == list(JOINTS)
+    assert "<robot" in description[0][1].data
+    seconds = states[-1][0] - states[0][0]
+    assert len(states) / seconds == pytest.approx(500.0, rel=0.1)
+
+
+def test_it_follows_a_trajectory_in_any_joint_order_and_shows_feedforward(
+    bench: Bench, arm: Process
+) -> None:
+    references = bench.collect(JointState, "arm/reference_state")
+    states = bench.collect(JointState, "joint_states")
+    send = bench.publisher(JointTrajectory, "arm/joint_trajectory")
+    start = np.array(HOME)
+    goal = start + 0.2
+    send.publish(trajectory([list(start[::-1]), list(goal[::-1])], [0.0, 0.8], names=JOINTS[::-1]))
+    bench.until(lambda: references and np.allclose(newest(references).position, goal), "the goal")
+    bench.spin(0.3)
+    assert np.abs(np.array(newest(states).position) - goal).max() < 0.1
+    commands = bench.publisher(Float64MultiArray, "arm/commands")
+    tau = [0.0, 1.0, 2.0, 0.5, 0.25, 0.125]
+
+    def pushed() -> bool:
+        commands.publish(Float64MultiArray(data=tau))
+        return np.allclose(newest(references).effort, tau)
+
+    bench.until(pushed, "the commanded torque")
+    bench.until(lambda: not any(newest(references).effort), "zero after the timeout")
+
+
+def test_sources_can_be_changed_at_run_time_to_listed_ones_only(bench: Bench, arm: Process) -> None:
+    references = bench.collect(JointState, "arm/reference_state")
+    assert bench.set_parameter("arm", "feedforward_source", "true").successful
+    bench.until(lambda: references and abs(newest(references).effort[1]) > 1.0, "true torque")
+    assert bench.set_parameter("arm", "feedforward_source", "trajectory").successful
+    bench.until(lambda: not any(newest(references).effort), "no effort in the reference")
+    send = bench.publisher(JointTrajectory, "arm/joint_trajectory")
+    here = list(newest(references).position)
+    effort = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    send.publish(trajectory([here, here], [0.0, 0.2], effort=effort))
+    bench.until(lambda: np.allclose(newest(references).effort, effort), "effort of the trajectory")
+    refused = bench.set_parameter("arm", "feedforward_source", "magic")
+    assert not refused.successful
+    assert "none, stream, trajectory, true" in refused.reason
+    assert bench.set_parameter("arm", "feedforward_source", "stream").successful
+
+
+def test_what_cannot_be_followed_is_refused_in_words_and_survived(
+    bench: Bench, arm: Process
+) -> None:
+    references = bench.collect(JointState, "arm/reference_state")
+    send = bench.publisher(JointTrajectory, "arm/joint_trajectory")
+    bench.until(lambda: references, "a reference")
+    here = np.array(newest(references).position)
+    far = here + np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0])
+    outside = here + np.array([0.0, 9.0, 0.0, 0.0, 0.0, 0.0])
+    nan = here.copy()
+    nan[4] = math.nan
+    for message, expected in (
+        (trajectory([list(far), list(here)], [0.0, 1.0]), "joint_3 would jump by 0.4000 rad"),
+        (trajectory([list(here), list(outside)], [0.0, 9.0]), "position of joint_2"),
+        (trajectory([list(here), list(nan)], [0.0, 1.0]), "position of joint_5 in point 1 is nan"),
+        (trajectory([[]], [0.0], names=[]), "moves no joints"),
+    ):
+        send.publish(message)
+        # Warnings come once a second at most; the next message must not be gathered into it.
+        bench.until(partial(said, arm, expected), expected)
+    np.testing.assert_array_equal(newest(references).position, here)
+    commands = bench.publisher(Float64MultiArray, "arm/commands")
+    for data in ([], [1.0], [math.nan] * 6, [math.inf] * 6):
+        commands.publish(Float64MultiArray(data=data))
+        bench.spin(0.05)
+    commands.publish(b"\x00\x01\x00\x00junk")
+    bench.until(lambda: "bad command" in bench.values("arm: plant"), "bad commands counted")
+    assert not any(newest(references).effort)
+    assert arm.alive
+
+
+def test_it_ends_cleanly_whatever_signals_come(bench: Bench, arm: Process) -> None:
+    endings = {"a": [signal.SIGTERM], "b": [signal.SIGINT], "c": [signal.SIGINT] * 2}
+    processes = {name: bench.start("arm", namespace=name) for name in endings}
+    states = {name: bench.collect(JointState, f"/{name}/joint_states") for name in endings}
+    for name, signals in endings.items():
+        bench.until(partial(len, states[name]), f"joint states of {name}")
+        for number in signals:
+            processes[name].signal(number)
+    for process in processes.values():
+        assert process.wait() == 0
+        assert "Traceback" not in process.output
+    assert arm.alive
+
+
+def test_impossible_parameters_end_it_with_a_sentence(bench: Bench) -> None:
+    mistakes: list[tuple[dict[str, Any], str]] = [
+        ({"feedforward_source": "magic"}, "expected one of none, stream"),
+        ({"command_timeout": -1.0}, "command_timeout"),
+        ({"initial_position": [0.0, 99.0, 0.0, 0.0, 0.0, 0.0]}, "start position of joint_2"),
+    ]
+    processes = [bench.start("arm", namespace="wrong", params=params) for params, _ in mistakes]
+    for process, (_, expected) in zip(processes, mistakes, strict=True):
+        assert process.wait() == 2
+        assert expected in process.output
+        assert "Traceback" not in process.output

@@ -1,0 +1,296 @@
+"""The feedforward node over DDS: in time, within its limits, and silent when it must be."""
+
+import math
+import signal
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+
+from builtin_interfaces.msg import Duration
+from node_harness import RELIABLE, Bench, Process, open_bench
+from sensor_msgs.msg import JointState
+from small_model import save_small_model
+from std_msgs.msg import Float64MultiArray
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from lagrangian_ff.identification import Model
+from lagrangian_ff.nodes.common.messages import points
+from lagrangian_ff.nodes.streaming.reference import read_reference
+
+QUICK = {"ramp_time": 0.1, "fade_time": 0.2, "start_delay": 0.2, "joint_state_timeout": 0.0}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: Any) -> Path:
+    path: Path = tmp_path_factory.mktemp("feedforward")
+    return path
+
+
+@pytest.fixture(scope="module")
+def model(folder: Path) -> Model:
+    return save_small_model(folder / "model.npz")
+
+
+@pytest.fixture(scope="module")
+def bench(ros_environment: dict[str, str], folder: Path, model: Model) -> Iterator[Bench]:
+    with open_bench(folder) as bench:
+        yield bench
+
+
+class Feedforward:
+    """A running node with its topics."""
+
+    def __init__(self, bench: Bench, folder: Path, namespace: str = "", **params: Any) -> None:
+        self.bench = bench
+        self.process: Process = bench.start(
+            "feedforward",
+            namespace=namespace,
+            params={"model_file": str(folder / "model.npz"), **QUICK, **params},
+        )
+        self.name = f"/{namespace}/feedforward" if namespace else "/feedforward"
+        self.commands = bench.collect(Float64MultiArray, f"{self.name}/commands", RELIABLE)
+        self.stamped = bench.collect(JointState, f"{self.name}/feedforward")
+        self.annotated = bench.collect(JointTrajectory, f"{self.name}/joint_trajectory", RELIABLE)
+        self.send = bench.publisher(JointTrajectory, f"{self.name}/reference")
+        bench.until(lambda: self.commands, "commands")
+
+    @property
+    def tau(self) -> list[float]:
+        return list(self.commands[-1][1].data)
+
+    def until_silent(self, why: str) -> None:
+        self.bench.until(lambda: not any(self.tau), f"zero torque: {why}")
+
+    def until_sending(self, why: str) -> None:
+        self.bench.until(lambda: any(self.tau), f"torque: {why}")
+
+    def hold(self, q: float = 0.4) -> None:
+        """Bring it to hold gravity at the end of a short reference."""
+        self.send.publish(reference([0.0, 0.1], [[q, q], [q, q]]))
+        expected = 8.0 * math.cos(q)
+        self.bench.until(
+            lambda: self.tau[0] == pytest.approx(expected, rel=0.02), "holding gravity"
+        )
+
+
+@pytest.fixture(scope="module")
+def node(bench: Bench, folder: Path) -> Feedforward:
+    return Feedforward(bench, folder, joints=["b", "a"])
+
+
+def reference(
+    time: list[float], q: Any, qd: Any = None, names: tuple[str, ...] = ("a", "b")
+) -> JointTrajectory:
+    message = JointTrajectory(joint_names=list(names))
+    for k, at in enumerate(time):
+        point = JointTrajectoryPoint(positions=[float(x) for x in q[k]])
+        if qd is not None:
+            point.velocities = [float(x) for x in qd[k]]
+        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
+        message.points.append(point)
+    return message
+
+
+def nanoseconds(header: Any) -> int:
+    return int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
+
+
+def test_a_reference_is_annotated_and_streamed_in_time(node: Feedforward, model: Model) -> None:
+    time = list(np.linspace(0.0, 1.5, 16))
+    swing = 0.3 * np.sin(np.pi * np.array(time) / 1.5) ** 2
+    sent = reference(time, np.column_stack([swing, 0 * swing, -swing]), names=("b", "x", "a"))
+    before = node.bench.node.get_clock().now().nanoseconds
+    node.send.publish(sent)
+    _, message = node.bench.until(lambda: node.annotated and node.annotated[-1], "annotation")
+    complete = read_reference(points(sent), model.joints)
+    expected = model.predict(complete.q, complete.qd, complete.qdd)
+    effort = np.array([point.effort for point in message.points])
+    np.testing.assert_allclose(effort[:, [2, 0]], expected, atol=1e-6)
+    assert not effort[:, 1].any()
+    start = nanoseconds(message.header)
+    assert start > before
+
+    node.bench.until(
+        lambda: node.stamped and nanoseconds(node.stamped[-1][1].header) > start + 1.6e9, "the end"
+    )
+    assert "accelerations by a spline" in node.process.output
+    streamed = [m for _, m in node.stamped if 0 <= nanoseconds(m.header) - start <= 1_500_000_000]
+    assert len(streamed) > 50
+    elapsed = np.array([nanoseconds(m.header) - start for m in streamed]) / 1e9
+    tau = np.array([m.effort for m in streamed])
+    expected = model.predict(*complete.sample(elapsed))
+    # Between the samples of the plan the torque is interpolated.
+    assert np.abs(tau - expected).max() < 0.02 * np.abs(expected).max()
+    assert list(streamed[0].name) == list(model.joints)
+    for _, command in node.commands:
+        assert len(command.data) == 2
+        assert np.isfinite(command.data).all()
+    rest = model.predict(*(np.array([x]) for x in (complete.q[-1], [0.0, 0.0], [0.0, 0.0])))[0]
+    np.testing.assert_allclose(node.tau, rest[::-1], atol=1e-6)
+
+
+def test_terms_and_scale_are_switched_at_run_time(node: Feedforward) -> None:
+    node.hold()
+    assert node.bench.set_parameter("feedforward", "terms.gravity", False).successful
+    node.bench.until(lambda: abs(node.tau[0]) < 2.0, "no gravity")
+    assert node.bench.set_parameter("feedforward", "terms.gravity", True).successful
+    assert node.bench.set_parameter("feedforward", "scale.a", 0.0).successful
+    node.bench.until(lambda: node.tau[1] == 0.0 and node.tau[0] > 4.0, "joint a scaled to nothing")
+    assert not node.bench.set_parameter("feedforward", "scale.a", 1.5).successful
+    assert node.bench.set_parameter("feedforward", "scale.a", 1.0).successful
+
+
+def test_disabling_fades_and_enabling_brings_back(node: Feedforward) -> None:
+    node.hold()
+    response = node.bench.call(SetBool, "feedforward/enable", SetBool.Request(data=False))
+    assert response.success
+    node.until_silent("disabled")
+    node.bench.call(SetBool, "feedforward/enable", SetBool.Request(data=True))
+    node.until_sending("enabled")
+
+
+def test_silence_of_set_points_and_of_joint_states_fades(node: Feedforward) -> None:
+    def step() -> bool:
+        node.send.publish(reference([0.0], [[0.2, 0.2]]))
+        node.bench.spin(0.02)
+        return node.tau[0] > 6.0
+
+    node.bench.until(step, "torque of set-points")
+    node.until_silent("no set-points")
+    node.bench.until(lambda: "no set-point for" in node.process.output, "a warning")
+    node.hold()
+    assert node.bench.set_parameter("feedforward", "joint_state_timeout", 0.3).successful
+    node.until_silent("no joint states")
+    states = node.bench.publisher(JointState, "joint_states")
+    alive = JointState(name=["c", "b", "a"], position=[0.0, 0.0, 0.0])
+
+    def live() -> bool:
+        states.publish(alive)
+        return any(node.tau)
+
+    node.bench.until(live, "torque with joint states")
+    for bad in (
+        JointState(), JointState(name=["a", "b"], position=[math.nan, 0.0]),
+        JointState(name=["a"], position=[0.0]), b"junk", JointState(name=["a", "b"]),
+    ):  # fmt: skip
+        states.publish(bad)
+        node.bench.spin(0.05)
+    node.until_silent("only bad joint states")
+    assert node.bench.set_parameter("feedforward", "joint_state_timeout", 0.0).successful
+
+
+def test_bad_references_are_refused_and_survived(node: Feedforward) -> None:
+    node.hold()
+    held = node.tau
+    annotated = len(node.annotated)
+    nan = [[0.0, 0.0], [0.1, math.nan]]
+    flood = [
+        reference([0.0, 1.0], [[0.0], [0.1]], names=("wheel",)),
+        reference([0.0, 1.0], nan),
+        reference([1.0, 0.5], [[0.0, 0.0], [0.1, 0.1]]),
+        reference([], []),
+        JointTrajectory(),
+    ]
+    for _ in range(40):
+        for message in flood:
+            node.send.publish(message)
+        node.bench.spin(0.005)
+    node.bench.until(
+        lambda: int(node.bench.values("feedforward: stream").get("refused reference", "0")) > 20,
+        "refusals counted",
+    )
+    assert "refused a reference: " in node.process.output
+    assert node.process.output.count("[WARN]") < 60
+    assert len(node.annotated) == annotated
+    assert node.tau == pytest.approx(held, rel=0.02)
+    assert node.process.alive
+
+
+@pytest.mark.parametrize("policy", ["refuse", "fade"])
+def test_outside_the_identified_range_there_is_no_torque(node: Feedforward, policy: str) -> None:
+    assert node.bench.set_parameter("feedforward", "out_of_range", policy).successful
+    annotated = len(node.annotated)
+    node.send.publish(reference([0.0, 2.0], [[0.4, 0.4], [9.0, 9.0]]))
+    if policy == "refuse":
+        node.bench.until(
+            lambda: "outside the identified range: " in node.process.output, "a refusal"
+        )
+        assert len(node.annotated) == annotated
+    else:
+        _, message = node.bench.until(
+            lambda: len(node.annotated) > annotated and node.annotated[-1], "annotation"
+        )
+        assert not any(message.points[-1].effort)
+        node.until_silent("outside the range")
+        node.bench.until(lambda: "the torque fades to zero there" in node.process.output, "a word")
+
+
+def test_deactivating_and_activating(node: Feedforward) -> None:
+    node.hold()
+    assert node.bench.transition("feedforward", "deactivate")
+    node.until_silent("deactivated")
+    count = len(node.commands)
+    node.send.publish(reference([0.0, 0.1], [[0.4, 0.4], [0.4, 0.4]]))
+    node.bench.spin(0.3)
+    assert len(node.commands) == count
+    assert node.bench.transition("feedforward", "activate")
+    node.bench.until(lambda: len(node.commands) > count, "commands again")
+    assert not any(node.tau)
+    node.hold()
+    assert node.bench.transition("feedforward", "deactivate")
+    assert node.bench.transition("feedforward", "cleanup")
+    assert node.bench.transition("feedforward", "configure")
+    assert node.bench.transition("feedforward", "activate")
+    node.hold()
+
+
+def test_diagnostics_tell_the_rate_and_the_model(node: Feedforward) -> None:
+    def rate() -> float:
+        return float(node.bench.values("feedforward: stream").get("publish rate [Hz]", "0"))
+
+    node.bench.until(lambda: rate() > 100.0, "a publish rate")
+    values = node.bench.values("feedforward: model")
+    assert values["model"] == "vrbfs+fri"
+    assert "held-out error a" in values
+
+
+def test_without_a_model_it_waits_unconfigured_for_one(bench: Bench, folder: Path) -> None:
+    process = bench.start(
+        "feedforward", namespace="lost", params={"model_file": str(folder / "missing.npz")}
+    )
+    bench.until(lambda: "cannot be configured" in process.output, "a reason")
+    assert "missing.npz" in process.output
+    assert bench.state("/lost/feedforward") == "unconfigured"
+    assert not bench.transition("/lost/feedforward", "configure")
+    name = str(folder / "model.npz")
+    assert bench.set_parameter("/lost/feedforward", "model_file", name).successful
+    assert bench.transition("/lost/feedforward", "configure")
+    commands: deque[Any] = bench.collect(Float64MultiArray, "/lost/feedforward/commands")
+    bench.spin(0.2)
+    assert not commands
+    process.signal(signal.SIGINT)
+    assert process.wait() == 0
+
+
+def test_the_last_command_is_zero_in_each_namespace_whatever_signal_ends_it(
+    bench: Bench, folder: Path, node: Feedforward
+) -> None:
+    other = Feedforward(bench, folder, "left")
+    node.until_sending("held from before")
+    assert not any(other.tau)
+    other.hold()
+    for ended, signals in ((other, [signal.SIGINT] * 2), (node, [signal.SIGTERM])):
+        for number in signals:
+            ended.process.signal(number)
+        assert ended.process.wait() == 0
+        ended.until_silent("it has ended")
+        assert "Traceback" not in ended.process.output
+        gone_down = [abs(m.data[0]) for _, m in ended.commands][-50:]
+        assert np.abs(np.diff(gone_down)).max() < 4.0, "torque fell in one step"
