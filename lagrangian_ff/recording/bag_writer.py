@@ -228,8 +228,8 @@ def write_bag(
         )
     encoder = JointStateEncoder(
         recording.joints,
-        velocity=bool(np.isfinite(recording.velocity).any()),
-        effort=bool(np.isfinite(recording.effort).any()),
+        velocity=not np.isnan(recording.velocity).all(),
+        effort=not np.isnan(recording.effort).all(),
     )
     with BagWriter(path, topic=topic, overwrite=overwrite) as bag:
         for first in range(0, len(recording), _BLOCK):

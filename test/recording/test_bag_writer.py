@@ -38,6 +38,12 @@ def test_velocity_and_effort_that_nobody_measured_stay_empty(tmp_path: Path) -> 
     assert len(state.velocity) == len(state.effort) == 0
 
 
+def test_infinite_values_are_values(tmp_path: Path) -> None:
+    recording = swinging(10)
+    recording.effort[:] = np.inf
+    assert_same(load(write_bag(tmp_path / "bag", recording)), recording)
+
+
 def test_raw_messages_and_samples_can_be_mixed(tmp_path: Path) -> None:
     expected = swinging(20)
     messages = messages_of(expected)
