@@ -117,8 +117,15 @@ class Fit:
 
     @property
     def log_evidence(self) -> float:
-        """Restricted log evidence of all torques, in nats."""
-        return sum(system.log_evidence for _, _, system in self.systems)
+        """Restricted log evidence of all torques in N·m, in nats.
+
+        It counts the unit of each torque, so that it can be compared between scalings.
+        """
+        samples = len(self.states)
+        return sum(
+            system.log_evidence - samples * float(np.sum(np.log(self.scaling.unit[list(joints)])))
+            for joints, _, system in self.systems
+        )
 
     def left_out(self, groups: Sequence[Ints]) -> tuple[Floats, Floats]:
         """What a fit without each group of samples would have met, from the factor at hand.

@@ -23,6 +23,7 @@ from lagrangian_ff.recording.motion import Motion, concatenate
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+SCALES = ("auto", "joint", "common")
 INTERVAL_BLOCK_SECONDS = 1.0
 """Samples closer than this are not counted as independent when intervals are made."""
 
@@ -39,8 +40,10 @@ class Settings:
         block_seconds: length of a block of cross-validation, s.
         folds: in how many folds the blocks are left out.
         selection: how hyperparameters are chosen, `validation` or `evidence`.
-        scale: `joint` divides each torque by its own spread, so that no joint drowns; `common`
-            divides all by one number and keeps the prediction a gradient of one Lagrangian.
+        scale: how torques are normalised. `common` divides all by one number, so that the joints
+            share one Lagrangian, with noise in proportion to each torque's spread; `joint`
+            divides each torque by its own spread, right where the joints' units do not agree;
+            `auto` tries both and keeps the better one.
         evaluations: how many settings of hyperparameters are tried.
     """
 
@@ -50,7 +53,7 @@ class Settings:
     block_seconds: float = 3.0
     folds: int = 5
     selection: str = "validation"
-    scale: str = "joint"
+    scale: str = "auto"
     evaluations: int = 90
 
     def check(self) -> None:
@@ -67,8 +70,8 @@ class Settings:
             raise ModelError(f"block_seconds is {self.block_seconds}, expected above 0 s")
         if self.folds < 2:
             raise ModelError(f"folds is {self.folds}, expected at least 2")
-        if self.scale not in ("joint", "common"):
-            raise ModelError(f"scale is '{self.scale}', expected joint or common")
+        if self.scale not in SCALES:
+            raise ModelError(f"scale is '{self.scale}', expected {', '.join(SCALES)}")
 
 
 @dataclass(frozen=True)
@@ -117,10 +120,16 @@ def identify(
     fine = training.blocks(INTERVAL_BLOCK_SECONDS)[index]
     thinned, block = training.take(index), block[index]
     states = States.of(thinned.q, thinned.qd, thinned.qdd)
-    scaling = Scaling.of(thinned.tau, settings.scale == "joint")
     fold = np.unique(block, return_inverse=True)[1] % settings.folds
-    data = TrainingSet(states, thinned.tau, fold, scaling)
-    choice = choose(spec, data, settings.selection, settings.evaluations, progress)
+    data = TrainingSet(states, thinned.tau, fold)
+    choice, scaling = choose(
+        spec,
+        data,
+        _scalings(spec, settings, thinned.tau),
+        settings.selection,
+        settings.evaluations,
+        progress,
+    )
     progress(1.0, "fitting")
     try:
         fitted = fit(spec, choice, states, thinned.tau, scaling)
@@ -148,6 +157,7 @@ def identify(
         "training_seconds": _seconds(training),
         "held_out_seconds": _seconds(held_out),
         "hyperparameters": _hyperparameters(choice, len(states)),
+        "scale": "common" if np.ptp(scaling.unit) == 0.0 else "joint",
         "effects": _effects(fitted, model.joints, fine),
         "log_evidence": float(fitted.log_evidence),
         "range": model.range.record(),
@@ -175,6 +185,14 @@ def split(motions: Sequence[Motion], settings: Settings) -> tuple[Motion, Motion
             "record longer, or use a larger --train or a shorter --block"
         )
     return training, concatenate(rest) if rest else None
+
+
+def _scalings(spec: Spec, settings: Settings, tau: Floats) -> list[Scaling]:
+    """The normalisations to try; joints that are learned apart each have their own anyway."""
+    per_joint, common = Scaling.of(tau, True), Scaling.of(tau, False)
+    if not issubclass(spec.kernel, CoupledKernel):
+        return [per_joint]
+    return {"auto": [common, per_joint], "joint": [per_joint], "common": [common]}[settings.scale]
 
 
 def _seconds(motion: Motion) -> float:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit, with_noise
@@ -35,13 +36,11 @@ class TrainingSet:
 
     Attributes:
         states: (M, N).  tau: (M, N) N·m.  fold: (M,) the fold each sample is left out with.
-        scaling: of the torques.
     """
 
     states: States
     tau: Floats
     fold: Ints
-    scaling: Scaling
 
     def thinned(self, samples: int) -> "TrainingSet":
         """At most this many samples, evenly spread."""
@@ -89,15 +88,17 @@ def starting_choice(spec: Spec, states: States) -> Choice:
 def choose(
     spec: Spec,
     data: TrainingSet,
+    scalings: Sequence[Scaling],
     criterion: str = "validation",
     evaluations: int = 90,
     progress: Progress = silent,
-) -> Choice:
+) -> tuple[Choice, Scaling]:
     """Search the kernel's hyperparameters, the noise, and the effects' shape parameters.
 
     Args:
         spec: kernel family and effects.
         data: training samples with their folds.
+        scalings: the ways to normalise torques that are tried; the better one is kept.
         criterion: `validation` (blocked cross-validation, section IV-B) or `evidence`.
         evaluations: how many settings are tried, a joint where joints choose apart.
         progress: told the share done.
@@ -115,57 +116,94 @@ def choose(
     start = starting_choice(spec, data.states)
     per_joint = issubclass(spec.kernel, IndependentKernel) and spec.kernel.per_joint
     if not per_joint:
-        return _search(spec, data, start, None, criterion, evaluations, progress)
-    chosen = start
+        search = _Search(spec, criterion, None, _axes(spec, start))
+        # Threads cost more than they bring on matrices as small as these.
+        with threadpool_limits(1):
+            return search.run(data, start, scalings, evaluations, progress)
+    chosen, scaling = start, scalings[0]
     for joint in range(data.states.joints):
 
         def told(share: float, label: str, done: int = joint) -> None:
             progress((done + share) / data.states.joints, label)
 
-        chosen = _search(spec, data, chosen, joint, criterion, evaluations, told)
-    return chosen
+        search = _Search(spec, criterion, joint, _axes(spec, start))
+        with threadpool_limits(1):
+            chosen, scaling = search.run(data, chosen, [scaling], evaluations, told)
+    return chosen, scaling
 
 
-def _search(
-    spec: Spec,
-    data: TrainingSet,
-    start: Choice,
-    joint: int | None,
-    criterion: str,
-    evaluations: int,
-    progress: Progress,
-) -> Choice:
-    """Simplex search of the numbers that one joint, or all, depend on."""
-    axes = _axes(spec, start)
-    tried = 0
-    point = np.array([axis.start for axis in axes])
-    step = np.array([axis.step for axis in axes])
-    for samples, share in STAGES:
-        part = data.thinned(samples)
-        groups = part.groups()
+@dataclass(frozen=True)
+class _Search:
+    """Simplex search of the numbers that one joint, or all together, depend on."""
 
-        def objective(
-            values: Floats, part: TrainingSet = part, groups: list[Ints] = groups
-        ) -> float:
-            nonlocal tried
-            tried += 1
-            progress(min(1.0, tried / evaluations), "choosing hyperparameters")
-            choice = _at(start, axes, values, joint, part.states)
-            try:
-                fitted = fit(spec, choice, part.states, part.tau, part.scaling)
-                if joint is not None:
-                    fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
-                if criterion == "evidence":
-                    return -fitted.log_evidence
-                score = validation_score(fitted, groups)
-            except (NotPositiveDefiniteError, np.linalg.LinAlgError):
-                return FAILED
-            total = float(np.nanmean(score if joint is None else score[joint]))
-            return float(np.log(total)) if np.isfinite(total) and total > 0.0 else FAILED
+    spec: Spec
+    criterion: str
+    joint: int | None
+    axes: "Sequence[_Axis]"
 
-        point = _simplex(objective, point, step, axes, int(share * evaluations))
-        step = step * 0.4
-    return _at(start, axes, point, joint, data.states)
+    def run(
+        self,
+        data: TrainingSet,
+        start: Choice,
+        scalings: Sequence[Scaling],
+        evaluations: int,
+        progress: Progress,
+    ) -> tuple[Choice, Scaling]:
+        """The best choice found, and the scaling it was found with.
+
+        Every scaling takes part in the first stage; the best goes on.
+        """
+        step = np.array([axis.step for axis in self.axes])
+        first = np.array([axis.start for axis in self.axes])
+        planned = sum(share for _, share in STAGES) + STAGES[0][1] * (len(scalings) - 1)
+        tried = 0
+        running = [(0.0, first, scaling) for scaling in scalings]
+        for samples, share in STAGES:
+            part = data.thinned(samples)
+            groups = part.groups()
+            finished = []
+            for _, point, scaling in running:
+
+                def objective(
+                    values: Floats,
+                    part: TrainingSet = part,
+                    groups: Sequence[Ints] = groups,
+                    scaling: Scaling = scaling,
+                ) -> float:
+                    nonlocal tried
+                    tried += 1
+                    progress(min(1.0, tried / (planned * evaluations)), "choosing hyperparameters")
+                    return self.cost(values, part, groups, start, scaling)
+
+                cost, found = _simplex(objective, point, step, self.axes, int(share * evaluations))
+                finished.append((cost, found, scaling))
+            running = [min(finished, key=lambda item: item[0])]
+            step = step * 0.4
+        _, found, scaling = running[0]
+        return _at(start, self.axes, found, self.joint, data.states), scaling
+
+    def cost(
+        self,
+        values: Floats,
+        part: TrainingSet,
+        groups: Sequence[Ints],
+        start: Choice,
+        scaling: Scaling,
+    ) -> float:
+        """What is made small: minus the log evidence, or the log of the left-out error."""
+        choice = _at(start, self.axes, values, self.joint, part.states)
+        joint = self.joint
+        try:
+            fitted = fit(self.spec, choice, part.states, part.tau, scaling)
+            if joint is not None:
+                fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
+            if self.criterion == "evidence":
+                return -fitted.log_evidence
+            score = validation_score(fitted, groups)
+        except (NotPositiveDefiniteError, np.linalg.LinAlgError):
+            return FAILED
+        total = float(np.nanmean(score if joint is None else score[joint]))
+        return float(np.log(total)) if np.isfinite(total) and total > 0.0 else FAILED
 
 
 @dataclass(frozen=True)
@@ -235,7 +273,7 @@ def _simplex(
     step: Floats,
     axes: Sequence[_Axis],
     evaluations: int,
-) -> Floats:
+) -> tuple[float, Floats]:
     low = np.array([axis.low for axis in axes])
     high = np.array([axis.high for axis in axes])
     corners = np.vstack([point, point + np.diag(step)])
@@ -251,4 +289,4 @@ def _simplex(
             "fatol": 1e-4,
         },
     )
-    return np.asarray(found.x)
+    return float(found.fun), np.asarray(found.x)

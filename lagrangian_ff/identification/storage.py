@@ -91,8 +91,11 @@ def load(path: Path) -> Model:
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
-        with np.load(path, allow_pickle=False) as file:
-            if not isinstance(file, np.lib.npyio.NpzFile) or "header" not in file:
+        opened = np.load(path, allow_pickle=False)
+        if not isinstance(opened, np.lib.npyio.NpzFile):
+            raise ModelError(f"{path} is not a model of lagrangian_ff")
+        with opened as file:
+            if "header" not in file:
                 raise ModelError(f"{path} is not a model of lagrangian_ff")
             header = json.loads(bytes(file["header"]).decode())
             if not isinstance(header, dict):

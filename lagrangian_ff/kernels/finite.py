@@ -93,9 +93,12 @@ class Pol(_Finite):
 
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
-        velocity, acceleration = self._rates(x, 0)
-        total = 1.0 + np.sum(acceleration**2, axis=1) + np.sum(velocity**2, axis=1) ** 2
-        return np.repeat(total[:, None], x.joints, axis=1)
+        out = np.empty_like(x.q)
+        for joint in range(x.joints):
+            velocity, acceleration = self._rates(x, joint)
+            inertia = np.sum(acceleration**2, axis=1)
+            out[:, joint] = 1.0 + inertia + np.sum(velocity**2, axis=1) ** 2
+        return out
 
 
 class Nothing(_Finite):

@@ -1,0 +1,149 @@
+"""Models on disk."""
+
+import io
+import json
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pendulum
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification.storage import VERSION
+from lagrangian_ff.kernels import KERNELS
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the file of a small model."""
+    path = tmp_path_factory.mktemp("model") / "model.npz"
+    settings = Settings(samples=40, evaluations=8, train=1.0)
+    identify(pendulum.motion(10.0), settings).model.save(path)
+    return path
+
+
+@pytest.mark.parametrize("name", sorted(KERNELS))
+def test_a_model_predicts_the_same_after_a_round_trip(name: str, tmp_path: Path) -> None:
+    settings = Settings(f"{name}+fri", samples=30, evaluations=4, train=1.0)
+    model = identify(pendulum.motion(8.0), settings).model
+    model.save(tmp_path / "model.npz")
+    again = Model.load(tmp_path / "model.npz")
+    _, x = pendulum.states(2.0, 20.0, seed=5)
+    states = x.q, x.qd, x.qdd
+    np.testing.assert_array_equal(again.predict(*states), model.predict(*states))
+    assert again.joints == model.joints
+    assert again.name == model.name
+    assert json.dumps(again.record) == json.dumps(model.record)
+    assert again.range.record() == model.range.record()
+    np.testing.assert_array_equal(again.training_tau, model.training_tau)
+
+
+def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any]], None]) -> Path:
+    """A copy of a model file with its header or arrays changed."""
+    with np.load(source) as file:
+        content: dict[str, Any] = {name: file[name] for name in file.files}
+    content["header"] = json.loads(bytes(content["header"]).decode())
+    change(content)
+    text = json.dumps(content["header"]).encode()
+    np.savez(target, **{**content, "header": np.frombuffer(text, dtype=np.uint8)})
+    return target
+
+
+def test_a_newer_version_says_so(saved: Path, tmp_path: Path) -> None:
+    def newer(content: dict[str, Any]) -> None:
+        content["header"]["version"] = VERSION + 1
+
+    with pytest.raises(ModelError, match=f"version {VERSION + 1}, this program reads up to"):
+        Model.load(rewrite(saved, tmp_path / "new.npz", newer))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda c: c.pop("weights"),
+        lambda c: c.update(weights=c["weights"][:-1]),
+        lambda c: c.update(weights=c["weights"] * np.nan),
+        lambda c: c.update(unit=np.ones(5)),
+        lambda c: c.update(coefficients=np.ones(2)),
+        lambda c: c["header"].pop("joints"),
+        lambda c: c["header"].update(joints=["one"]),
+        lambda c: c["header"].update(hyperparameters={"sgima": [1.0]}),
+        lambda c: c["header"]["basis"][0].update(effect="wizardry"),
+        lambda c: c["header"]["range"].pop("q_low"),
+    ],
+)
+def test_contents_that_do_not_fit_are_called_damaged(
+    saved: Path, tmp_path: Path, change: Callable[[dict[str, Any]], None]
+) -> None:
+    with pytest.raises(ModelError, match=r"bad\.npz is damaged"):
+        Model.load(rewrite(saved, tmp_path / "bad.npz", change))
+
+
+@given(cut=st.floats(0.0, 0.999), byte=st.integers(0, 255), place=st.floats(0.0, 0.999))
+def test_a_damaged_file_never_passes_or_crashes(
+    saved: Path, tmp_path_factory: pytest.TempPathFactory, cut: float, byte: int, place: float
+) -> None:
+    whole = saved.read_bytes()
+    path = tmp_path_factory.mktemp("damaged") / "model.npz"
+    path.write_bytes(whole[: int(cut * len(whole))])
+    with pytest.raises(ModelError):
+        Model.load(path)
+    changed = bytearray(whole)
+    changed[int(place * len(whole))] = byte
+    path.write_bytes(bytes(changed))
+    try:
+        model = Model.load(path)
+    except ModelError:
+        return
+    assert np.isfinite(model.weights).all()
+
+
+def test_nothing_is_executed_on_loading(tmp_path: Path) -> None:
+    class Trap:
+        def __reduce__(self) -> tuple[Any, tuple[str]]:
+            return (exec, ("raise SystemExit('executed')",))
+
+    path = tmp_path / "trap.npz"
+    np.savez(path, header=np.array([Trap()], dtype=object))
+    with pytest.raises(ModelError):
+        Model.load(path)
+    path.write_bytes(pickle.dumps(Trap()))
+    with pytest.raises(ModelError):
+        Model.load(path)
+
+
+def test_other_files_are_not_models(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="no model file"):
+        Model.load(tmp_path / "absent.npz")
+    with pytest.raises(ModelError, match="is a folder"):
+        Model.load(tmp_path)
+    np.savez(tmp_path / "other.npz", time=np.arange(3))
+    with pytest.raises(ModelError, match="not a model"):
+        Model.load(tmp_path / "other.npz")
+    buffer = io.BytesIO()
+    np.save(buffer, np.arange(3))
+    (tmp_path / "array.npz").write_bytes(buffer.getvalue())
+    with pytest.raises(ModelError, match="not a model"):
+        Model.load(tmp_path / "array.npz")
+
+
+def test_saving_where_nothing_can_be_written_is_explained(saved: Path, tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="cannot write"):
+        Model.load(saved).save(tmp_path / "no" / "such" / "folder" / "model.npz")
+
+
+def test_a_failed_save_keeps_the_file_that_was_there(saved: Path, tmp_path: Path) -> None:
+    target = tmp_path / "model.npz"
+    target.write_bytes(b"precious")
+    broken = Model.load(saved)
+    object.__setattr__(broken, "record", {"not json": object()})
+    with pytest.raises(TypeError):
+        broken.save(target)
+    assert target.read_bytes() == b"precious"
+    assert [p.name for p in tmp_path.iterdir()] == ["model.npz"]
