@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 URDF = Path(__file__).with_name("arm6.urdf")
 JOINTS: tuple[str, ...] = tuple(f"joint_{n}" for n in range(1, 7))
 LINKS: tuple[str, ...] = tuple(f"link_{n}" for n in range(1, 7))
-HOME: tuple[float, ...] = (0.0, -0.5, 1.4, 0.0, 0.7, 0.0)
+HOME: tuple[float, ...] = (0.0, -0.4, 0.2, 0.0, 0.7, 0.0)
 """rad: elbow up, tool ahead of the column; clear of everything."""
 
 STEEL = 7850.0  # kg/m³

@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Mesh = tuple[Floats, Floats, NDArray[np.int64]]
 Pose = tuple[Sequence[float], Sequence[float]]
 
-POSE: tuple[float, ...] = (0.35, 0.45, 1.15, 0.5, 0.6, 0.4)  # rad
+POSE: tuple[float, ...] = (0.35, 0.35, 0.0, 0.5, 0.6, 0.4)  # rad
 BACKGROUND = np.array([0.957, 0.965, 0.973])
 OVERSAMPLING = 3
 FLOOR_COLOUR = (0.86, 0.88, 0.90, 1.0)
@@ -55,7 +55,7 @@ def picture(
 
 
 def _render(body: Body, size: int) -> Floats:
-    view = pybullet.computeViewMatrix((1.55, -1.75, 1.25), (0.17, 0.0, 0.56), (0.0, 0.0, 1.0))
+    view = pybullet.computeViewMatrix((1.6, -1.75, 1.05), (0.17, 0.0, 0.40), (0.0, 0.0, 1.0))
     lens = pybullet.computeProjectionMatrixFOV(30.0, 1.0, 0.5, 6.0)
     _, _, colours, _, segments = pybullet.getCameraImage(
         size,

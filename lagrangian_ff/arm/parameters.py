@@ -40,11 +40,11 @@ class ArmParameters:
     torque_constant: PerJoint = (0.0385, 0.0385, 0.0302, 0.0295, 0.0259, 0.0259)
     resistance: PerJoint = (0.10, 0.10, 0.30, 0.58, 0.61, 0.61)
     inductance: PerJoint = (7.0e-5, 7.0e-5, 8.0e-5, 1.9e-4, 1.2e-4, 1.2e-4)
-    viscous: PerJoint = (2.5, 7.0, 3.0, 0.4, 0.35, 0.10)
-    coulomb: PerJoint = (3.0, 10.0, 4.5, 0.7, 0.7, 0.2)
+    viscous: PerJoint = (2.5, 6.5, 3.0, 0.35, 0.30, 0.10)
+    coulomb: PerJoint = (3.0, 9.0, 4.5, 0.55, 0.60, 0.15)
     coulomb_velocity: PerJoint = (0.02,) * 6
-    stiffness: PerJoint = (900.0, 1100.0, 450.0, 120.0, 60.0, 35.0)
-    damping: PerJoint = (80.0, 100.0, 32.0, 6.0, 2.4, 1.5)
+    stiffness: PerJoint = (700.0, 900.0, 380.0, 90.0, 50.0, 25.0)
+    damping: PerJoint = (63.0, 83.0, 24.0, 5.0, 2.4, 1.5)
     current_bandwidth: float = 2000.0
     encoder_counts: int = 2048
     current_noise: PerJoint = (0.12, 0.12, 0.09, 0.04, 0.035, 0.025)

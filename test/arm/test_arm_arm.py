@@ -73,7 +73,7 @@ def test_torque_is_cut_at_the_limits_and_flagged(arm: Arm) -> None:
         arm.step(np.array(HOME), STILL, asked)
     np.testing.assert_array_equal(arm.saturated, asked != 0)
     # The current lags a little while the arm races away and its back-EMF grows.
-    np.testing.assert_allclose(arm.motor_torque[[1, 4]], effort[[1, 4]] * (-1, 1), rtol=0.1)
+    np.testing.assert_allclose(arm.motor_torque[[1, 4]], effort[[1, 4]] * (-1, 1), rtol=0.15)
     assert np.all(np.abs(arm.motor_torque) < effort)
 
 

@@ -39,6 +39,8 @@ class Chain:
             assert child is not None
             turn, place = frames[parent]
             place = place + turn @ self.vector(joint.find("origin"), "xyz")
+            tilt = self.vector(joint.find("origin"), "rpy")
+            turn = turn @ Rotation.from_euler("xyz", tilt).as_matrix()
             axes[child] = list(axes[parent])
             if joint.get("type") == "revolute":
                 n = JOINTS.index(joint.attrib["name"])

@@ -37,7 +37,7 @@ def test_every_inertia_belongs_to_some_real_body() -> None:
 
 def test_the_moving_links_weigh_what_a_research_arm_does() -> None:
     masses = [mass for name, (mass, _) in inertias(URDF.read_text()).items() if "base" not in name]
-    assert 18 < sum(masses) < 30
+    assert 12 < sum(masses) < 25
 
 
 def test_limits_come_from_the_urdf_and_hold_the_home_pose() -> None:
