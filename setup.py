@@ -6,19 +6,20 @@ from setuptools import find_packages, setup
 
 PACKAGE = "lagrangian_ff"
 
-# Lower bounds are what Ubuntu 24.04, the home of ROS 2 Jazzy, ships (constraints-ubuntu-24.04.txt),
-# or, where it ships nothing, the oldest release the tests pass with. Upper bounds close behind the
-# newest release they pass with.
+# Lower bounds are what Ubuntu 24.04, the home of ROS 2 Jazzy, ships, or the oldest release that can
+# be installed and passes the tests (constraints-ubuntu-24.04.txt has them all). Upper bounds close
+# behind the newest release that passes them.
 RUNTIME = [
     "numpy >=1.26.4, <2.5",
     "scipy >=1.11.4, <1.18",
     "numba >=0.58.1, <0.69",
+    "threadpoolctl >=3.1, <4",
     "matplotlib >=3.6.3, <3.12",
     "rich >=13.7.1, <16",
-    "rosbags >=0.10.10, <0.12",
+    "rosbags >=0.11, <0.12",
     "ruamel.yaml >=0.17.21, <0.20",
     "mcap >=1.2.1, <2",
-    "lz4 >=4.0.2, <5",
+    "lz4 >=4.3.2, <5",
     "zstandard >=0.22, <0.26",
     "pybullet >=3.2.6, <3.3",
 ]
@@ -34,6 +35,7 @@ EXTRAS = {
     "test": [
         "pytest >=7.4.4, <10",
         "hypothesis >=6.98.15, <7",
+        "sympy >=1.12, <2",
         "ruff >=0.17.5, <0.18",
         "mypy >=2.4.1, <2.5",
         "colcon-core >=0.21.3, <0.22",
