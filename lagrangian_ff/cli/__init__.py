@@ -1,0 +1,7 @@
+"""The command `lagrangian_ff`: identify, predict, feedforward, simulate, info, demo.
+
+`commands` holds one file a command and lists them once; `common` what they share (options,
+sources, outputs, progress); `text` the words in which results are told. Importing this room loads
+neither NumPy nor any other library, so that `--help` is quick: the commands import what they need
+when they run.
+"""

@@ -1,0 +1,34 @@
+"""The commands, listed once; a new one is one file here.
+
+A command is a module with NAME, SUMMARY (one line in the list of commands), USAGE (its arguments in
+short), DESCRIPTION (what it does), EPILOG (examples and what the output means), `add_arguments` and
+`run`.
+"""
+
+from argparse import ArgumentParser, Namespace
+from typing import Protocol
+
+from lagrangian_ff.cli.commands import demo, feedforward, identify, info, predict, simulate
+
+
+class Command(Protocol):
+    """What a module must offer to take part."""
+
+    NAME: str
+    SUMMARY: str
+    USAGE: str
+    DESCRIPTION: str
+    EPILOG: str
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Declare the arguments."""
+
+    def run(self, arguments: Namespace) -> int:
+        """Do it; the exit code.
+
+        Raises:
+            UserError: a mistake the user can mend.
+        """
+
+
+COMMANDS: tuple[Command, ...] = (identify, predict, feedforward, simulate, info, demo)

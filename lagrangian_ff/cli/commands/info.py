@@ -1,0 +1,97 @@
+"""`info`: what a recording or a model file holds."""
+
+import zipfile
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.options import SOURCE_HELP, add_force, add_json, add_topic
+from lagrangian_ff.cli.common.outputs import check_file, write_record
+from lagrangian_ff.cli.common.sources import read, tell
+from lagrangian_ff.cli.text.model import range_table, say_record
+from lagrangian_ff.errors import RecordingError, UserError
+
+NAME = "info"
+SUMMARY = "tell what a recording or a model file holds"
+USAGE = "SOURCE|MODEL [options]"
+DESCRIPTION = """\
+Tells what a file holds. Of a recording: joints, rate, jitter, gaps, missing or clipped values,
+and whether a model can be identified from it. Of a model: its joints, error, effects as
+equations, hyperparameters, and the motion it was identified on."""
+EPILOG = """\
+examples:
+  lagrangian_ff info bag
+  lagrangian_ff info model.npz --json -"""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """See `Command`."""
+    parser.add_argument(
+        "file",
+        type=Path,
+        metavar="SOURCE|MODEL",
+        help=f"{SOURCE_HELP}; or a model file of identify",
+    )
+    add_topic(parser)
+    add_json(parser)
+    add_force(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """See `Command`."""
+    console = Console(arguments.json)
+    path = arguments.file
+    if not path.exists():
+        raise UserError(f"{path}: no such file or directory")
+    if arguments.json not in (None, "-"):
+        check_file(Path(arguments.json), "--json", force=arguments.force, keep=[path])
+    record = _model(path, console) if is_model(path) else _recording(arguments, console)
+    write_record(arguments.json, record)
+    return 0
+
+
+def is_model(path: Path) -> bool:
+    """Whether a file is a model rather than a recording: both end in .npz."""
+    if path.suffix != ".npz" or not zipfile.is_zipfile(path):
+        return False
+    with zipfile.ZipFile(path) as archive:
+        return "header.npy" in archive.namelist()
+
+
+def _model(path: Path, console: Console) -> dict[str, object]:
+    from lagrangian_ff.identification import Model
+
+    model = Model.load(path)
+    console.say(f"{path}: model {model.name} of {', '.join(model.joints)}")
+    if model.record:
+        sources = model.record.get("sources")
+        if isinstance(sources, list):
+            console.say(f"identified from {', '.join(map(str, sources))}")
+        console.say()
+        say_record(model.record, console)
+    console.say(["", "the motion it was identified on"])
+    console.say(range_table(model.range, model.joints))
+    return {"kind": "model", "joint_names": list(model.joints), **model.record}
+
+
+def _recording(arguments: Namespace, console: Console) -> dict[str, object]:
+    from lagrangian_ff.recording import condition, inspect
+
+    try:
+        recording = read(arguments.file, arguments.topic)
+    except RecordingError as error:
+        if arguments.file.suffix == ".npz":
+            raise RecordingError(f"{error}; nor is it a model file of identify") from error
+        raise
+    inspection = inspect(recording)
+    tell(inspection, console)
+    console.say()
+    try:
+        motion = condition(recording)
+    except RecordingError as error:
+        console.say(f"cannot be identified from as it is: {error}")
+        return {"kind": "recording", **inspection.record(), "usable": False, "reason": str(error)}
+    for note in motion.notes:
+        console.note(note)
+    console.say(f"can be identified from: {len(motion)} samples of {len(motion.joints)} joints")
+    return {"kind": "recording", **inspection.record(), "usable": True, "reason": ""}

@@ -1,0 +1,121 @@
+"""`predict`: a model held against another recording."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.leaving import leaving
+from lagrangian_ff.cli.common.options import (
+    SOURCE_HELP,
+    add_conditioning,
+    add_force,
+    add_json,
+    add_topic,
+    conditioning_of,
+)
+from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
+from lagrangian_ff.cli.common.sources import conditioning_of_model, of_model, prepare, read
+from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
+from lagrangian_ff.errors import UserError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lagrangian_ff.diagnosis import Comparison
+    from lagrangian_ff.identification import Model
+
+    Columns = dict[str, NDArray[np.float64]]
+
+NAME = "predict"
+SUMMARY = "hold a model against a recording: error per joint, torques as CSV"
+USAGE = "MODEL SOURCE [options]"
+DESCRIPTION = """\
+Predicts the torque of a recorded motion and compares it with what was measured: the test of a
+model on a recording it has not seen. The recording may hold more joints than the model, in any
+order; it is made ready as those were that the model was identified from."""
+EPILOG = """\
+examples:
+  lagrangian_ff predict model.npz other_bag
+  lagrangian_ff predict model.npz other_bag --output torque.csv --terms
+
+what comes out:
+  the error of each joint in N·m (rmse) and as a share of its torque's variance (nmse; below 0.05
+  is good), and how much of the motion lies outside what the model was identified on;
+  with --output a CSV: time, measured/<joint>, predicted/<joint>, and with --terms the parts of
+  the predicted torque: gravity/, inertia/, coriolis/ and every effect, such as coulomb/<joint>."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """See `Command`."""
+    parser.add_argument("model", type=Path, metavar="MODEL", help="a model file of identify")
+    parser.add_argument("source", type=Path, metavar="SOURCE", help=SOURCE_HELP)
+    parser.add_argument(
+        "--output", type=Path, metavar="TORQUE.csv", help="write the torques as CSV"
+    )
+    parser.add_argument(
+        "--terms", action="store_true", help="with --output: the parts of the torque too"
+    )
+    add_topic(parser)
+    add_conditioning(parser)
+    add_json(parser)
+    add_force(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """See `Command`."""
+    console = Console(arguments.json)
+    _check_outputs(arguments)
+    from lagrangian_ff.diagnosis import compare
+    from lagrangian_ff.identification import Model
+
+    model = Model.load(arguments.model)
+    conditioning = conditioning_of(arguments, conditioning_of_model(model))
+    recording = of_model(read(arguments.source, arguments.topic), model, arguments.model)
+    motion = prepare(recording, conditioning, console).motion
+    comparison = compare(model, motion)
+    if arguments.output is not None:
+        write_table(arguments.output, _columns(model, comparison, arguments.terms))
+    record = {"model": str(arguments.model), **comparison.record()}
+    write_record(arguments.json, record)
+    console.say(f"{arguments.model} ({model.name}) on {motion.source}")
+    console.say(error_table(record))
+    console.paragraph(LEGEND, "  ")
+    console.say()
+    console.paragraph(verdict(record))
+    away = leaving(model, motion.time, (motion.q, motion.qd, motion.qdd))
+    if away.share > 0.0:
+        console.note(
+            f"{away.share:.1%} of the motion lies outside what the model was identified on "
+            f"({away.worst}): {away.when()}. There it guesses; identify from this recording too "
+            "if such motions matter",
+            "",
+        )
+    if arguments.output is not None:
+        console.say(f"saved: {arguments.output}")
+    return 0
+
+
+def _check_outputs(arguments: Namespace) -> None:
+    if arguments.terms and arguments.output is None:
+        raise UserError("--terms says what goes into the CSV: name one with --output")
+    inputs = [arguments.model, arguments.source]
+    if arguments.output is not None:
+        check_file(arguments.output, "--output", force=arguments.force, suffix=".csv", keep=inputs)
+        inputs.append(arguments.output)
+    if arguments.json not in (None, "-"):
+        check_file(Path(arguments.json), "--json", force=arguments.force, keep=inputs)
+
+
+def _columns(model: "Model", comparison: "Comparison", terms: bool) -> "Columns":
+    motion = comparison.motion
+    parts = {"measured": motion.tau, "predicted": comparison.predicted}
+    if terms:
+        found = model.terms(motion.q, motion.qd, motion.qdd)
+        parts |= {name: getattr(found, name) for name in ("gravity", "inertia", "coriolis")}
+        parts |= found.effects
+    columns = {"time": motion.time}
+    for name, values in parts.items():
+        columns |= {f"{name}/{joint}": values[:, n] for n, joint in enumerate(model.joints)}
+    return columns

@@ -1,0 +1,197 @@
+"""`simulate`: the simulated arm without ROS, recorded as a bag."""
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.driving import SPEED, motion_file, motion_of, torque_of
+from lagrangian_ff.cli.common.options import add_force, add_json, assignments
+from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.errors import ArmError, UserError
+
+if TYPE_CHECKING:
+    from lagrangian_ff.arm import Load, Run
+
+NAME = "simulate"
+SUMMARY = "drive the simulated arm without ROS and write a bag"
+USAGE = "--output BAG [options]"
+DESCRIPTION = """\
+Drives the simulated 6-joint arm (PyBullet) along a trajectory, with or without feedforward
+torque, writes what its driver would report as a rosbag2 folder, and tells how well it tracked."""
+EPILOG = """\
+examples:
+  lagrangian_ff simulate --output bag                     an exciting motion, to learn from
+  lagrangian_ff simulate --seed 1 --save-trajectory t.csv --output before
+  lagrangian_ff simulate --trajectory t.csv --feedforward model.npz --output after
+  lagrangian_ff simulate --feedforward torque.csv --output after    with what `feedforward` wrote
+  lagrangian_ff simulate --loads joint_1=2.5 joint_2=1 --output loaded
+
+what comes out:
+  the bag, with joint_states at 500 Hz;
+  the tracking error of each joint in mrad, reference less measured position. With
+  --feedforward true the arm gets its own true torques: no model can do better."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """See `Command`."""
+    parser.add_argument(
+        "--output", required=True, type=Path, metavar="BAG", help="the bag folder to write"
+    )
+    group = parser.add_argument_group("the motion")
+    group.add_argument(
+        "--speed",
+        type=int,
+        choices=range(1, 11),
+        metavar="1..10",
+        help=f"of an exciting trajectory through the workspace (default: {SPEED})",
+    )
+    group.add_argument(
+        "--seed",
+        type=int,
+        default=0,
+        help="of that trajectory and of the sensors' noise (default: 0)",
+    )
+    group.add_argument(
+        "--duration", type=float, metavar="SECONDS", help="of that trajectory (default: 30 to 40)"
+    )
+    group.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="drive this one instead")
+    group.add_argument(
+        "--save-trajectory", type=Path, metavar="FILE.csv", help="write the reference as CSV"
+    )
+    group = parser.add_argument_group("the arm")
+    group.add_argument(
+        "--loads",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="JOINT=KG",
+        help="masses on the links that these joints move, or `paper` for 2.5 kg and 1 kg on the "
+        "first two",
+    )
+    group.add_argument(
+        "--feedforward",
+        default="none",
+        metavar="none|true|MODEL.npz|TORQUE.csv",
+        help="torque added to the position loop: none, the arm's own true torque, that of a "
+        "model, or that of a CSV of the command feedforward (default: none)",
+    )
+    add_json(parser)
+    add_force(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """See `Command`."""
+    console = Console(arguments.json)
+    _check_arguments(arguments)
+    loads = _loads(arguments.loads)
+    from lagrangian_ff.arm import simulate, write_trajectory
+    from lagrangian_ff.recording import write_bag
+
+    source = motion_file(arguments)
+    trajectory = motion_of(source, arguments, console)
+    feedforward = torque_of(arguments.feedforward, trajectory, console)
+    with progress_bar("simulating") as progress:
+        try:
+            done = simulate(
+                trajectory, feedforward, loads=loads, seed=arguments.seed, progress=progress
+            )
+        except ArmError as error:
+            raise ArmError(f"{source}: {error}" if source else str(error)) from error
+    with whole(arguments.output) as path, progress_bar("writing") as progress:
+        write_bag(path, done.recording, progress=progress)
+    if arguments.save_trajectory is not None:
+        with whole(arguments.save_trajectory) as path:
+            write_trajectory(path, trajectory)
+    record = _record(done, arguments)
+    write_record(arguments.json, record)
+    _say(record, arguments, console)
+    return 0
+
+
+def _check_arguments(arguments: Namespace) -> None:
+    inputs = [] if arguments.trajectory is None else [arguments.trajectory]
+    if arguments.feedforward not in ("none", "true"):
+        path = Path(arguments.feedforward)
+        if path.suffix not in (".npz", ".csv"):
+            raise UserError(
+                f"--feedforward {path}: expected none, true, a model (.npz) or a torque (.csv)"
+            )
+        if not path.is_file():
+            raise UserError(f"--feedforward {path}: no such file")
+        inputs.append(path)
+    force = arguments.force
+    check_bag(arguments.output, "--output", force=force, keep=inputs)
+    outputs = {"--save-trajectory": arguments.save_trajectory}
+    if arguments.json not in (None, "-"):
+        outputs["--json"] = Path(arguments.json)
+    kept = [*inputs, arguments.output]
+    for option, path in outputs.items():
+        if path is not None:
+            check_file(path, option, force=force, keep=kept)
+            kept.append(path)
+    made = [f"--{name}" for name in ("speed", "duration") if getattr(arguments, name) is not None]
+    if arguments.trajectory is not None and made:
+        raise UserError(f"--trajectory names the motion; {' and '.join(made)} would make another")
+    if find_spec("pybullet") is None:
+        raise UserError("the simulated arm needs PyBullet: pip install pybullet")
+
+
+def _loads(texts: list[str]) -> "Mapping[str, float | Load]":
+    from lagrangian_ff.arm import PAPER_LOADS
+
+    return PAPER_LOADS if texts == ["paper"] else assignments("--loads", texts)
+
+
+def _record(done: "Run", arguments: Namespace) -> dict[str, Any]:
+    error = done.tracking_error
+    return {
+        "bag": str(arguments.output),
+        "feedforward": arguments.feedforward,
+        "seed": arguments.seed,
+        "seconds": float(done.recording.time[-1]),
+        "rms": float((error**2).mean() ** 0.5),
+        "largest": float(abs(error).max()),
+        "joints": {
+            name: {
+                "rms": float((error[:, n] ** 2).mean() ** 0.5),
+                "largest": float(abs(error[:, n]).max()),
+                "saturated": float(done.saturated[:, n].mean()),
+            }
+            for n, name in enumerate(done.recording.joints)
+        },
+        "unit": "rad",
+    }
+
+
+def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None:
+    console.say(
+        f"drove {record['seconds']:.1f} s, feedforward: {arguments.feedforward}; "
+        "tracking error, reference less measured position"
+    )
+    rows = [
+        [
+            name,
+            number(1e3 * found["rms"]),
+            number(1e3 * found["largest"]),
+            _cut(found["saturated"]),
+        ]
+        for name, found in record["joints"].items()
+    ]
+    rows.append(["all joints", number(1e3 * record["rms"]), number(1e3 * record["largest"]), ""])
+    console.say(table(["joint", "rms [mrad]", "largest [mrad]", ""], rows))
+    console.say(f"saved: {arguments.output}")
+    if arguments.save_trajectory is not None:
+        console.say(f"saved: {arguments.save_trajectory}")
+    if arguments.feedforward == "none":
+        console.say(
+            f"next: lagrangian_ff identify {arguments.output} --train 1.0 --output model.npz"
+        )
+
+
+def _cut(share: float) -> str:
+    return f"torque cut at its limit for {share:.1%} of the time" if share > 0.0 else ""

@@ -1,0 +1,116 @@
+"""From the name of a recording to a motion, telling what was found on the way."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.errors import ModelError, RecordingError
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification import Model
+    from lagrangian_ff.recording import Conditioning, Inspection, Motion, Recording
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A recording, what was found in it, and the motion made of it."""
+
+    recording: "Recording"
+    inspection: "Inspection"
+    motion: "Motion"
+
+
+def read(path: Path, topic: str | None) -> "Recording":
+    """Load a recording.
+
+    Raises:
+        RecordingError: see `lagrangian_ff.recording.load`.
+    """
+    from lagrangian_ff.recording import load
+
+    with progress_bar(f"reading {path.name}") as progress:
+        return load(path, topic=topic, progress=progress)
+
+
+def prepare(recording: "Recording", conditioning: "Conditioning", console: Console) -> Reading:
+    """Tell what a recording holds, and make it ready.
+
+    Raises:
+        RecordingError: see `lagrangian_ff.recording.condition`.
+    """
+    from lagrangian_ff.recording import condition, inspect
+
+    inspection = inspect(recording)
+    tell(inspection, console)
+    with progress_bar("conditioning"):
+        motion = condition(recording, conditioning)
+    for note in motion.notes:
+        console.note(note)
+    console.say()
+    return Reading(recording, inspection, motion)
+
+
+def tell(inspection: "Inspection", console: Console) -> None:
+    """What a recording holds; its notes through the console, so that none is shown twice."""
+    # Conditioning notes the clipping again.
+    console.say(replace(inspection, notes=(), clipping=()).lines())
+    for note in inspection.notes:
+        console.note(note)
+
+
+def require_same_joints(recordings: Sequence["Recording"]) -> None:
+    """Recordings that are learned from together must be of the same joints.
+
+    Raises:
+        RecordingError: they are not; names the joints they share.
+    """
+    first = recordings[0]
+    for other in recordings[1:]:
+        if set(other.joints) != set(first.joints):
+            common = [name for name in first.joints if name in other.joints]
+            raise RecordingError(
+                f"{first.source} holds the joints {', '.join(first.joints)}, but {other.source} "
+                f"holds {', '.join(other.joints)}; "
+                + (f"use those of both: --joints {','.join(common)}" if common
+                   else "they share none: identify them apart")
+            )  # fmt: skip
+
+
+def of_model(recording: "Recording", model: "Model", path: Path) -> "Recording":
+    """The joints of a model, in its order.
+
+    Raises:
+        ModelError: the recording lacks one; names both lists.
+    """
+    missing = [name for name in model.joints if name not in recording.joints]
+    if missing:
+        raise ModelError(
+            f"{path} is a model of the joints {', '.join(model.joints)}; {recording.source} holds "
+            f"{', '.join(recording.joints)} and lacks {', '.join(missing)}: it is of another arm, "
+            "or its joints were renamed"
+        )
+    return recording.select(model.joints)
+
+
+def conditioning_record(conditioning: "Conditioning") -> dict[str, Any]:
+    """For a model's record, so that other recordings are treated alike."""
+    return {
+        name: dict(value) if isinstance(value, dict) else value
+        for name, value in asdict(conditioning).items()
+    }
+
+
+def conditioning_of_model(model: "Model") -> "Conditioning | None":
+    """How the recordings were made ready that a model was identified from, where it knows."""
+    from lagrangian_ff.recording import Conditioning
+
+    stored = model.record.get("conditioning")
+    if not isinstance(stored, dict):
+        return None
+    try:
+        return Conditioning(**stored)
+    except TypeError:  # written by a version with other settings
+        return None

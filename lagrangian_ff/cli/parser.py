@@ -1,0 +1,71 @@
+"""The parser of the whole command line, put together from the list of commands."""
+
+import argparse
+import shutil
+import sys
+from typing import NoReturn
+
+from lagrangian_ff import __version__
+from lagrangian_ff.cli.commands import COMMANDS
+from lagrangian_ff.cli.common.console import WIDEST
+
+DESCRIPTION = """\
+Learn the inverse dynamics of a robot arm from recordings of its joint states, see how good the
+model is, and compute feedforward torque with it."""
+
+EPILOG = """\
+a first session, without a robot and without ROS:
+  lagrangian_ff simulate --output arm_bag        drive the simulated arm, record a bag
+  lagrangian_ff info arm_bag                     what does the bag hold?
+  lagrangian_ff identify arm_bag --train 1.0 --output model.npz
+                                                 learn the model, see its error
+  lagrangian_ff simulate --seed 1 --output before
+  lagrangian_ff simulate --seed 1 --feedforward model.npz --output after
+                                                 an unseen motion without and with its torque
+
+Every command explains itself: lagrangian_ff COMMAND --help
+Exit codes: 0 done, 2 a mistake you can mend (said on stderr), 130 interrupted."""
+
+
+class Layout(argparse.RawDescriptionHelpFormatter):
+    """Descriptions as they are written, options as wide as the terminal, up to a limit."""
+
+    def __init__(self, prog: str) -> None:
+        width = min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns)
+        super().__init__(prog, max_help_position=30, width=width)
+
+
+class Parser(argparse.ArgumentParser):
+    """argparse with our layout of help, and errors that say where to read on."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong, how the command is used, and end with exit code 2."""
+        self.print_usage(sys.stderr)
+        print(f"error: {message}\nread on: {self.prog} --help", file=sys.stderr)
+        sys.exit(2)
+
+
+def build_parser() -> Parser:
+    """The parser; a parsed command has `run`, which takes the parsed arguments."""
+    parser = Parser(
+        prog="lagrangian_ff",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=Layout,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"lagrangian_ff {__version__}")
+    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for command in COMMANDS:
+        sub = subparsers.add_parser(
+            command.NAME,
+            help=command.SUMMARY,
+            usage=f"{parser.prog} {command.NAME} {command.USAGE}",
+            description=command.DESCRIPTION,
+            epilog=command.EPILOG,
+            formatter_class=Layout,
+            allow_abbrev=False,
+        )
+        command.add_arguments(sub)
+        sub.set_defaults(run=command.run)
+    return parser

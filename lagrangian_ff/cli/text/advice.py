@@ -1,0 +1,157 @@
+"""What a result means for its user and what to do next: one small rule each."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lagrangian_ff.cli.text.effects import driving
+from lagrangian_ff.cli.text.errors import grade, worse_than
+
+FAIR, GOOD = 0.2, 0.05
+SHORT_SECONDS = 20.0
+FEW_SAMPLES = 300
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What the rules look at.
+
+    Attributes:
+        record: of the identification.
+        outside: share of the judged motion outside the range of the training motion.
+        worst: where it is farthest outside, in words.
+        still: joints that did not move.
+    """
+
+    record: Mapping[str, Any]
+    outside: float = 0.0
+    worst: str = ""
+    still: tuple[str, ...] = ()
+
+    @property
+    def weak(self) -> list[str]:
+        """Joints that are not even fair."""
+        return worse_than(self.record, FAIR)
+
+    @property
+    def train(self) -> float:
+        """The share of the recording that was learned from."""
+        return float(self.record["settings"]["train"])
+
+    @property
+    def apart(self) -> bool:
+        """Whether the error is of motion that came after the training part."""
+        return self.train < 1.0
+
+
+def _outside(found: Findings) -> str | None:
+    if found.outside <= 0.05:
+        return None
+    text = (
+        f"{found.outside:.0%} of the held-out motion lies outside what was trained on "
+        f"({found.worst}). There the model guesses"
+    )
+    if not worse_than(found.record, GOOD):
+        return f"{text}, well so far."
+    return (
+        f"{text}, and this alone can make the error large. Learn from the whole recording with "
+        "--train 1.0 (the error is then that of blocks left out in turn), or record a motion "
+        "whose first part goes everywhere the rest goes."
+    )
+
+
+def _changed(found: Findings) -> str | None:
+    inside = found.record["validation"]["nmse"]
+    if not found.apart or found.outside > 0.05 or inside is None or not found.weak:
+        return None
+    if grade(inside) not in ("very good", "good"):
+        return None
+    return (
+        "Blocks left out of the training part are predicted well "
+        f"(nmse {inside:.2g}), the later motion is not, although it stays within the same range: "
+        "did something change in between (temperature, load, contact)?"
+    )
+
+
+def _short(found: Findings) -> str | None:
+    seconds = float(found.record["training_seconds"])
+    if not found.weak or seconds >= SHORT_SECONDS:
+        return None
+    more = " or use more of it with --train 1.0" if found.apart else ""
+    return (
+        f"{seconds:.1f} s of motion is little to learn from: record 30 s or longer through the "
+        f"whole workspace{more}."
+    )
+
+
+def _few(found: Findings) -> str | None:
+    settings = found.record["settings"]
+    few = settings["samples"] < FEW_SAMPLES and found.record["samples"] == settings["samples"]
+    if not few or not worse_than(found.record, GOOD):
+        return None
+    return f"Only {settings['samples']} samples were used: --samples 500 usually lowers the error."
+
+
+def _no_friction(found: Findings) -> str | None:
+    if found.record["effects"] or not worse_than(found.record, GOOD):
+        return None
+    model = found.record["model"]
+    return f"The model has no friction, most arms have: try --model {model}+fri."
+
+
+def _driving(found: Findings) -> str | None:
+    joints = driving(found.record["effects"])
+    if not joints:
+        return None
+    flips = " ".join(f"{joint}=-1" for joint in joints)
+    return (
+        f"The friction found on {', '.join(joints)} drives the motion instead of braking it. "
+        "Is the effort of the right sign, and the torque of the actuator? If the sign is "
+        f"reversed: --effort-scale {flips}"
+    )
+
+
+def _still(found: Findings) -> str | None:
+    if not found.still:
+        return None
+    return (
+        f"{', '.join(found.still)} did not move: nothing is known of its friction and inertia. "
+        "Use no feedforward on motions that move it."
+    )
+
+
+def _unknown_cause(found: Findings) -> str | None:
+    if not found.weak or any(rule(found) for rule in (_outside, _changed, _short, _no_friction)):
+        return None
+    return (
+        f"No cause of the error on {', '.join(found.weak)} is plain. Is the effort the torque of "
+        "the actuator (--effort-scale, --effort-offset)? Did something touch the arm? A kernel "
+        "that assumes less, --model rbf+fri, tells whether the measurement holds more to learn."
+    )
+
+
+RULES: tuple[Callable[[Findings], str | None], ...] = (
+    _outside,
+    _changed,
+    _short,
+    _few,
+    _no_friction,
+    _driving,
+    _still,
+    _unknown_cause,
+)
+
+
+def usable(record: Mapping[str, Any]) -> str:
+    """Whether feedforward with the model is to be recommended."""
+    weak, good = worse_than(record, FAIR), not worse_than(record, GOOD)
+    if good:
+        return "Feedforward with it should take away most of the tracking error."
+    if not weak:
+        return "Feedforward with it helps, less on the joints that are only fair."
+    return f"Do not drive {', '.join(weak)} with it."
+
+
+def advice(found: Findings) -> list[str]:
+    """What is to be said, in the order of importance; empty where all is well."""
+    return [text for rule in RULES if (text := rule(found))]

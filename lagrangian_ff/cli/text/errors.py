@@ -1,0 +1,58 @@
+"""Errors of predicted torque: the table, and what the numbers mean."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from lagrangian_ff.cli.text.layout import number, table
+
+GRADES = ((0.01, "very good"), (0.05, "good"), (0.2, "fair"), (0.5, "poor"))
+"""Up to which nmse each word holds; above the last it is `bad`."""
+
+LEGEND = (
+    "rmse: typical error of the predicted torque. nmse: its square over the variance of the "
+    "measured torque; 0 is perfect, 1 is no better than a constant. In words: "
+    + ", ".join(f"{word} up to {limit:g}" for limit, word in GRADES)
+    + ", bad above."
+)
+
+
+def grade(nmse: float | None) -> str:
+    """An nmse in a word."""
+    if nmse is None or not math.isfinite(nmse):
+        return "not judged: its torque did not vary"
+    return next((word for limit, word in GRADES if nmse <= limit), "bad")
+
+
+def error_table(record: Mapping[str, Any]) -> list[str]:
+    """The error of each joint and of all: record holds `joints`, `rmse`, `nmse`."""
+    rows = [
+        [name, number(error["rmse"]), number(error["nmse"]), grade(error["nmse"])]
+        for name, error in record["joints"].items()
+    ]
+    rows.append(["all joints", number(record["rmse"]), number(record["nmse"]), ""])
+    return table(["joint", "rmse [N·m]", "nmse", "in words"], rows)
+
+
+def verdict(record: Mapping[str, Any]) -> str:
+    """One sentence: is it good or bad, and where."""
+    words: dict[str, list[str]] = {}
+    for name, error in record["joints"].items():
+        words.setdefault(grade(error["nmse"]), []).append(name)
+    if len(words) == 1:
+        return f"The model is {next(iter(words))} on every joint."
+    order = [*(word for _, word in GRADES), "bad"]
+    parts = [
+        f"{word} on {', '.join(words[word])}"
+        for word in sorted(words, key=lambda w: order.index(w) if w in order else len(order))
+    ]
+    return f"The model is {'; '.join(parts)}."
+
+
+def worse_than(record: Mapping[str, Any], nmse: float) -> list[str]:
+    """The joints whose nmse is above this."""
+    return [
+        name
+        for name, error in record["joints"].items()
+        if error["nmse"] is not None and math.isfinite(error["nmse"]) and error["nmse"] > nmse
+    ]

@@ -1,0 +1,68 @@
+"""A model's record in words: what it is, its error, effects, hyperparameters and range."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.text.effects import equations, parameter_table
+from lagrangian_ff.cli.text.errors import LEGEND, error_table
+from lagrangian_ff.cli.text.layout import number, table
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification import MotionRange
+
+
+def say_record(record: Mapping[str, Any], console: Console) -> None:
+    """The error table, the effects and the hyperparameters of an identification."""
+    console.say(
+        f"model {record['model']} of {record['samples']} samples from "
+        f"{record['training_seconds']:.1f} s of motion, found in {record['seconds']:.1f} s"
+    )
+    console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
+    console.say(error_table(record))
+    console.paragraph(LEGEND, "  ")
+    if record["effects"]:
+        console.say(["", "effects, torque in N·m with qd in rad/s"])
+        console.say(equations(record["effects"]))
+        console.say(["", "their parameters with 90 % intervals"])
+        console.say(parameter_table(record["effects"]))
+    console.say(["", "hyperparameters"])
+    console.say(hyperparameter_table(record))
+
+
+def hyperparameter_table(record: Mapping[str, Any]) -> list[str]:
+    """Name, value (one a joint where joints chose apart), unit and meaning."""
+    meanings = _meanings(str(record["model"]))
+    rows = []
+    for name, value in record["hyperparameters"].items():
+        values = value if isinstance(value, list) else [value]
+        unit, meaning = meanings.get(name, ("", ""))
+        rows.append([name, ", ".join(map(number, values)), unit, meaning])
+    return table(["", "value", "unit", "meaning"], rows)
+
+
+def range_table(known: "MotionRange", joints: tuple[str, ...]) -> list[str]:
+    """The motion a model knows."""
+    rows = [
+        [name, *(number(float(values[n])) for values in (
+            known.q_low, known.q_high, known.qd_max, known.qdd_max, known.tau_max))]
+        for n, name in enumerate(joints)
+    ]  # fmt: skip
+    header = ["joint", "from [rad]", "to [rad]", "speed [rad/s]", "acc. [rad/s²]", "torque [N·m]"]
+    return table(header, rows)
+
+
+def _meanings(model: str) -> dict[str, tuple[str, str]]:
+    """Unit and meaning of every hyperparameter by name."""
+    from lagrangian_ff.errors import ModelError
+    from lagrangian_ff.identification.spec import parse
+
+    try:
+        spec = parse(model)
+    except ModelError:
+        return {}
+    found = {h.name: (h.unit, h.meaning) for h in spec.kernel.searched}
+    found["gamma"] = ("", "regularisation: how much noise the torques hold, (42)")
+    for effect in spec.effects:
+        found |= {f"{effect.name}.{s.name}": (s.unit, s.meaning) for s in effect.shapes}
+    return found
