@@ -55,8 +55,8 @@ def picture(
 
 
 def _render(body: Body, size: int) -> Floats:
-    view = pybullet.computeViewMatrix((1.6, -1.75, 1.05), (0.17, 0.0, 0.40), (0.0, 0.0, 1.0))
-    lens = pybullet.computeProjectionMatrixFOV(30.0, 1.0, 0.5, 6.0)
+    view = pybullet.computeViewMatrix((1.6, -1.75, 1.05), (0.16, 0.0, 0.47), (0.0, 0.0, 1.0))
+    lens = pybullet.computeProjectionMatrixFOV(33.0, 1.0, 0.5, 6.0)
     _, _, colours, _, segments = pybullet.getCameraImage(
         size,
         size,

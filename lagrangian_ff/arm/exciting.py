@@ -50,10 +50,12 @@ def exciting_trajectory(
         Points every 10 ms.
 
     Raises:
-        ArmError: no such speed, a duration below 4 s, or no admissible motion was found.
+        ArmError: no such speed or seed, a duration below 4 s, or no admissible motion was found.
     """
-    if speed not in SPEEDS:
+    if not isinstance(speed, int | np.integer) or speed not in SPEEDS:
         raise ArmError(f"speed: expected a whole number from 1 to {SPEEDS[-1]}, got {speed!r}")
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise ArmError(f"seed: expected a whole number from 0 up, got {seed!r}")
     if duration is not None and not (np.isfinite(duration) and duration >= 4.0):
         raise ArmError(f"duration: expected at least 4 s, got {duration!r}")
     random = np.random.default_rng([seed, speed])

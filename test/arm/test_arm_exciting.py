@@ -83,6 +83,7 @@ def test_it_follows_from_its_seed_speed_and_duration() -> None:
     [
         (0, None, "from 1 to 10, got 0"),
         (11, None, "from 1 to 10, got 11"),
+        (5.0, None, "whole number from 1 to 10, got 5.0"),
         (5, 1.0, "at least 4 s"),
         (5, float("nan"), "at least 4 s"),
     ],
@@ -90,3 +91,8 @@ def test_it_follows_from_its_seed_speed_and_duration() -> None:
 def test_impossible_requests_are_refused(speed: int, duration: float, words: str) -> None:
     with pytest.raises(ArmError, match=words):
         exciting_trajectory(speed, duration=duration)
+
+
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(ArmError, match=r"seed: expected a whole number from 0 up, got -1"):
+        exciting_trajectory(5, seed=-1)
