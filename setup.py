@@ -35,6 +35,7 @@ EXTRAS = {
     "test": [
         "pytest >=7.4.4, <10",
         "hypothesis >=6.98.15, <7",
+        "sympy >=1.12, <1.15",
         "sympy >=1.12, <2",
         "ruff >=0.17.5, <0.18",
         "mypy >=2.4.1, <2.5",
@@ -52,7 +53,7 @@ setup(
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "arm/*.urdf", "report/*.html", "report/*.css"]},
+    package_data={PACKAGE: ["py.typed", "arm/*.urdf"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

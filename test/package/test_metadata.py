@@ -129,6 +129,17 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
     assert keys <= depends("exec_depend")
 
 
+def test_setup_lists_the_libraries_that_tests_import() -> None:
+    extras = setup_of("EXTRAS")["EXTRAS"]
+    assert isinstance(extras, dict)
+    known = runtime() | {str(requirement).split()[0] for requirement in extras["test"]}
+    siblings = {file.stem for file in (ROOT / "test").rglob("*.py")}
+    used = (
+        imported("test", "benchmark", "tools") - siblings - {"catkin_pkg"}
+    )  # colcon-ros brings it
+    assert {DISTRIBUTION.get(name, name) for name in used if not is_ros(name)} <= known
+
+
 def test_oldest_versions_are_those_that_setup_allows() -> None:
     requirements = setup_of("RUNTIME", "EXTRAS")
     assert isinstance(requirements["RUNTIME"], list)
