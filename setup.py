@@ -53,7 +53,7 @@ setup(
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "arm/*.urdf"]},
+    package_data={"": ["py.typed", "*.urdf", "*.css", "*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
