@@ -41,8 +41,19 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, how the command is used, and end with exit code 2."""
         self.print_usage(sys.stderr)
-        print(f"error: {message}\nread on: {self.prog} --help", file=sys.stderr)
+        print(f"error: {message}{self._swallowed(message)}", file=sys.stderr)
+        print(f"read on: {self.prog} --help", file=sys.stderr)
         sys.exit(2)
+
+    def _swallowed(self, message: str) -> str:
+        """What may have happened to an argument that is missing."""
+        greedy = [a.option_strings[0] for a in self._actions if a.nargs == "+" and a.option_strings]
+        if not greedy or "arguments are required: " not in message:
+            return ""
+        missing = message.rpartition(": ")[2].split(", ")[0]
+        if missing.startswith("-"):
+            return ""
+        return f"; put {missing} first: what follows {' or '.join(greedy)} is taken for its values"
 
 
 def build_parser() -> Parser:

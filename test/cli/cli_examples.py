@@ -1,6 +1,7 @@
 """A small arm with known torques, and how the tests of this folder run the command line."""
 
 import io
+import json
 import os
 import shutil
 import subprocess
@@ -122,3 +123,23 @@ def assert_refused(outcome: Outcome, *words: str) -> None:
 
 QUICK: Sequence[str] = ("--samples", "60", "--block", "1")
 """Options that make an identification take a second."""
+
+
+def small_model(path: Path, *arguments: str, joints: tuple[str, ...] = JOINTS) -> Path:
+    """A model of the small arm, learned in a second; further options of identify may follow."""
+    source = csv(path.with_suffix(".csv"), arm(joints=joints))
+    outcome = lagrangian_ff(
+        "identify", source, *QUICK, "--train", "1.0", "--output", path, *arguments
+    )  # fmt: skip
+    assert outcome.code == 0, outcome
+    return path
+
+
+def tampered(model: Path, path: Path, **header: object) -> Path:
+    """The model with some entries of its header changed."""
+    with np.load(model) as file:
+        arrays = {name: file[name] for name in file.files}
+    entries = {**json.loads(bytes(arrays["header"])), **header}
+    arrays["header"] = np.frombuffer(json.dumps(entries).encode(), dtype=np.uint8)
+    np.savez(path, **arrays)
+    return path

@@ -243,13 +243,15 @@ def test_existing_outputs_are_kept_unless_forced(tmp_path: Path) -> None:
     source = csv(tmp_path / "arm.csv", arm())
     model, found = tmp_path / "model.npz", tmp_path / "found.json"
     model.write_bytes(b"precious")
-    arguments = ("identify", source, *QUICK, "--model", "none+fri", "--output", model)
+    arguments: list[str | Path] = ["identify", source, *QUICK, "--model", "none+fri"]
+    arguments += ["--output", model]
     assert_refused(lagrangian_ff(*arguments), str(model), "exists already", "--force")
     assert model.read_bytes() == b"precious"
     found.write_text("precious")
-    other = ("identify", source, *QUICK, "--output", tmp_path / "b.npz", "--json", found)
-    assert_refused(lagrangian_ff(*other), str(found), "exists already")
-    assert not (tmp_path / "b.npz").exists()
+    other = tmp_path / "b.npz"
+    outcome = lagrangian_ff("identify", source, *QUICK, "--output", other, "--json", found)
+    assert_refused(outcome, str(found), "exists already")
+    assert not other.exists()
     assert lagrangian_ff(*arguments, "--force").code == 0
     assert Model.load(model).joints == JOINTS
 

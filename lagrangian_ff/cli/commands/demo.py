@@ -76,4 +76,4 @@ def run(arguments: Namespace) -> int:
     known = ("output", *TEXTS, *NUMBERS)
     given = {name: value for name, value in vars(arguments).items() if name in known}
     quick = QUICK if arguments.quick else {}
-    return demo.run(demo.Options(**{**quick, **given}))  # type: ignore[arg-type]
+    return demo.run(demo.Options(**{**quick, **given}))

@@ -1,0 +1,74 @@
+"""`info`: what a recording or a model holds."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli_examples import JOINTS, arm, assert_refused, csv, lagrangian_ff, process, small_model
+
+from lagrangian_ff.cli.commands.info import is_model
+from lagrangian_ff.identification import Model
+from lagrangian_ff.recording import write_bag, write_npz
+
+
+def test_a_recording(tmp_path: Path) -> None:
+    bag = write_bag(tmp_path / "bag", arm(4.0))
+    outcome = process("info", bag)
+    assert outcome.code == 0, outcome
+    for words in ("/joint_states", "400 samples", "100 Hz", "shoulder: ", "can be identified from"):
+        assert words in outcome.out
+
+
+def test_the_record_of_a_recording(tmp_path: Path) -> None:
+    source = csv(tmp_path / "arm.csv", arm(4.0))
+    record = json.loads(lagrangian_ff("info", source, "--json", "-").out)
+    assert (record["kind"], record["samples"], record["usable"]) == ("recording", 400, True)
+    assert [joint["name"] for joint in record["joints"]] == list(JOINTS)
+    assert record["rate"] == pytest.approx(100.0)
+
+
+def test_a_recording_that_cannot_be_used_is_still_shown(tmp_path: Path) -> None:
+    recording = arm(4.0)
+    recording.effort[:] = np.nan
+    source = csv(tmp_path / "arm.csv", recording)
+    outcome = lagrangian_ff("info", source, "--json", tmp_path / "found.json")
+    assert outcome.code == 0
+    assert "cannot be identified from as it is: " in outcome.text
+    assert "no effort" in outcome.text
+    record = json.loads((tmp_path / "found.json").read_text())
+    assert record["usable"] is False
+    assert "effort" in record["reason"]
+
+
+def test_a_model(tmp_path: Path) -> None:
+    path = small_model(tmp_path / "model.npz")
+    outcome = lagrangian_ff("info", path)
+    assert outcome.code == 0, outcome
+    for words in (
+        "model vrbfs+fri of shoulder, elbow", "model.csv", "in words", "τ = ", "sigma",
+        "squared length scale", "the motion it was identified on", "speed [rad/s]",
+    ):  # fmt: skip
+        assert words in outcome.text
+    record = json.loads(lagrangian_ff("info", path, "--json", "-").out)
+    assert record["kind"] == "model"
+    assert record["joint_names"] == list(JOINTS)
+    model = Model.load(path)
+    assert {name: record[name] for name in model.record} == model.record
+
+
+def test_models_are_told_from_recordings(tmp_path: Path) -> None:
+    recording = write_npz(tmp_path / "arm.npz", arm(4.0))
+    text = tmp_path / "text.npz"
+    text.write_text("hello")
+    assert is_model(small_model(tmp_path / "model.npz", "--model", "none+fri"))
+    assert not any(map(is_model, (recording, text, tmp_path, tmp_path / "none.npz")))
+    assert "400 samples" in lagrangian_ff("info", recording).out
+
+
+def test_what_is_neither(tmp_path: Path) -> None:
+    (tmp_path / "text.npz").write_text("hello")
+    (tmp_path / "notes.txt").write_text("hello")
+    assert_refused(lagrangian_ff("info", tmp_path / "text.npz"), "text.npz", "nor is it a model")
+    assert_refused(lagrangian_ff("info", tmp_path / "notes.txt"), "notes.txt", "not a recording")
+    assert_refused(lagrangian_ff("info", tmp_path / "none"), "none", "no such file")

@@ -1,0 +1,142 @@
+"""Outputs are whole or absent, and what was there is kept."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cli_examples import lagrangian_ff
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.options import assignments, names
+from lagrangian_ff.cli.common.outputs import check_file, whole, write_record, write_table
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.errors import UserError
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, UserError, ZeroDivisionError])
+def test_what_was_there_stays_when_writing_is_cut_short(
+    end: type[BaseException], tmp_path: Path
+) -> None:
+    path = tmp_path / "model.npz"
+    path.write_text("before")
+    with pytest.raises(end), whole(path) as made:  # noqa: PT012
+        made.write_text("half of")
+        raise end
+    assert path.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_whole_file_takes_its_place(tmp_path: Path) -> None:
+    path = tmp_path / "model.npz"
+    path.write_text("before")
+    with whole(path) as made:
+        made.write_text("after")
+        assert path.read_text() == "before"
+    assert path.read_text() == "after"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_whole_folder_takes_its_place(tmp_path: Path) -> None:
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "old.mcap").touch()
+    with whole(path) as made:
+        made.mkdir()
+        (made / "new.mcap").touch()
+    assert [file.name for file in path.iterdir()] == ["new.mcap"]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_place_that_cannot_be_written_is_a_users_error(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="cannot be written"), whole(tmp_path / "no" / "file"):
+        pass
+
+
+def test_two_outputs_of_one_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    with pytest.raises(UserError, match="something else"):
+        check_file(path, "--json", force=True, keep=[tmp_path / "." / "a.npz"])
+
+
+def test_numbers_that_json_has_no_word_for_become_null(tmp_path: Path) -> None:
+    path = tmp_path / "found.json"
+    write_record(str(path), {"a": math.nan, "b": [1.0, math.inf], "c": {"d": "N·m"}, "e": (2,)})
+    assert json.loads(path.read_text()) == {
+        "a": None,
+        "b": [1.0, None],
+        "c": {"d": "N·m"},
+        "e": [2],
+    }
+    write_record(None, {})
+
+
+def test_a_table_reads_back_to_the_same_numbers(tmp_path: Path) -> None:
+    values = np.random.default_rng(0).normal(size=(50, 2)) * 1e-3
+    write_table(tmp_path / "t.csv", {"time": values[:, 0], "effort/a": values[:, 1]})
+    lines = (tmp_path / "t.csv").read_text().splitlines()
+    assert lines[0] == "time,effort/a"
+    assert np.array_equal(np.loadtxt(lines[1:], delimiter=","), values)
+
+
+def test_a_note_is_shown_once(capsys: pytest.CaptureFixture[str]) -> None:
+    console = Console()
+    for _ in range(3):
+        console.note("the bag was cut off")
+    assert capsys.readouterr().out == "  note: the bag was cut off\n"
+
+
+def test_text_gives_way_to_json_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
+    Console("-").say("text")
+    Console("file.json").say("other")
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("other\n", "text\n")
+
+
+def test_short_work_is_not_mentioned_in_a_log(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with progress_bar("reading") as progress:
+        progress(0.5, "half")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("lagrangian_ff.cli.common.progress.QUIET_SECONDS", -1.0)
+    with progress_bar("reading") as progress:
+        progress(0.5, "half")
+        progress(0.6, "more")
+    assert capsys.readouterr().err == "reading ...\nreading: 0 s\n"
+
+
+def test_a_terminal_gets_a_bar(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with progress_bar("reading") as progress:
+        progress(1.0, "the end [of] it")
+    assert "reading: the end [of] it" in capsys.readouterr().err
+
+
+@given(
+    st.dictionaries(
+        st.text("abc_/-=", min_size=1).filter(lambda name: name.strip("=")),
+        st.floats(allow_nan=False, allow_infinity=False),
+    )
+)
+def test_joints_with_any_name_take_values(values: dict[str, float]) -> None:
+    texts = [f"{joint}={value!r}" for joint, value in values.items()]
+    assert assignments("--x", texts) == values
+    assert assignments("--x", [",".join(texts)]) == values
+
+
+def test_names_come_one_by_one_or_joined() -> None:
+    assert names(["a,b", " c ", "d,"]) == ("a", "b", "c", "d")
+
+
+def test_sources_swallowed_by_joints_are_explained(tmp_path: Path) -> None:
+    outcome = lagrangian_ff("identify", "--output", tmp_path / "m.npz", "--joints", "a", "bag")
+    assert outcome.code == 2
+    assert "put SOURCE first: what follows --joints or" in outcome.err

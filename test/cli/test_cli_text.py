@@ -1,0 +1,145 @@
+"""The words: numbers, tables, equations, verdicts and advice."""
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagrangian_ff.cli.text.advice import RULES, Findings, advice, usable
+from lagrangian_ff.cli.text.effects import driving, equations, parameter_table
+from lagrangian_ff.cli.text.errors import error_table, grade, verdict
+from lagrangian_ff.cli.text.layout import number, table
+
+
+def effect(
+    name: str, joint: str, value: float, formula: str = "c", spread: float = 0.1
+) -> dict[str, Any]:
+    """An entry of a record's list of effects."""
+    parameter = {"value": value, "low": value - spread, "high": value + spread, "unit": "N·m"}
+    symbol = {"B qd": "B", "F_c tanh(qd / v0)": "F_c"}.get(formula, "c")
+    shape = {"v0": 0.02} if "v0" in formula else {}
+    return {
+        "effect": name, "joint": joint, "formula": formula, "parameters": {symbol: parameter},
+        "shape": shape,
+    }  # fmt: skip
+
+
+def record(nmse: dict[str, float], **changes: Any) -> dict[str, Any]:
+    """A record with these errors on the held-out part."""
+    return {
+        "model": "vrbfs+fri",
+        "joints": {name: {"rmse": 1.0, "nmse": value} for name, value in nmse.items()},
+        "rmse": 1.0,
+        "nmse": sum(nmse.values()) / len(nmse),
+        "validation": {"nmse": 0.01},
+        "samples": 500,
+        "training_seconds": 30.0,
+        "effects": [effect("viscous", "a", 1.0, "B qd")],
+        "settings": {"train": 0.5, "samples": 500},
+        **changes,
+    }
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (1234.5, "1234"), (99.96, "100.0"), (12.34, "12.3"), (-0.5, "-0.500"),
+        (0.0571, "0.0571"), (1.19e-06, "1.19e-06"), (3.2e7, "3.20e+07"), (None, "-"),
+        (float("nan"), "-"),
+    ],
+)  # fmt: skip
+def test_numbers_have_three_digits(value: float | None, text: str) -> None:
+    assert number(value) == text
+
+
+@given(st.floats(1e-9, 1e9), st.sampled_from([-1.0, 1.0]))
+def test_numbers_stay_what_they_are(size: float, sign: float) -> None:
+    assert float(number(sign * size)) == pytest.approx(sign * size, rel=5.1e-3)
+
+
+def test_columns_of_numbers_stand_to_the_right() -> None:
+    lines = table(["joint", "x"], [["a", "1.5"], ["long", "-12"]], indent="")
+    assert lines == ["joint    x", "a      1.5", "long   -12"]
+
+
+def test_equations_hold_their_numbers_and_signs() -> None:
+    effects = [
+        effect("viscous", "a", 2.5, "B qd"),
+        effect("coulomb", "a", -3.0, "F_c tanh(qd / v0)"),
+        effect("offset", "a", 0.25),
+        effect("offset", "elbow", -1.0),
+    ]
+    assert equations(effects) == [
+        "  a      τ = 2.50 qd - 3.00 tanh(qd / 0.0200) + 0.250",
+        "  elbow  τ = -1.00",
+    ]
+
+
+def test_parameters_that_may_be_zero_or_drive_are_marked() -> None:
+    lines = parameter_table(
+        [
+            effect("viscous", "a", 0.05, "B qd"),
+            effect("coulomb", "b", -3.0, "F_c tanh(qd / v0)"),
+            effect("offset", "b", -3.0),
+        ]
+    )
+    assert lines[1].endswith("may be 0")
+    assert lines[2].endswith("no friction")
+    assert lines[3].endswith("N·m")
+    assert driving([effect("coulomb", "b", -3.0), effect("offset", "c", -3.0)]) == ["b"]
+
+
+def test_no_effects_make_no_table() -> None:
+    assert parameter_table([]) == equations([]) == []
+
+
+@pytest.mark.parametrize(
+    ("nmse", "word"),
+    [(0.0, "very good"), (0.03, "good"), (0.1, "fair"), (0.4, "poor"), (1.2, "bad"),
+     (None, "not judged: its torque did not vary")],
+)  # fmt: skip
+def test_an_error_in_a_word(nmse: float | None, word: str) -> None:
+    assert grade(nmse) == word
+
+
+def test_the_verdict_names_joints_where_they_differ() -> None:
+    assert verdict(record({"a": 0.02, "b": 0.03})) == "The model is good on every joint."
+    mixed = verdict(record({"a": 0.9, "b": 0.03, "c": 0.02}))
+    assert mixed == "The model is good on b, c; bad on a."
+    assert any(line.endswith("bad") for line in error_table(record({"a": 0.9, "b": 0.03})))
+
+
+def test_a_model_is_recommended_only_where_it_is_good() -> None:
+    assert "most of the tracking error" in usable(record({"a": 0.02, "b": 0.03}))
+    assert "helps" in usable(record({"a": 0.02, "b": 0.15}))
+    assert usable(record({"a": 0.02, "b": 0.3})) == "Do not drive b with it."
+
+
+def test_nothing_is_advised_where_all_is_well() -> None:
+    assert advice(Findings(record({"a": 0.02, "b": 0.03}))) == []
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (Findings(record({"a": 0.5}), 0.4, "position of a is 2 rad"), "--train 1.0"),
+        (Findings(record({"a": 0.02}), 0.4, "position of a is 2 rad"), "well so far"),
+        (Findings(record({"a": 0.5})), "did something change"),
+        (Findings(record({"a": 0.5}, training_seconds=9.0)), "9.0 s of motion is little"),
+        (Findings(record({"a": 0.1}, samples=60, settings={"train": 1.0, "samples": 60})),
+         "--samples 500"),
+        (Findings(record({"a": 0.1}, effects=[], model="rbf")), "--model rbf+fri"),
+        (Findings(record({"a": 0.02}, effects=[effect("coulomb", "a", -2.0)])),
+         "--effort-scale a=-1"),
+        (Findings(record({"a": 0.02}), still=("b",)), "b did not move"),
+        (Findings(record({"a": 0.5}, validation={"nmse": 0.4})), "No cause"),
+    ],
+)  # fmt: skip
+def test_each_cause_has_its_advice(found: Findings, words: str) -> None:
+    assert words in " ".join(advice(found))
+
+
+def test_every_rule_keeps_quiet_on_a_good_result() -> None:
+    found = Findings(record({"a": 0.02, "b": 0.03}))
+    assert [rule.__name__ for rule in RULES if rule(found)] == []
