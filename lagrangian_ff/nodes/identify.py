@@ -120,8 +120,12 @@ class IdentifyNode(ClosingNode):
                 response.success = not refusal
             except (UserError, OSError) as error:
                 response.message, response.success = str(error), False
-            log = self.get_logger().info if response.success else self.get_logger().warning
-            log(f"~/{action}: {response.message}")
+            self._diagnostics.publish()
+            # rclpy ties a severity to the line that logs: one line for each.
+            if response.success:
+                self.get_logger().info(f"~/{action}: {response.message}")
+            else:
+                self.get_logger().warning(f"~/{action}: {response.message}")
             return response
 
         return answer

@@ -1,6 +1,7 @@
 """Nodes as real processes over DDS, and a node of the test to talk to them."""
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -15,10 +16,11 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs.srv import ChangeState, GetState
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import ListParameters, SetParameters
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from ruamel.yaml import YAML
 
 PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
 RELIABLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
@@ -34,16 +36,19 @@ class Process:
     def __init__(
         self, executable: str, log: Path, *, namespace: str = "", params: dict[str, Any] | None
     ) -> None:
-        arguments = ["--ros-args"]
+        # The installed parameter files are what the nodes are tested with.
+        file = Path(__file__).parents[2] / "config" / f"{executable}.yaml"
+        arguments = ["--ros-args", "--params-file", str(file)]
         if namespace:
             arguments += ["-r", f"__ns:=/{namespace}"]
         for name, value in (params or {}).items():
             arguments += ["-p", f"{name}:={_yaml(value)}"]
         self.log = log
-        with log.open("w") as file:
+        self._may_end = False
+        with log.open("w") as output:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", f"lagrangian_ff.nodes.{executable}", *arguments],
-                stdout=file,
+                stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
@@ -52,11 +57,18 @@ class Process:
     def alive(self) -> bool:
         return self._process.poll() is None
 
+    @property
+    def broke(self) -> bool:
+        """Ended without having been asked to."""
+        return not self.alive and not self._may_end
+
     def signal(self, number: int) -> None:
+        self._may_end = True
         os.killpg(self._process.pid, number)
 
     def wait(self) -> int:
         """The exit code; fails with the output where it does not end."""
+        self._may_end = True
         try:
             return self._process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
@@ -78,7 +90,22 @@ def _yaml(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_yaml, value)) + "]"
-    return str(value)
+    return json.dumps(value)
+
+
+def configured(executable: str) -> set[str]:
+    """Names of the parameters in the installed file of this node."""
+    file = Path(__file__).parents[2] / "config" / f"{executable}.yaml"
+    tree = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
+
+    def names(branch: Any, prefix: str) -> Iterator[str]:
+        for key, value in branch.items():
+            if isinstance(value, dict):
+                yield from names(value, f"{prefix}{key}.")
+            else:
+                yield f"{prefix}{key}"
+
+    return set(names(tree, ""))
 
 
 class Bench:
@@ -133,9 +160,11 @@ class Bench:
             value = condition()
             if value:
                 return value
+            if any(process.broke for process in self._processes):
+                break
             self._executor.spin_once(timeout_sec=0.05)
         outputs = "\n".join(f"--- {p.log.name}\n{p.output}" for p in self._processes)
-        raise AssertionError(f"waited {patience:g} s for {what}\n{outputs}")
+        raise AssertionError(f"waited in vain for {what}\n{outputs}")
 
     def collect(self, kind: type, topic: str, qos: QoSProfile = EVERYTHING) -> deque[Any]:
         """A queue that fills with (time received, message)."""
@@ -172,6 +201,10 @@ class Bench:
         parameter = Parameter(name=name, value=ParameterValue(type=kind, **{field: value}))
         request = SetParameters.Request(parameters=[parameter])
         return self.call(SetParameters, f"{node}/set_parameters", request).results[0]
+
+    def parameters(self, node: str) -> set[str]:
+        """Names of the declared parameters of a running node."""
+        return set(self.call(ListParameters, f"{node}/list_parameters").result.names)
 
     def transition(self, node: str, label: str) -> bool:
         """Ask for a lifecycle transition; whether it succeeded."""

@@ -14,7 +14,7 @@ pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
 
 from builtin_interfaces.msg import Duration
-from node_harness import LATCHED, Bench, Process, open_bench
+from node_harness import LATCHED, Bench, Process, configured, open_bench
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -33,7 +33,7 @@ def bench(ros_environment: dict[str, str], tmp_path_factory: Any) -> Iterator[Be
 
 @pytest.fixture(scope="module")
 def arm(bench: Bench) -> Process:
-    return bench.start("arm", params={"feedforward_source": "stream"})
+    return bench.start("arm")
 
 
 def stamp(message: JointState) -> int:
@@ -58,6 +58,10 @@ def said(process: Process, text: str) -> bool:
 
 def newest(queue: Any) -> JointState:
     return queue[-1][1]
+
+
+def test_every_parameter_of_the_installed_file_is_declared(bench: Bench, arm: Process) -> None:
+    assert configured("arm") <= bench.parameters("arm")
 
 
 def test_joint_states_come_on_an_exact_grid_with_their_reference(

@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from builtin_interfaces.msg import Duration
-from node_harness import RELIABLE, Bench, Process, open_bench
+from node_harness import RELIABLE, Bench, Process, configured, open_bench
 from sensor_msgs.msg import JointState
 from small_model import save_small_model
 from std_msgs.msg import Float64MultiArray
@@ -100,6 +100,10 @@ def reference(
 
 def nanoseconds(header: Any) -> int:
     return int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
+
+
+def test_every_parameter_of_the_installed_file_is_declared(node: Feedforward) -> None:
+    assert configured("feedforward") <= node.bench.parameters("feedforward")
 
 
 def test_a_reference_is_annotated_and_streamed_in_time(node: Feedforward, model: Model) -> None:
@@ -236,6 +240,7 @@ def test_deactivating_and_activating(node: Feedforward) -> None:
     node.hold()
     assert node.bench.transition("feedforward", "deactivate")
     node.until_silent("deactivated")
+    node.bench.spin(0.3)  # several zeros are sent
     count = len(node.commands)
     node.send.publish(reference([0.0, 0.1], [[0.4, 0.4], [0.4, 0.4]]))
     node.bench.spin(0.3)

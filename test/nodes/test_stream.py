@@ -218,7 +218,7 @@ events = st.sampled_from(
 )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(st.lists(events, max_size=12))
 def test_whatever_happens_the_torque_is_finite_limited_and_has_no_frozen_last_value(
     script: list[str],

@@ -74,16 +74,21 @@ class Parameters:
                 ]
         if choices:
             descriptor.additional_constraints = f"one of: {', '.join(choices)}"
+            # YAML reads an unquoted `true` as a boolean; it still names the choice.
+            descriptor.dynamic_typing = "true" in choices
             self._choices[name] = tuple(choices)
         self._declaring = True
         try:
-            return self._node.declare_parameter(name, default, descriptor).value
+            return self._plain(name, self._node.declare_parameter(name, default, descriptor).value)
         finally:
             self._declaring = False
 
     def value(self, name: str) -> Any:
         """The present value."""
-        return self._node.get_parameter(name).value
+        return self._plain(name, self._node.get_parameter(name).value)
+
+    def _plain(self, name: str, value: Any) -> Any:
+        return str(value).lower() if name in self._choices else value
 
     def strings(self, name: str) -> tuple[str, ...]:
         """The present value of a list of texts, without empty ones.
@@ -95,10 +100,10 @@ class Parameters:
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         for parameter in parameters:
             allowed = self._choices.get(parameter.name)
-            if allowed is not None and parameter.value not in allowed:
+            value = self._plain(parameter.name, parameter.value)
+            if allowed is not None and value not in allowed:
                 return SetParametersResult(
                     successful=False,
-                    reason=f"{parameter.name} is {parameter.value!r}; expected one of "
-                    f"{', '.join(allowed)}",
+                    reason=f"{parameter.name} is {value!r}; expected one of {', '.join(allowed)}",
                 )
         return SetParametersResult(successful=True)

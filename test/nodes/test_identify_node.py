@@ -1,0 +1,235 @@
+"""The identify node over DDS: on disk as it comes, refusing in words, identifying beside it."""
+
+import math
+import re
+import signal
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("pybullet")
+
+from builtin_interfaces.msg import Duration
+from node_harness import Bench, Process, configured, open_bench
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from lagrangian_ff.arm import JOINTS, exciting_trajectory
+from lagrangian_ff.identification import Model
+from lagrangian_ff.recording import load
+
+PARAMETERS = {"samples": 60, "train": 0.6, "effort_scale.joint_1": 1.0}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: Any) -> Path:
+    path: Path = tmp_path_factory.mktemp("identify")
+    return path
+
+
+@pytest.fixture(scope="module")
+def bench(ros_environment: dict[str, str], folder: Path) -> Iterator[Bench]:
+    with open_bench(folder) as bench:
+        yield bench
+
+
+@pytest.fixture(scope="module")
+def identify(bench: Bench, folder: Path) -> Process:
+    directory = str(folder / "out")
+    return bench.start("identify", params={**PARAMETERS, "output_directory": directory})
+
+
+@pytest.fixture(scope="module")
+def arm(bench: Bench) -> Process:
+    return bench.start("arm", params={"feedforward_source": "true"})
+
+
+def ask(bench: Bench, action: str, node: str = "identify") -> tuple[bool, str]:
+    response = bench.call(Trigger, f"{node}/{action}")
+    return response.success, response.message
+
+
+def samples(bench: Bench, node: str = "identify") -> int:
+    return int(bench.values(f"{node}: input").get("samples", "0"))
+
+
+def test_every_parameter_of_the_installed_file_is_declared(bench: Bench, identify: Process) -> None:
+    assert configured("identify") <= bench.parameters("identify")
+
+
+def test_each_service_says_what_to_do_first(bench: Bench, identify: Process) -> None:
+    for action, expected in (
+        ("stop", "call ~/start first"),
+        ("identify", "nothing recorded: call ~/start"),
+        ("save", "call ~/identify first"),
+    ):
+        success, message = ask(bench, action)
+        assert not success
+        assert expected in message
+    success, message = ask(bench, "start")
+    assert success
+    assert "nobody publishes there yet" in message
+    success, message = ask(bench, "stop")
+    assert not success
+    assert "no joint states came on /joint_states" in message
+    assert ask(bench, "clear")[0]
+
+
+def test_from_a_motion_of_the_arm_to_a_model_file(
+    bench: Bench, identify: Process, arm: Process, folder: Path
+) -> None:
+    bench.until(lambda: bench.values("identify: input").get("joints"), "joint states")
+    assert ask(bench, "start")[0]
+    success, message = ask(bench, "start")
+    assert not success
+    assert "call ~/stop first" in message
+    motion = exciting_trajectory(4, seed=1, duration=7.0)
+    trajectory = JointTrajectory(joint_names=list(JOINTS))
+    for time, q, qd, qdd in zip(motion.time, motion.q, motion.qd, motion.qdd, strict=True):
+        point = JointTrajectoryPoint(
+            positions=list(q), velocities=list(qd), accelerations=list(qdd)
+        )
+        point.time_from_start = Duration(sec=int(time), nanosec=round((time % 1) * 1e9))
+        trajectory.points.append(point)
+    bench.publisher(JointTrajectory, "arm/joint_trajectory").publish(trajectory)
+    bench.spin(2.0)
+    assert not ask(bench, "identify")[0]
+    bench.until(lambda: samples(bench) > 3700, "7 s of joint states")
+    success, message = ask(bench, "stop")
+    assert success, message
+    count, seconds, rate = re.findall(r"recorded (\d+) samples, ([\d.]+) s, ([\d.]+) Hz", message)[
+        0
+    ]
+    assert int(count) > 3700
+    assert float(rate) == pytest.approx(500.0, rel=0.02)
+    assert float(seconds) == pytest.approx(int(count) / 500.0, rel=0.02)
+
+    success, message = ask(bench, "identify")
+    assert success
+    assert "started to identify vrbfs+fri" in message
+    success, message = ask(bench, "identify")
+    assert not success
+    assert "wait for the end" in message
+
+    def found() -> dict[str, str]:
+        assert "no model was identified" not in identify.output, identify.output
+        values = bench.values("identify: identification")
+        return values if "model file" in values else {}
+
+    values = bench.until(found, "the model")
+    assert {f"held-out error {joint}" for joint in JOINTS} <= set(values)
+    assert "RMSE" in identify.output
+    model = Model.load(Path(values["model file"]))
+    assert model.joints == JOINTS
+    success, message = ask(bench, "save")
+    assert success
+    saved = folder / "out" / "model.npz"
+    assert str(saved) in message
+    still = np.zeros((1, 6))
+    np.testing.assert_array_equal(
+        Model.load(saved).predict(still, still, still), model.predict(still, still, still)
+    )
+    assert ask(bench, "clear")[0]
+    assert not ask(bench, "save")[0]
+    assert Path(values["model file"]).exists()
+
+
+def test_an_identification_that_is_impossible_is_told(
+    bench: Bench, identify: Process, arm: Process
+) -> None:
+    assert ask(bench, "start")[0]
+    bench.until(lambda: 100 < samples(bench) < 3000, "some joint states")
+    assert ask(bench, "stop")[0]
+    assert ask(bench, "identify")[0]
+    bench.until(lambda: "no model was identified: " in identify.output, "the reason")
+    success, message = ask(bench, "save")
+    assert not success
+    assert "the last identification failed" in message
+    assert ask(bench, "identify")[0]
+    success, message = ask(bench, "clear")
+    assert success
+    assert "cancelled the identification" in message
+
+
+def test_a_flood_of_bad_messages_is_counted_and_survived(
+    bench: Bench, identify: Process, arm: Process
+) -> None:
+    assert ask(bench, "start")[0]
+    publisher = bench.publisher(JointState, "joint_states")
+    bad = [
+        b"junk", b"\x00\x01\x00\x00" + b"\xff" * 40,
+        JointState(), JointState(name=["a", "a"], position=[0.0, 0.0]),
+        JointState(name=["a"], position=[]), JointState(name=["a"], position=[1.0, 2.0]),
+        JointState(name=["a"], position=[math.nan]), JointState(name=["a"], effort=[1.0, 2.0]),
+    ]  # fmt: skip
+    for _ in range(100):
+        for message in bad:
+            publisher.publish(message)
+        bench.spin(0.005)
+    bench.until(
+        lambda: int(bench.values("identify: input").get("not a joint state", "0")) > 50,
+        "bad messages counted",
+    )
+    before = samples(bench)
+    bench.until(lambda: samples(bench) > before + 100, "good messages still recorded")
+    warned = [float(t) for t in re.findall(r"\[WARN\] \[([\d.]+)\]", identify.output)]
+    bad_warned = [
+        float(t) for t in re.findall(r"\[WARN\] \[([\d.]+)\] \[\w+\]: ignored", identify.output)
+    ]
+    assert bad_warned
+    assert len(warned) < 40
+    assert (np.diff(bad_warned) > 0.99).all()
+    success, message = ask(bench, "stop")
+    assert success, message
+    bag = Path(re.findall(r" to (/\S+)", message)[0])
+    assert load(bag, joints=JOINTS).position.shape[1] == 6
+
+
+def test_a_recording_survives_a_kill(bench: Bench, arm: Process, folder: Path) -> None:
+    directory = folder / "killed"
+    process = bench.start(
+        "identify", namespace="second",
+        params={"output_directory": str(directory), "bag_prefix": "precious"},
+    )  # fmt: skip
+    relay = bench.node.create_publisher(JointState, "/second/joint_states", 1000)
+    state = JointState(name=["a", "b"], position=[0.0, 0.0], effort=[0.0, 0.0])
+    bench.until(relay.get_subscription_count, "the recorder")
+    assert ask(bench, "start", "/second/identify")[0]
+
+    def more(wanted: int) -> bool:
+        for _ in range(20):
+            state.header.stamp = bench.node.get_clock().now().to_msg()
+            relay.publish(state)
+        return samples(bench, "second/identify") >= wanted
+
+    bench.until(partial(more, 300), "samples on their way")
+    seen = samples(bench, "second/identify")
+    process.signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    (bag,) = directory.glob("precious_*")
+    assert not (bag / "metadata.yaml").exists()
+    recording = load(bag)
+    assert recording.joints == ("a", "b")
+    assert len(recording) >= seen
+
+
+def test_ctrl_c_twice_ends_the_bag_properly(
+    bench: Bench, identify: Process, arm: Process, folder: Path
+) -> None:
+    bags = set((folder / "out").glob("recording_*"))
+    assert ask(bench, "start")[0]
+    bench.statuses.clear()
+    bench.until(lambda: samples(bench) > 100, "samples")
+    identify.signal(signal.SIGINT)
+    identify.signal(signal.SIGINT)
+    assert identify.wait() == 0
+    (bag,) = {path for path in (folder / "out").glob("recording_*") if path.is_dir()} - bags
+    assert (bag / "metadata.yaml").exists()
+    assert len(load(bag, joints=JOINTS)) > 100
+    assert "Traceback" not in identify.output

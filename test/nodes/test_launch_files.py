@@ -1,0 +1,105 @@
+"""The launch files, run against stand-ins for `launch`, which no package index offers.
+
+What is checked is ours: that they can be executed, that every argument is described, and that
+the executables and parameter files they name exist. That ROS accepts them is not checked here.
+"""
+
+import ast
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+FILES = ("demo.launch.py", "record.launch.py")
+
+
+class Given:
+    """Stands for any launch class: keeps what it was made with."""
+
+    def __init__(self, *positional: Any, **named: Any) -> None:
+        self.positional = positional
+        self.named = named
+
+    def perform(self, context: dict[str, Any]) -> Any:
+        return context[self.positional[0]]
+
+
+def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[Any, list[Any]]:
+    """The launch description and the nodes it makes with these arguments."""
+    for name, classes in {
+        "launch": ("LaunchContext", "LaunchDescription"),
+        "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction"),
+        "launch.substitutions": ("LaunchConfiguration", "PathJoinSubstitution"),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+        "launch_ros.substitutions": ("FindPackageShare",),
+    }.items():
+        module = ModuleType(name)
+        for word in classes:
+            setattr(module, word, type(word, (Given,), {}))
+        monkeypatch.setitem(sys.modules, name, module)
+    spec = importlib.util.spec_from_file_location(path.stem.replace(".", "_"), path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    description = module.generate_launch_description()
+    entities = description.positional[0]
+    context = {
+        entity.positional[0]: entity.named["default_value"]
+        for entity in entities
+        if type(entity).__name__ == "DeclareLaunchArgument"
+    }
+    make = next(e for e in entities if type(e).__name__ == "OpaqueFunction").named["function"]
+    return entities, make({**context, **arguments})
+
+
+def executables(root: Path) -> set[str]:
+    """Console scripts that setup.py names."""
+    texts = [
+        node.value
+        for node in ast.walk(ast.parse((root / "setup.py").read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+    return {text.split("=")[0].strip() for text in texts if "lagrangian_ff.nodes." in text}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_arguments_are_described(root: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    entities, _ = run(root / "launch" / name, monkeypatch)
+    arguments = {
+        entity.positional[0]: entity.named["description"]
+        for entity in entities
+        if type(entity).__name__ == "DeclareLaunchArgument"
+    }
+    assert {"params_file", "namespace", "use_sim_time", "model_file"} <= set(arguments)
+    assert all(len(text) > 10 for text in arguments.values())
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_executables_and_parameter_files_exist(
+    root: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    _, nodes = run(root / "launch" / name, monkeypatch, namespace="left")
+    known = executables(root)
+    assert known == {"identify", "feedforward", "arm"}
+    for node in nodes:
+        assert node.named["executable"] in known
+        assert node.named["namespace"] == "left"
+        file = node.named["parameters"][0].positional[0]
+        assert (root / file[1] / file[2]).is_file()
+
+
+def test_arguments_reach_the_nodes(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = root / "launch" / "demo.launch.py"
+    _, nodes = run(path, monkeypatch, model_file="m.npz", record="false", use_sim_time="true")
+    assert [node.named["executable"] for node in nodes] == ["arm", "feedforward"]
+    assert nodes[1].named["parameters"][1] == {"use_sim_time": True, "model_file": "m.npz"}
+    _, nodes = run(path, monkeypatch)
+    assert len(nodes) == 3
+    assert "model_file" not in nodes[1].named["parameters"][1]
+    _, nodes = run(root / "launch" / "record.launch.py", monkeypatch, joint_states="/arm/js")
+    assert nodes[0].named["remappings"] == [("joint_states", "/arm/js")]
