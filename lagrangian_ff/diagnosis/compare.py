@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Score
 from lagrangian_ff.kernels import States
+from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -44,13 +45,16 @@ class Comparison:
         }
 
 
-def compare(model: Model, motion: Motion, margin: float = 0.05) -> Comparison:
+def compare(
+    model: Model, motion: Motion, margin: float = 0.05, progress: Progress = silent
+) -> Comparison:
     """Predict the torque of a motion and measure the error.
 
     Args:
         model: the model.
         motion: measured; may hold more joints than the model, in any order.
         margin: how far outside the identified range still counts as inside, in parts of it.
+        progress: told the share done.
 
     Raises:
         ModelError: the motion lacks a joint of the model; names both lists.
@@ -62,7 +66,7 @@ def compare(model: Model, motion: Motion, margin: float = 0.05) -> Comparison:
             f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
         )
     motion = motion.select(model.joints)
-    predicted = model.predict(motion.q, motion.qd, motion.qdd)
+    predicted = model.predict(motion.q, motion.qd, motion.qdd, progress)
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
     return Comparison(
         motion,

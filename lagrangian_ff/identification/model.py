@@ -11,6 +11,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]
 
@@ -78,11 +79,14 @@ class Model:
     training_time: Floats
     training_segment: NDArray[np.int64]
 
-    def predict(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Floats:
+    def predict(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, progress: Progress = silent
+    ) -> Floats:
         """Torque in N·m.
 
         Args:
             q, qd, qdd: (M, N) in rad, rad/s, rad/s²; or one state (N,).
+            progress: told the share done, for long motions.
 
         Returns:
             (M, N), or (N,) for one state.
@@ -98,6 +102,7 @@ class Model:
             out[part] = self._lagrangian(states)
             for torque in self.basis.torque(states, self.coefficients).values():
                 out[part] += torque
+            progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
         return out if np.ndim(q) > 1 else out[0]
 
     def terms(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Terms:
