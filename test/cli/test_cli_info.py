@@ -5,7 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli_examples import JOINTS, arm, assert_refused, csv, lagrangian_ff, process, small_model
+from cli_examples import (
+    JOINTS,
+    arm,
+    assert_refused,
+    csv,
+    lagrangian_ff,
+    process,
+    small_model,
+    tampered,
+)
 
 from lagrangian_ff.cli.commands.info import is_model
 from lagrangian_ff.identification import Model
@@ -55,6 +64,14 @@ def test_a_model(tmp_path: Path) -> None:
     assert record["joint_names"] == list(JOINTS)
     model = Model.load(path)
     assert {name: record[name] for name in model.record} == model.record
+
+
+def test_a_model_with_a_record_of_another_kind(tmp_path: Path) -> None:
+    path = small_model(tmp_path / "model.npz", "--model", "none+fri")
+    outcome = lagrangian_ff("info", tampered(path, tmp_path / "bare.npz", record={}))
+    assert outcome.code == 0
+    assert "note: the model does not tell its model, samples" in outcome.text
+    assert "the motion it was identified on" in outcome.text
 
 
 def test_models_are_told_from_recordings(tmp_path: Path) -> None:

@@ -93,6 +93,7 @@ def test_a_recording_is_treated_as_those_of_the_identification(tmp_path: Path) -
     assert outcome.code == 0, outcome
     error = json.loads(lagrangian_ff("predict", path, source, "--json", "-").out)["rmse"]
     assert error < 0.3
+    assert "effort scale in N·m per unit: shoulder -0.100" in lagrangian_ff("info", path).text
     other = ("--effort-scale", "shoulder=0.1", "elbow=0.1")
     wrong = json.loads(lagrangian_ff("predict", path, source, "--json", "-", *other).out)["rmse"]
     assert wrong > 10.0

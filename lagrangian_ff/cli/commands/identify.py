@@ -147,7 +147,7 @@ def run(arguments: Namespace) -> int:
     with whole(arguments.output) as path:
         replace(found.model, record=record).save(path)
     write_record(arguments.json, record)
-    _say(found, readings, arguments.output, console)
+    _say(replace(found, record=record), readings, arguments.output, console)
     return 0
 
 

@@ -63,12 +63,11 @@ def _model(path: Path, console: Console) -> dict[str, object]:
 
     model = Model.load(path)
     console.say(f"{path}: model {model.name} of {', '.join(model.joints)}")
-    if model.record:
-        sources = model.record.get("sources")
-        if isinstance(sources, list):
-            console.say(f"identified from {', '.join(map(str, sources))}")
-        console.say()
-        say_record(model.record, console)
+    sources = model.record.get("sources")
+    if isinstance(sources, list):
+        console.say(f"identified from {', '.join(map(str, sources))}")
+    console.say()
+    say_record(model.record, console)
     console.say(["", "the motion it was identified on"])
     console.say(range_table(model.range, model.joints))
     return {"kind": "model", "joint_names": list(model.joints), **model.record}

@@ -15,8 +15,15 @@ from lagrangian_ff.cli.common.options import (
     conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
-from lagrangian_ff.cli.common.sources import conditioning_of_model, of_model, prepare, read
+from lagrangian_ff.cli.common.sources import (
+    conditioning_of_model,
+    conditioning_record,
+    of_model,
+    prepare,
+    read,
+)
 from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
+from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
@@ -72,6 +79,7 @@ def run(arguments: Namespace) -> int:
 
     model = Model.load(arguments.model)
     conditioning = conditioning_of(arguments, conditioning_of_model(model))
+    console.say(scaling(conditioning_record(conditioning)))
     recording = of_model(read(arguments.source, arguments.topic), model, arguments.model)
     motion = prepare(recording, conditioning, console).motion
     comparison = compare(model, motion)

@@ -12,12 +12,24 @@ if TYPE_CHECKING:
     from lagrangian_ff.identification import MotionRange
 
 
+NEEDED = (
+    "model", "samples", "training_seconds", "seconds", "judged_on", "held_out_seconds", "joints",
+    "rmse", "nmse", "effects", "hyperparameters",
+)  # fmt: skip
+
+
 def say_record(record: Mapping[str, Any], console: Console) -> None:
     """The error table, the effects and the hyperparameters of an identification."""
+    missing = [name for name in NEEDED if name not in record]
+    if missing:
+        console.note(f"the model does not tell its {', '.join(missing)}")
+        return
     console.say(
         f"model {record['model']} of {record['samples']} samples from "
         f"{record['training_seconds']:.1f} s of motion, found in {record['seconds']:.1f} s"
     )
+    for text in scaling(record.get("conditioning")):
+        console.say(text)
     console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
     console.say(error_table(record))
     console.paragraph(LEGEND, "  ")
@@ -28,6 +40,17 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
         console.say(parameter_table(record["effects"]))
     console.say(["", "hyperparameters"])
     console.say(hyperparameter_table(record))
+
+
+def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
+    """What was done to the effort of the recordings; nothing where nothing was."""
+    lines = []
+    for name, unit in (("effort_scale", "N·m per unit"), ("effort_offset", "N·m")):
+        values = (conditioning or {}).get(name)
+        if values:
+            shown = ", ".join(f"{joint} {number(value)}" for joint, value in values.items())
+            lines.append(f"{name.replace('_', ' ')} in {unit}: {shown}")
+    return lines
 
 
 def hyperparameter_table(record: Mapping[str, Any]) -> list[str]:
