@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lagrangian_ff.cli.text.advice import RULES, Findings, advice, usable
-from lagrangian_ff.cli.text.effects import driving, equations, parameter_table
+from lagrangian_ff.cli.text.effects import equations, negative_friction, parameter_table
 from lagrangian_ff.cli.text.errors import error_table, grade, verdict
 from lagrangian_ff.cli.text.layout import number, table
 
@@ -87,7 +87,18 @@ def test_parameters_that_may_be_zero_or_drive_are_marked() -> None:
     assert lines[1].endswith("may be 0")
     assert lines[2].endswith("no friction")
     assert lines[3].endswith("N·m")
-    assert driving([effect("coulomb", "b", -3.0), effect("offset", "c", -3.0)]) == ["b"]
+
+
+def test_friction_that_drives_is_told_from_a_part_that_is_negative() -> None:
+    effects = [
+        effect("coulomb", "a", -3.0, "F_c tanh(qd / v0)"),
+        effect("viscous", "a", -0.05, "B qd"),
+        effect("coulomb", "b", 3.0, "F_c tanh(qd / v0)"),
+        effect("viscous", "b", -2.0, "B qd"),
+        effect("viscous", "c", -0.05, "B qd"),
+        effect("offset", "d", -3.0),
+    ]
+    assert negative_friction(effects) == (["a"], ["b"])
 
 
 def test_no_effects_make_no_table() -> None:
@@ -132,6 +143,9 @@ def test_nothing_is_advised_where_all_is_well() -> None:
         (Findings(record({"a": 0.1}, effects=[], model="rbf")), "--model rbf+fri"),
         (Findings(record({"a": 0.02}, effects=[effect("coulomb", "a", -2.0)])),
          "--effort-scale a=-1"),
+        (Findings(record({"a": 0.02}, effects=[
+            effect("coulomb", "a", 2.0), effect("viscous", "a", -2.0)])),
+         "the kernel has taken over"),
         (Findings(record({"a": 0.02}), still=("b",)), "b did not move"),
         (Findings(record({"a": 0.5}, validation={"nmse": 0.4})), "No cause"),
     ],

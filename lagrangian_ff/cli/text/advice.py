@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lagrangian_ff.cli.text.effects import driving
+from lagrangian_ff.cli.text.effects import negative_friction
 from lagrangian_ff.cli.text.errors import grade, worse_than
 
 FAIR, GOOD = 0.2, 0.05
@@ -99,8 +99,19 @@ def _no_friction(found: Findings) -> str | None:
     return f"The model has no friction, most arms have: try --model {model}+fri."
 
 
+def _traded(found: Findings) -> str | None:
+    _, joints = negative_friction(found.record["effects"])
+    if not joints:
+        return None
+    return (
+        f"A part of the friction on {', '.join(joints)} is negative: the kernel has taken over "
+        "some of it. Their sum holds on motions like those learned from; do not read its "
+        "numbers one by one, nor leave the friction out there. Other speeds tell them apart."
+    )
+
+
 def _driving(found: Findings) -> str | None:
-    joints = driving(found.record["effects"])
+    joints, _ = negative_friction(found.record["effects"])
     if not joints:
         return None
     flips = " ".join(f"{joint}=-1" for joint in joints)
@@ -137,6 +148,7 @@ RULES: tuple[Callable[[Findings], str | None], ...] = (
     _few,
     _no_friction,
     _driving,
+    _traded,
     _still,
     _unknown_cause,
 )

@@ -6,6 +6,9 @@ from typing import Any
 
 from lagrangian_ff.cli.text.layout import number, table
 
+FRICTION = ("viscous", "coulomb")
+"""Effects that take energy out, as their parameters are positive then."""
+
 
 def equations(effects: Sequence[Mapping[str, Any]]) -> list[str]:
     """One line a joint: the torque of all its effects, in N·m with qd in rad/s."""
@@ -51,21 +54,25 @@ def remark(effect: str, found: Mapping[str, Any]) -> str:
     """What the interval of a parameter says."""
     if found["low"] <= 0.0 <= found["high"]:
         return "may be 0"
-    if found["high"] < 0.0 and effect in ("viscous", "coulomb"):
-        return "drives the motion: no friction"
+    if found["high"] < 0.0 and effect in FRICTION:
+        return "negative: alone no friction"
     return ""
 
 
-def driving(effects: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Joints whose friction is surely negative: it would drive the motion."""
-    return list(
-        dict.fromkeys(
-            entry["joint"]
-            for entry in effects
-            if entry["effect"] in ("viscous", "coulomb")
-            and any(p["high"] < 0.0 for p in entry["parameters"].values())
-        )
-    )
+def negative_friction(effects: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[str]]:
+    """Joints with friction that is surely negative.
+
+    Returns:
+        The joints on which all friction is negative, so that it would drive the motion; and
+        those on which a part is, as when the kernel has taken some of it over.
+    """
+    found: dict[str, list[Mapping[str, Any]]] = {}
+    for entry in effects:
+        if entry["effect"] in FRICTION:
+            found.setdefault(entry["joint"], []).extend(entry["parameters"].values())
+    sure = {joint: ps for joint, ps in found.items() if any(p["high"] < 0.0 for p in ps)}
+    whole = [joint for joint, ps in sure.items() if all(p["value"] < 0.0 for p in ps)]
+    return whole, [joint for joint in sure if joint not in whole]
 
 
 def _filled(formula: str, values: Mapping[str, float]) -> str:
