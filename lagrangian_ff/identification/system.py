@@ -142,10 +142,11 @@ class System:
         """
         white, covariance = self._unwhitened_design, self.covariance
         for rows in groups:
-            # U⁻¹ is upper triangular: its rows reach no column before the first of the group.
+            # U⁻¹ is upper triangular: its rows reach no column before the first of the group, and
+            # what memory holds below its diagonal, NaN perhaps, must not be multiplied with.
             first = int(rows.min())
-            half = self._inverse_upper[rows, first:]
-            half = half * (np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None])
+            inside = np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None]
+            half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
             projected = half @ half.T - white[rows] @ covariance @ white[rows].T
             residual = np.asarray(np.linalg.solve(projected, self.weights[rows]), dtype=np.float64)
             yield LeftOut(rows, residual, np.asarray(-covariance @ (white[rows].T @ residual)))

@@ -39,7 +39,9 @@ class Problem:
         )
 
     def system(self) -> System:
-        return System.factor(np.ascontiguousarray(self.gram), self.noise, self.design, self.target)
+        # Only the lower triangle may be read: what lies above it comes from memory as it was.
+        lower = np.where(np.tri(len(self.gram), dtype=bool), self.gram, np.nan)
+        return System.factor(lower, self.noise, self.design, self.target)
 
     def projection(self) -> Floats:
         inverse = np.asarray(np.linalg.inv(self.gram + np.diag(self.noise)))
