@@ -166,6 +166,7 @@ def identify(
         "range": model.range.record(),
         "settings": asdict(settings),
         "sources": [m.source for m in motions],
+        "conditioning": dict(training.conditioning),
         "notes": list(training.notes),
     }
     model = _model(spec, fitted, training, thinned, record)

@@ -77,7 +77,7 @@ class IdentifyNode(ClosingNode):
         declare("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
         declare("model", "vrbfs+fri", "model to identify, a sum of kernels and bases")
         declare(
-            "train", 1.0 / 3.0, "fraction of the motion to train on, the rest is held out",
+            "train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
             low=0.01, high=1.0,
         )  # fmt: skip
         declare("samples", 500, "samples to train on", low=10, high=20_000)

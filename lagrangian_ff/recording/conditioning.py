@@ -6,7 +6,7 @@ they stay in step; position is differentiated twice.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from math import ceil
 
 import numpy as np
@@ -81,6 +81,23 @@ class Conditioning:
                 if not np.isfinite(value):
                     raise RecordingError(f"conditioning: {name} of {joint} is {value}")
 
+    def record(self) -> dict[str, object]:
+        """For a model's record, so that other recordings are treated alike."""
+        return {
+            name: dict(value) if isinstance(value, Mapping) else value
+            for name, value in asdict(self).items()
+        }
+
+    @classmethod
+    def from_record(cls, record: object) -> "Conditioning | None":
+        """What a record describes; None where it holds none, or one of another version."""
+        if not isinstance(record, dict) or not record:
+            return None
+        try:
+            return cls(**record)
+        except TypeError:
+            return None
+
 
 def condition(recording: Recording, conditioning: Conditioning | None = None) -> Motion:
     """Make a recording ready for identification.
@@ -125,6 +142,7 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
         segment=np.repeat(np.arange(len(pieces)), np.diff(ends)),
         source=recording.source,
         notes=tuple(notes),
+        conditioning=settings.record(),
     )
 
 

@@ -1,7 +1,7 @@
 """A recording made ready for identification: q, qd, qdd and tau on one clock."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ class Motion:
             decrease: nothing may be differentiated or correlated across a change.
         source: where it came from, for messages.
         notes: what conditioning did to the recording, in words.
+        conditioning: how it was made ready, so that other recordings can be treated alike.
     """
 
     joints: tuple[str, ...]
@@ -36,6 +37,7 @@ class Motion:
     segment: Ints
     source: str = "memory"
     notes: tuple[str, ...] = ()
+    conditioning: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         shape = (self.time.shape[0], len(self.joints))
@@ -130,4 +132,5 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
         segment=np.concatenate(segments),
         source=", ".join(dict.fromkeys(m.source for m in motions)),
         notes=tuple(dict.fromkeys(note for m in motions for note in m.notes)),
+        conditioning=ordered[0].conditioning,
     )

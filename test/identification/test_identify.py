@@ -188,7 +188,7 @@ def test_settings_that_cannot_work_are_refused(settings: Settings, said: str) ->
 
 
 def test_less_than_a_block_is_refused() -> None:
-    with pytest.raises(RecordingError, match=r"pendulum: 0\.99 s of training motion"):
+    with pytest.raises(RecordingError, match=r"pendulum: 1\.99 s of training motion"):
         identify(pendulum.motion(3.0))
 
 

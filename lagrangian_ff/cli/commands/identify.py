@@ -1,7 +1,6 @@
 """`identify`: from recordings to a model file, and how good it is."""
 
 from argparse import ArgumentParser, Namespace
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,6 @@ from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.sources import (
     Reading,
-    conditioning_record,
     prepare,
     read,
     require_same_joints,
@@ -143,11 +141,10 @@ def run(arguments: Namespace) -> int:
 
     with progress_bar("identifying") as progress:
         found = identify([reading.motion for reading in readings], settings, progress)
-    record = {**found.record, "conditioning": conditioning_record(conditioning)}
     with whole(arguments.output) as path:
-        replace(found.model, record=record).save(path)
-    write_record(arguments.json, record)
-    _say(replace(found, record=record), readings, arguments.output, console)
+        found.model.save(path)
+    write_record(arguments.json, found.record)
+    _say(found, readings, arguments.output, console)
     return 0
 
 

@@ -15,13 +15,8 @@ from lagrangian_ff.cli.common.options import (
     conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
-from lagrangian_ff.cli.common.sources import (
-    conditioning_of_model,
-    conditioning_record,
-    of_model,
-    prepare,
-    read,
-)
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
 from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
@@ -76,13 +71,17 @@ def run(arguments: Namespace) -> int:
     _check_outputs(arguments)
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.identification import Model
+    from lagrangian_ff.recording import Conditioning
 
     model = Model.load(arguments.model)
-    conditioning = conditioning_of(arguments, conditioning_of_model(model))
-    console.say(scaling(conditioning_record(conditioning)))
+    conditioning = conditioning_of(
+        arguments, Conditioning.from_record(model.record.get("conditioning"))
+    )
+    console.say(scaling(conditioning.record()))
     recording = of_model(read(arguments.source, arguments.topic), model, arguments.model)
     motion = prepare(recording, conditioning, console).motion
-    comparison = compare(model, motion)
+    with progress_bar("predicting") as progress:
+        comparison = compare(model, motion, progress=progress)
     if arguments.output is not None:
         write_table(arguments.output, _columns(model, comparison, arguments.terms))
     record = {"model": str(arguments.model), **comparison.record()}

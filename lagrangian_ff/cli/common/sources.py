@@ -1,9 +1,9 @@
 """From the name of a recording to a motion, telling what was found on the way."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.progress import progress_bar
@@ -93,24 +93,3 @@ def of_model(recording: "Recording", model: "Model", path: Path) -> "Recording":
             "or its joints were renamed"
         )
     return recording.select(model.joints)
-
-
-def conditioning_record(conditioning: "Conditioning") -> dict[str, Any]:
-    """For a model's record, so that other recordings are treated alike."""
-    return {
-        name: dict(value) if isinstance(value, dict) else value
-        for name, value in asdict(conditioning).items()
-    }
-
-
-def conditioning_of_model(model: "Model") -> "Conditioning | None":
-    """How the recordings were made ready that a model was identified from, where it knows."""
-    from lagrangian_ff.recording import Conditioning
-
-    stored = model.record.get("conditioning")
-    if not isinstance(stored, dict):
-        return None
-    try:
-        return Conditioning(**stored)
-    except TypeError:  # written by a version with other settings
-        return None

@@ -25,7 +25,7 @@ class Order:
     topic: str = "joint_states"
     joints: tuple[str, ...] = ()
     model: str = "vrbfs+fri"
-    train: float = 1.0 / 3.0
+    train: float = 2.0 / 3.0
     samples: int = 500
     bandwidth: float = 25.0
     effort_scale: dict[str, float] = field(default_factory=dict)
