@@ -59,7 +59,7 @@ def build(folder: Path, *options: str) -> Workspace:
         [*command, *bases, *options], cwd=folder, capture_output=True, text=True, timeout=120
     )
     assert result.returncode == 0, result.stdout + result.stderr
-    assert "1 package finished" in result.stdout
+    assert "Finished <<< lagrangian_ff" in result.stdout
     shell = ["sh", "-c", '. "$0" && env -0', str(folder / "install" / "setup.sh")]
     sourced = subprocess.run(shell, cwd=folder, capture_output=True, text=True, check=True)
     pairs = (entry.partition("=") for entry in sourced.stdout.split("\0") if entry)
