@@ -1,0 +1,11 @@
+"""The whole main job over ROS 2: record the simulated arm, identify it, and track better.
+
+`run` starts the nodes as processes of their own, drives them through a `Conductor`, and leaves
+figures, numbers and one page that shows them. rclpy is imported when `run` is called and not
+before.
+"""
+
+from lagrangian_ff.demo.options import Options
+from lagrangian_ff.demo.run import run
+
+__all__ = ["Options", "run"]

@@ -1,0 +1,58 @@
+"""What a user may choose about the demo."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lagrangian_ff.errors import UserError
+
+THROUGH = ("stream", "trajectory")
+
+
+@dataclass(frozen=True)
+class Options:
+    """The demo's settings.
+
+    Attributes:
+        output: the folder everything is put in; made where it is missing.
+        speed: 1 to 10, of both trajectories.
+        seed: of the trajectory that is learned from; the one never seen has the next.
+        duration: s of the trajectory that is learned from.
+        unseen_duration: s of the other one.
+        model: kernel and effects to identify.
+        samples: how many samples the kernel is built on.
+        train: share of the recording that is learned from, from its beginning.
+        through: how the torque reaches the arm: "stream", torque by torque while it moves, or
+            "trajectory", with the points of the trajectory before it moves.
+        domain: ROS domain to use; None looks for one that nobody uses.
+    """
+
+    output: Path = Path("out")
+    speed: int = 5
+    seed: int = 0
+    duration: float = 30.0
+    unseen_duration: float = 20.0
+    model: str = "vrbfs+fri"
+    samples: int = 500
+    train: float = 1.0
+    through: str = "stream"
+    domain: int | None = None
+
+    def __post_init__(self) -> None:
+        for name, low, high in (
+            ("duration", 8.0, 600.0),
+            ("unseen_duration", 4.0, 600.0),
+            ("train", 0.05, 1.0),
+            ("samples", 10, 5000),
+            ("speed", 1, 10),
+        ):
+            value = getattr(self, name)
+            if not low <= value <= high:
+                raise UserError(f"{name} is {value}, expected {low:g} to {high:g}")
+        if self.through not in THROUGH:
+            raise UserError(f"through is '{self.through}', expected {' or '.join(THROUGH)}")
+        if self.domain is not None and not 0 <= self.domain <= 101:
+            raise UserError(f"domain is {self.domain}, expected 0 to 101")
+
+
+QUICK: dict[str, float | int] = {"duration": 12.0, "unseen_duration": 8.0, "samples": 300}
+"""Shorter motions, to see everything work; the model is worse for it."""

@@ -1,0 +1,200 @@
+"""The page of the demo: its sections, listed once."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from lagrangian_ff import __version__
+from lagrangian_ff.arm import ArmParameters
+from lagrangian_ff.demo.findings import NAMES, TARGETS, Findings
+from lagrangian_ff.report import Section, html, write_page
+from lagrangian_ff.report.numbers import mrad, number, percent
+from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
+
+Pictures = Mapping[str, bytes]
+
+
+def write_demo_page(findings: Findings, pictures: Pictures, path: Path) -> None:
+    """Write the page.
+
+    Args:
+        findings: of a demo that came to its end.
+        pictures: PNG files by name: arm, tracking_bars, tracking_training, tracking_unseen,
+            torque.
+        path: of the page.
+    """
+    sections = [make(findings, pictures) for make in SECTIONS]
+    unseen = findings.ratio("unseen")
+    title = (
+        f"With the learned feedforward, {percent(unseen)} of the tracking error is left on a "
+        "motion the model never saw"
+    )
+    summary = (
+        "A simulated six-joint arm moved, its joint states were recorded over ROS 2, and a model "
+        "of its torques was learned from nothing but these: no robot description, no equations of "
+        "the arm. The torque the model computes for a motion is then added to the arm's position "
+        "controller, and the arm follows the motion better."
+    )
+    footer = f"lagrangian_ff {__version__}, made by lagrangian_ff demo"
+    write_page(path, title, sections, summary=summary, footer=footer)
+
+
+def _verdict(findings: Findings, pictures: Pictures) -> Section:
+    cards = [_ratio_card(findings, name) for name in NAMES]
+    ordered = all(findings.ordered(name) for name in NAMES)
+    cards.append(
+        html.Card(
+            "each part helps" if ordered else "not every part helps",
+            "no feedforward > without friction > with all",
+            "the order of errors that the paper reports, on both motions",
+            ordered,
+        )
+    )
+    bars = html.figure(
+        pictures["tracking_bars"],
+        "bars of the RMS tracking error of each joint for the four runs on both motions",
+        "RMS of reference position less measured position. The bound is the same arm fed with its "
+        "own true torques, which only a simulator knows: no model can do better.",
+    )
+    return Section("Does it work?", "", html.cards(cards) + bars)
+
+
+def _ratio_card(findings: Findings, name: str) -> html.Card:
+    runs = findings.tracking[name]
+    return html.Card(
+        f"{percent(findings.ratio(name))} of the error is left",
+        f"on {NAMES[name]}: {mrad(runs['none'].total)} → {mrad(runs['all'].total)} mrad",
+        f"target: at most {percent(TARGETS[name])}",
+        findings.reached(name),
+    )
+
+
+def _story(findings: Findings, pictures: Pictures) -> Section:
+    options, record = findings.options, findings.identification
+    learned = (
+        "all of it"
+        if options.train == 1.0
+        else f"the first {percent(options.train)} of it, the rest held out"
+    )
+    steps = html.steps(
+        [
+            f"The arm moved for {options.duration:.0f} s through its workspace under its position "
+            "controller alone. The node identify recorded joint_states at 500 Hz to a bag: "
+            "position, velocity, and the effort its current sensors saw.",
+            f"identify learned {options.model} from {learned}: {record['samples']} samples, "
+            f"{record['seconds']:.0f} s of computing. vrbfs is a kernel on the Lagrangian, pushed "
+            "through the Euler-Lagrange equations; fri is viscous and Coulomb friction with an "
+            "offset."
+            if options.model == "vrbfs+fri"
+            else f"identify learned {options.model} from {learned}: {record['samples']} samples, "
+            f"{record['seconds']:.0f} s of computing.",
+            "The node feedforward loaded the model. For each motion it computed the torques and "
+            f"sent them to the arm ({_through(options.through)}), first without the friction part, "
+            "then with all.",
+            "The same was done on a motion the model never saw, made from another seed.",
+        ]
+    )
+    picture = html.figure(pictures["arm"], "the simulated six-joint arm")
+    return Section(
+        "What happened",
+        "Three ROS 2 nodes, each a process of its own, talked over DDS as they would with a real "
+        "robot; only the arm is simulated (PyBullet, geared motors, friction, noisy sensors).",
+        html.beside(steps, picture),
+    )
+
+
+def _through(through: str) -> str:
+    if through == "stream":
+        return "500 commands a second while it moved"
+    return "with the points of the trajectory"
+
+
+def _unseen(findings: Findings, pictures: Pictures) -> Section:
+    return tracking_section(
+        findings.runs("unseen"),
+        pictures["tracking_unseen"],
+        "Tracking a motion the model never saw",
+        "What counts in use: the model must get right what it was not shown.",
+        strong=2,
+    )
+
+
+def _training(findings: Findings, pictures: Pictures) -> Section:
+    return tracking_section(
+        findings.runs("training"),
+        pictures["tracking_training"],
+        "Tracking the motion it learned from",
+        "A motion that is repeated, as in production. The run without feedforward is the one that "
+        "was recorded.",
+        strong=2,
+    )
+
+
+def _torque(findings: Findings, pictures: Pictures) -> Section:
+    assert findings.comparison is not None
+    return torque_section(
+        findings.comparison,
+        pictures["torque"],
+        "Torque: measured and predicted",
+        "Judged on the whole motion the model never saw, recorded while no feedforward was sent. "
+        "Nothing of it was used in learning.",
+    )
+
+
+def _effects(findings: Findings, pictures: Pictures) -> Section:
+    arm = ArmParameters()
+    return effects_section(
+        findings.identification,
+        truth={
+            ("viscous", "B"): arm.viscous,
+            ("coulomb", "F_c"): arm.coulomb,
+            ("offset", "c"): (0.0,) * len(arm.viscous),
+        },
+        remark="The true values are those of the simulated arm; identification did not know them. "
+        "A universal kernel can take over part of an effect, so that values drift from the truth "
+        "although the torque is right.",
+    )
+
+
+def _numbers(findings: Findings, pictures: Pictures) -> Section:
+    record = findings.identification
+    rows = [[f"hyperparameter {name}", _value(v)] for name, v in record["hyperparameters"].items()]
+    rows += [[f"option {name}", str(v)] for name, v in _options(findings).items()]
+    rows += [[f"{name} [s]", f"{took:.1f}"] for name, took in findings.seconds.items()]
+    rows += [
+        [f"most memory of {name} [MB]", f"{size / 1e6:.0f}"]
+        for name, size in findings.memory.items()
+    ]
+    slowest = min(pace.real_time for runs in findings.pace.values() for pace in runs.values())
+    rows.append(["arm's slowest second, of real time", f"{slowest:.3f}"])
+    behind = "".join(
+        html.note(f"An arm fell behind the clock, {text}.") for text in findings.behind
+    )
+    return Section(
+        "How it was made",
+        "Everything that is needed to make it again; the same numbers are in demo.json.",
+        html.table(["what", "value"], rows) + behind,
+    )
+
+
+def _options(findings: Findings) -> dict[str, object]:
+    options = findings.options
+    return {
+        "speed": options.speed,
+        "seed": options.seed,
+        "duration": f"{options.duration:g} s",
+        "unseen duration": f"{options.unseen_duration:g} s",
+        "model": options.model,
+        "samples": options.samples,
+        "train": f"{options.train:g}",
+        "through": options.through,
+    }
+
+
+def _value(value: object) -> str:
+    if isinstance(value, list):
+        return ", ".join(number(float(one)) for one in value)
+    return number(float(value)) if isinstance(value, (int, float)) else str(value)
+
+
+SECTIONS = (_verdict, _story, _unseen, _training, _torque, _effects, _numbers)
+"""The page from top to bottom."""

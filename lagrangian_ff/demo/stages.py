@@ -1,0 +1,54 @@
+"""Saying what is going on: a bar while a stage runs, a line when it is done."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from lagrangian_ff.progress import Progress as Tell
+
+
+class Stages:
+    """Shows the stages of the demo one after the other.
+
+    Attributes:
+        seconds: each stage took, by name.
+    """
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str, doing: str) -> Iterator[Tell]:
+        """Show a stage while the block runs.
+
+        Args:
+            name: for the record.
+            doing: for people.
+        """
+        began = time.monotonic()
+        bar = Progress(
+            TextColumn("  {task.description}"),
+            BarColumn(bar_width=28),
+            TextColumn("{task.fields[label]}"),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+            console=self._console,
+            transient=True,
+            disable=not self._console.is_terminal,
+        )
+        if not self._console.is_terminal:
+            self._console.print(f"  … {doing}", highlight=False)
+        with bar:
+            task = bar.add_task(doing, total=1.0, label="")
+
+            def tell(fraction: float, label: str) -> None:
+                bar.update(task, completed=fraction, label=label)
+
+            yield tell
+        took = time.monotonic() - began
+        self.seconds[name] = self.seconds.get(name, 0.0) + took
+        self._console.print(f"  [green]✓[/] {doing} [dim]{took:.1f} s[/]", highlight=False)

@@ -1,0 +1,83 @@
+"""Measured and predicted torque of each joint over time, and what is left between them."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from lagrangian_ff.recording import Motion
+from lagrangian_ff.report.numbers import number, percent
+from lagrangian_ff.report.style import (
+    MEASURED,
+    PREDICTED,
+    RESIDUAL,
+    broken,
+    new_figure,
+    styled,
+    symmetric,
+    thinned,
+)
+
+Floats = NDArray[np.float64]
+
+
+def torque_figure(motion: Motion, predicted: Floats) -> Figure:
+    """Draw each joint twice on one time axis: the torques above, the residual below.
+
+    Both have the same N·m an inch, so that the size of the error is seen and not only its shape.
+
+    Args:
+        motion: what was measured.
+        predicted: (M, N) N·m of the model on the same samples.
+
+    Raises:
+        ValueError: the prediction is not of this motion.
+    """
+    if predicted.shape != motion.tau.shape:
+        raise ValueError(f"prediction of {predicted.shape} for torques of {motion.tau.shape}")
+    count = len(motion.joints)
+    columns = 1 if count == 1 else 2
+    rows = -(-count // columns)
+    elapsed = motion.time - motion.time.min()
+    with styled():
+        figure = new_figure(0.7 + 2.15 * rows)
+        grid = figure.add_gridspec(rows, columns)
+        for n, joint in enumerate(motion.joints):
+            cell = grid[n // columns, n % columns]
+            measured, modelled = motion.tau[:, n], predicted[:, n]
+            middle = 0.5 * (measured.max() + measured.min())
+            reach = 0.54 * max(np.ptp(measured), np.ptp(modelled), 1e-9)
+            below = max(float(np.abs(measured - modelled).max()), 0.12 * reach)
+            inner = cell.subgridspec(2, 1, height_ratios=(2 * reach, 2.16 * below), hspace=0.06)
+            torque = figure.add_subplot(inner[0])
+            residual = figure.add_subplot(inner[1], sharex=torque)
+            _line(torque, elapsed, motion, measured, MEASURED, 2.4, "measured")
+            _line(torque, elapsed, motion, modelled, PREDICTED, 1.0, "predicted")
+            torque.set_ylim(middle - reach, middle + reach)
+            torque.set_title(_title(joint, measured, modelled))
+            torque.set_ylabel("N·m")
+            torque.tick_params(labelbottom=False)
+            left = measured - modelled
+            _line(residual, elapsed, motion, left, RESIDUAL, 0.8, "measured − predicted")
+            symmetric(residual, below)
+            residual.set_xlim(0.0, max(float(elapsed.max()), 1e-9))
+            if n >= count - columns:
+                residual.set_xlabel("time [s]")
+        lines = [line for axes in figure.axes[:2] for line in axes.get_lines()]
+        figure.legend(handles=lines, loc="outside upper left", ncols=3)
+    return figure
+
+
+def _title(joint: str, measured: Floats, predicted: Floats) -> str:
+    rmse = float(np.sqrt(np.mean((measured - predicted) ** 2)))
+    spread = float(np.std(measured))
+    share = f", {percent(rmse / spread)} of the torque's spread" if spread > 0.0 else ""
+    return f"{joint}   RMS error {number(rmse, 2)} N·m{share}"
+
+
+def _line(
+    axes: Axes, time: Floats, motion: Motion, values: Floats, colour: str, width: float, label: str
+) -> None:
+    some, part, segment = thinned(time, values, motion.segment.astype(np.float64))
+    some, part = broken(some, segment.astype(np.int64), part)
+    axes.plot(some, part, color=colour, linewidth=width, label=label)

@@ -1,0 +1,128 @@
+"""Small pieces of HTML; every text is escaped here and nowhere else."""
+
+import base64
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+__all__ = ["Card", "beside", "cards", "escape", "figure", "note", "paragraph", "steps", "table"]
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(frozen=True)
+class Card:
+    """One finding to be read from afar.
+
+    Attributes:
+        value: the number, with its unit.
+        label: what it is.
+        detail: against what it is measured.
+        good: whether it is as it should be; None where there is nothing to judge.
+    """
+
+    value: str
+    label: str
+    detail: str = ""
+    good: bool | None = None
+
+
+def paragraph(text: str) -> str:
+    """Running text."""
+    return f"<p>{escape(text)}</p>"
+
+
+def note(text: str) -> str:
+    """Small print."""
+    return f'<p class="note">{escape(text)}</p>'
+
+
+def steps(texts: Iterable[str]) -> str:
+    """A numbered list."""
+    return f"<ol>{''.join(f'<li>{escape(text)}</li>' for text in texts)}</ol>"
+
+
+def beside(left: str, right: str) -> str:
+    """Two pieces of HTML side by side, where there is room."""
+    return f'<div class="beside"><div>{left}</div><div>{right}</div></div>'
+
+
+def cards(found: Iterable[Card]) -> str:
+    """Findings side by side."""
+    return f'<div class="cards">{"".join(map(_card, found))}</div>'
+
+
+def _card(card: Card) -> str:
+    kind = {None: "", True: " good", False: " bad"}[card.good]
+    detail = f"<small>{escape(card.detail)}</small>" if card.detail else ""
+    return (
+        f'<div class="card{kind}"><b>{escape(card.value)}</b>'
+        f"<span>{escape(card.label)}</span>{detail}</div>"
+    )
+
+
+def figure(picture: bytes, alternative: str, caption: str = "", *, narrow: bool = False) -> str:
+    """A picture inside the page.
+
+    Args:
+        picture: a PNG file.
+        alternative: what it shows, for who cannot see it.
+        caption: text under it.
+        narrow: for pictures that need not be as wide as the page.
+
+    Raises:
+        ValueError: not a PNG.
+    """
+    if not picture.startswith(PNG):
+        raise ValueError("expected the bytes of a PNG file")
+    data = base64.b64encode(picture).decode("ascii")
+    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    return (
+        f"<figure{' class=narrow' if narrow else ''}>"
+        f'<img alt="{escape(alternative)}" src="data:image/png;base64,{data}">{below}</figure>'
+    )
+
+
+def table(
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    words: int = 1,
+    strong: int | None = None,
+    total: bool = False,
+) -> str:
+    """A table whose first columns are words and whose others are numbers.
+
+    Args:
+        header: one text a column.
+        rows: of as many texts each.
+        words: how many columns, from the left, hold words.
+        strong: the column that matters most.
+        total: whether the last row sums up the others.
+
+    Raises:
+        ValueError: a row that is not as long as the header.
+    """
+    lines = [_row(header, "th", words, strong)]
+    for row in rows:
+        if len(row) != len(header):
+            raise ValueError(f"a row of {len(row)} texts under {len(header)} headings: {row}")
+        lines.append(_row(row, "td", words, strong))
+    kind = ' class="total"' if total else ""
+    return (
+        f'<div class="wide"><table{kind}><thead>{lines[0]}</thead>'
+        f"<tbody>{''.join(lines[1:])}</tbody></table></div>"
+    )
+
+
+def _row(texts: Sequence[str], tag: str, words: int, strong: int | None) -> str:
+    cells = []
+    for column, text in enumerate(texts):
+        kinds = [
+            kind
+            for kind, holds in (("word", column < words), ("strong", column == strong))
+            if holds
+        ]
+        attribute = f' class="{" ".join(kinds)}"' if kinds else ""
+        cells.append(f"<{tag}{attribute}>{escape(text)}</{tag}>")
+    return f"<tr>{''.join(cells)}</tr>"

@@ -1,0 +1,51 @@
+"""One file that shows everything and needs nothing else."""
+
+from collections.abc import Sequence
+from importlib.resources import files
+from os import PathLike
+from pathlib import Path
+
+from lagrangian_ff.report.html import escape
+from lagrangian_ff.report.section import Section
+
+
+def write_page(
+    path: str | PathLike[str],
+    title: str,
+    sections: Sequence[Section],
+    *,
+    summary: str = "",
+    footer: str = "",
+) -> Path:
+    """Write a page whose styles and pictures are inside it. Returns the path.
+
+    Args:
+        path: the file to write, replaced when all of the page is there.
+        title: the heading; say the verdict in it.
+        sections: in the order they are shown.
+        summary: a few sentences under the heading.
+        footer: small print at the end.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    path = Path(path)
+    style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
+    below = f"<p>{escape(summary)}</p>" if summary else ""
+    end = f"<footer>{escape(footer)}</footer>" if footer else ""
+    text = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
+        f"<header><h1>{escape(title)}</h1>{below}</header>\n"
+        f"{''.join(map(_section, sections))}{end}\n</main>\n</body>\n</html>\n"
+    )
+    part = path.with_name(f"{path.name}.part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(path)
+    return path
+
+
+def _section(section: Section) -> str:
+    lead = f'<p class="lead">{escape(section.lead)}</p>' if section.lead else ""
+    return f"<section>\n<h2>{escape(section.title)}</h2>\n{lead}\n{section.body}\n</section>\n"

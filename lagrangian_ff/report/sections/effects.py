@@ -1,0 +1,80 @@
+"""The effects a model found, as equations with their values."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.intervals import LEVEL
+from lagrangian_ff.report import html
+from lagrangian_ff.report.numbers import number
+from lagrangian_ff.report.section import Section
+
+TITLE = "What the model found in the joints"
+LEAD = (
+    "The effects as equations, with the values identified and the intervals that should hold the "
+    f"true ones {LEVEL:.0%} of the time."
+)
+
+
+def effects_section(
+    record: Mapping[str, Any],
+    truth: Mapping[tuple[str, str], Sequence[float]] | None = None,
+    *,
+    title: str = TITLE,
+    lead: str = LEAD,
+    remark: str = "",
+) -> Section:
+    """A table for each effect, a row for each joint.
+
+    Args:
+        record: of an identification; its list `effects` is shown.
+        truth: by effect and parameter, the true value of each joint in the record's order, where
+            a simulator knows it.
+        title: of the section.
+        lead: under it.
+        remark: small print under the tables.
+    """
+    found: list[Mapping[str, Any]] = record["effects"]
+    names = list(dict.fromkeys(one["effect"] for one in found))
+    if not names:
+        return Section(title, "", html.paragraph("The model has no effects besides its kernel."))
+    parts = [
+        _effect([one for one in found if one["effect"] == name], truth or {}) for name in names
+    ]
+    return Section(title, lead, "".join(parts) + (html.note(remark) if remark else ""))
+
+
+def _effect(
+    found: Sequence[Mapping[str, Any]], truth: Mapping[tuple[str, str], Sequence[float]]
+) -> str:
+    """Heading, meaning and table of one effect on all its joints."""
+    name, formula = found[0]["effect"], found[0]["formula"]
+    meaning = f": {EFFECTS[name].meaning}" if name in EFFECTS else ""
+    header, rows = ["joint"], [[one["joint"]] for one in found]
+    for parameter, first in found[0]["parameters"].items():
+        known = truth.get((name, parameter))
+        header += [f"{parameter} [{first['unit']}]", f"{LEVEL:.0%} interval"]
+        header += ["true value"] if known is not None else []
+        for n, one in enumerate(found):
+            value = one["parameters"][parameter]
+            rows[n] += [number(value["value"]), interval(value["low"], value["high"])]
+            rows[n] += [number(float(known[n]))] if known is not None else []
+    for shape in found[0].get("shape", {}):
+        header.append(f"{shape} [{_unit(name, shape)}]")
+        for n, one in enumerate(found):
+            rows[n].append(number(float(one["shape"][shape])))
+    return (
+        f'<h3>{html.escape(name)} <span class="formula">τ = {html.escape(formula)}</span></h3>'
+        f"{html.paragraph(f'{name.capitalize()}{meaning}.') if meaning else ''}"
+        f"{html.table(header, rows, strong=1)}"
+    )
+
+
+def interval(low: float, high: float) -> str:
+    """Both ends."""
+    return f"{number(low)} … {number(high)}"
+
+
+def _unit(effect: str, shape: str) -> str:
+    shapes = EFFECTS[effect].shapes if effect in EFFECTS else ()
+    return next((one.unit for one in shapes if one.name == shape), "")

@@ -1,0 +1,93 @@
+"""What all figures share: colours with a meaning, a quiet frame, PNG as bytes."""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+INK, FAINT, GRID = "#1f2933", "#7b8794", "#e4e7eb"
+MEASURED, PREDICTED, RESIDUAL = "#9aa5b1", "#1864ab", "#c2410c"
+# Which colour a run has in every figure, in the order in which runs are drawn.
+RUNS = ("#9aa5b1", "#e8910c", "#1864ab", "#2b8a3e", "#7048e8", "#c2255c")
+
+WIDTH = 10.0  # inches
+DPI = 150
+MOST_POINTS = 3000
+"""A line of more points is thinned: no eye and no pixel tells them apart."""
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.size": 9.0,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": "#cbd2d9",
+    "axes.linewidth": 0.8,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.7,
+    "xtick.color": FAINT,
+    "ytick.color": FAINT,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "xtick.major.size": 0.0,
+    "ytick.major.size": 0.0,
+    "legend.frameon": False,
+    "lines.linewidth": 1.1,
+    "figure.facecolor": "white",
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw in the common style; the user's own settings of matplotlib are left alone."""
+    with rc_context(_RC):
+        yield
+
+
+def new_figure(height: float) -> Figure:
+    """An empty figure of the common width, `height` in inches, with room kept for its labels."""
+    figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as the bytes of a PNG file."""
+    buffer = io.BytesIO()
+    with styled():
+        figure.savefig(buffer, format="png")
+    return buffer.getvalue()
+
+
+def thinned(time: Floats, *columns: Floats) -> tuple[Floats, ...]:
+    """At most `MOST_POINTS` of the samples, the last one among them."""
+    index = np.arange(len(time))
+    if len(time) > MOST_POINTS:
+        index = np.round(np.linspace(0, len(time) - 1, MOST_POINTS)).astype(np.int64)
+    return (time[index], *(column[index] for column in columns))
+
+
+def broken(time: Floats, segment: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+    """Time and values with NaN between segments, so that no line is drawn across a gap."""
+    cuts = np.flatnonzero(np.diff(segment)) + 1
+    return np.insert(time, cuts, np.nan), np.insert(values, cuts, np.nan)
+
+
+def symmetric(axes: Axes, largest: float) -> None:
+    """Zero in the middle, and everything up to `largest` to be seen."""
+    reach = 1.08 * largest if largest > 0.0 else 1.0
+    axes.set_ylim(-reach, reach)
