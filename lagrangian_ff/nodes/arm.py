@@ -30,6 +30,7 @@ from lagrangian_ff.nodes.common.diagnostics import Diagnostics
 from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, points
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
+from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
@@ -40,11 +41,17 @@ Floats = NDArray[np.float64]
 
 SOURCES = ("none", "stream", "trajectory", "true")
 CHECK_STEP = 0.01  # s between the samples of a reference that are checked against the limits
-CATCH_UP = 250  # ticks
+FAR_BEHIND = 0.1  # s
+CATCH_UP = 10  # ticks at once, then commands are looked at again
 
 
 class ArmNode(ClosingNode):
-    """Steps the arm at its tick in a thread paced by the clock; callbacks only hand things over."""
+    """Steps the arm at its tick in a thread paced by the clock; callbacks only hand things over.
+
+    Where the machine cannot keep up no tick is left out: the arm falls behind the clock and says
+    so. Its stamps stay exact, and whatever goes by stamps stays right; only torque streamed on
+    ~/commands comes early then.
+    """
 
     def __init__(self) -> None:
         super().__init__("arm")
@@ -73,10 +80,7 @@ class ArmNode(ClosingNode):
             JointTrajectory, "~/joint_trajectory", self._on_trajectory, RELIABLE,
             qos_overriding_options=overridable(),
         )  # fmt: skip
-        self.create_subscription(
-            Float64MultiArray, "~/commands", self._on_command, NEWEST,
-            qos_overriding_options=overridable(),
-        )  # fmt: skip
+        self._commands = PolledSubscription(self, Float64MultiArray, "~/commands", NEWEST)
 
         self._meter = RateMeter()
         self._squared_error, self._ticks, self._saturated = np.zeros(len(JOINTS)), 0, 0
@@ -84,8 +88,8 @@ class ArmNode(ClosingNode):
             self, "simulated arm", {"plant": self._plant_status}, self._complaints.flush
         )
         tick = self._arm.parameters.tick
-        self._pacer = Pacer(tick, max_catch_up=CATCH_UP)
-        self._origin = self.get_clock().now().nanoseconds
+        self._pacer = Pacer(tick, most=CATCH_UP, skip=False)
+        self._time = self._origin = self.get_clock().now().nanoseconds
         self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
         self.get_logger().info(
             f"the arm stands at its initial position, {1.0 / tick:g} Hz, feedforward from: "
@@ -140,7 +144,7 @@ class ArmNode(ClosingNode):
         self._command, self._command_at = command, time.monotonic()
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
-        now = self.get_clock().now().nanoseconds
+        now = self._time
         try:
             given = points(message)
             reference = read_reference(given, JOINTS)
@@ -162,8 +166,10 @@ class ArmNode(ClosingNode):
             )
 
     def _step(self, due: range) -> None:
+        for message, _ in self._commands.take():
+            self._on_command(message)
         for index in due:
-            now = self._origin + index * self._pacer.period
+            now = self._time = self._origin + index * self._pacer.period
             q, qd, qdd, effort = self._follower.at(now)
             torque = self._feedforward(q, qd, qdd, effort)
             sample = self._arm.step(q, qd, torque)
@@ -198,10 +204,9 @@ class ArmNode(ClosingNode):
         error, self._squared_error = np.sqrt(self._squared_error / ticks), np.zeros(len(JOINTS))
         saturated, self._saturated = self._saturated, 0
         factor = rate * self._arm.parameters.tick
-        now = self.get_clock().now().nanoseconds
-        level, message = Level.OK, "moving" if self._follower.moving(now) else "standing"
-        if factor < 0.98:
-            level, message = Level.WARN, f"runs at {factor:.2f} of real time"
+        level, message = Level.OK, "moving" if self._follower.moving(self._time) else "standing"
+        if self._pacer.behind > FAR_BEHIND:
+            level, message = Level.WARN, f"{self._pacer.behind:.2f} s behind the clock"
         elif saturated:
             level, message = Level.WARN, f"torque limit reached in {saturated} ticks"
         elif self._source == "trajectory" and not self._follower.has_effort:
@@ -209,7 +214,7 @@ class ArmNode(ClosingNode):
         values = {
             "real-time factor": factor,
             "late ticks": self._pacer.late,
-            "skipped ticks": self._pacer.skipped,
+            "behind the clock [s]": self._pacer.behind,
             "ticks at the torque limit": saturated,
             "feedforward source": self._source,
             "command age [s]": time.monotonic() - self._command_at,

@@ -23,6 +23,7 @@ from lagrangian_ff.nodes.common.messages import (
 )
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
 from lagrangian_ff.nodes.common.parameters import Parameters
+from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.common.summary import held_out
@@ -36,6 +37,7 @@ from lagrangian_ff.nodes.streaming.stream import Settings, TorqueStream
 from lagrangian_ff.nodes.streaming.urdf_limits import effort_limits
 
 FAREWELL = 3  # zeros sent at the end
+LOOKS = 50.0  # a second, whether joint states still come
 
 
 class FeedforwardLink:
@@ -74,13 +76,10 @@ class FeedforwardLink:
         self._stamped = node.create_publisher(
             JointState, "~/feedforward", RELIABLE, qos_overriding_options=options
         )
+        self._states = PolledSubscription(node, JointState, "joint_states", NEWEST, raw=True)
         self._subscriptions = (
             node.create_subscription(
                 JointTrajectory, "~/reference", self._on_reference, RELIABLE,
-                qos_overriding_options=options,
-            ),
-            node.create_subscription(
-                JointState, "joint_states", self._on_joint_state, NEWEST, raw=True,
                 qos_overriding_options=options,
             ),
             node.create_subscription(String, "robot_description", self._on_description, LATCHED),
@@ -91,7 +90,9 @@ class FeedforwardLink:
         """Begin to stream: zeros until a reference comes."""
         self._stream.forget()
         self._monitor = Monitor()
-        pacer = Pacer(1.0 / self._parameters.value("rate"))
+        rate = self._parameters.value("rate")
+        self._every = max(1, round(rate / LOOKS))
+        pacer = Pacer(1.0 / rate)
         self._loop = PacedThread(pacer, self._tick, self._tick_failed, "stream")
 
     def stop(self) -> None:
@@ -121,6 +122,7 @@ class FeedforwardLink:
             self._node.destroy_publisher(publisher)
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
+        self._states.destroy()
         self._node.destroy_service(self._service)
 
     def refresh(self) -> None:
@@ -131,7 +133,11 @@ class FeedforwardLink:
         model = self._model
         return settings(self._parameters, model.joints, model.range, self._described)
 
-    def _on_joint_state(self, data: bytes) -> None:
+    def _look_at_joint_states(self) -> None:
+        for data, _ in self._states.take():
+            self._look_at(data)
+
+    def _look_at(self, data: bytes) -> None:
         try:
             state = self._reader.read(data)
         except MessageError as error:
@@ -229,6 +235,8 @@ class FeedforwardLink:
         return int(self._node.get_clock().now().nanoseconds)
 
     def _tick(self, due: range) -> None:
+        if any(index % self._every == 0 for index in due):
+            self._look_at_joint_states()
         now = self._now()
         output = self._stream.tick(now, time.monotonic())
         self._commands.publish(command(output.tau[self._columns]))
@@ -260,6 +268,8 @@ class FeedforwardLink:
             "reference age [s]": self._stream.reference_age(time.monotonic()),
             "enabled": self._stream.enabled,
             "planned": self._planner.fraction,
+            "receivers of commands": self._commands.get_subscription_count(),
+            "receivers of trajectories": self._trajectories.get_subscription_count(),
             **self._complaints.counts,
         }
         return self._monitor.status(self._parameters.value("rate"), more)

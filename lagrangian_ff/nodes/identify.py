@@ -29,7 +29,8 @@ from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.diagnostics import Diagnostics
 from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.qos import RECORDING, overridable
+from lagrangian_ff.nodes.common.polled import PolledSubscription
+from lagrangian_ff.nodes.common.qos import RECORDING
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.common.summary import held_out, lines
@@ -40,7 +41,7 @@ from lagrangian_ff.nodes.recorder.session import Result, Session, State, new_pat
 
 
 class IdentifyNode(ClosingNode):
-    """Hands messages to the intake, orders to a process, and says how it goes."""
+    """Opens and closes bags, hands orders to a process, and says how it goes."""
 
     def __init__(self) -> None:
         super().__init__("identify")
@@ -49,12 +50,11 @@ class IdentifyNode(ClosingNode):
         self._session = Session()
         self._job: Job | None = None
         self._complaints = Complaints(self.get_logger().warning)
-        self._intake = Intake(self._complaints.add)
+        self._subscription = PolledSubscription(
+            self, JointState, "joint_states", RECORDING, raw=True
+        )
+        self._intake = Intake(self._subscription.take, self._complaints.add)
         self._meter, self._seen = RateMeter(), 0
-        self._subscription = self.create_subscription(
-            JointState, "joint_states", self._on_joint_state, RECORDING, raw=True,
-            qos_overriding_options=overridable(),
-        )  # fmt: skip
         for action, do in (
             ("start", self._start), ("stop", self._stop), ("identify", self._identify),
             ("save", self._save), ("clear", self._clear),
@@ -68,8 +68,7 @@ class IdentifyNode(ClosingNode):
             self._once_a_second,
         )  # fmt: skip
         self.get_logger().info(
-            f"ready to record {self._subscription.topic_name} into {self._directory()}; "
-            "call ~/start"
+            f"ready to record {self._subscription.topic} into {self._directory()}; call ~/start"
         )
 
     def _declare(self) -> None:
@@ -105,9 +104,6 @@ class IdentifyNode(ClosingNode):
     def _directory(self) -> Path:
         return Path(self._settings.value("output_directory")).expanduser().absolute()
 
-    def _on_joint_state(self, data: bytes) -> None:
-        self._intake.append(data, self.get_clock().now().nanoseconds)
-
     def _answer(
         self, action: str, do: Callable[[], str]
     ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
@@ -133,10 +129,10 @@ class IdentifyNode(ClosingNode):
     def _start(self) -> str:
         directory = self._directory()
         path = new_path(directory, stamped(self._settings.value("bag_prefix"), datetime.now()))
-        self._intake.open(path, self._subscription.topic_name)
+        self._intake.open(path, self._subscription.topic)
         self._session.current, self._session.state = path, State.RECORDING
-        publishers = self.count_publishers(self._subscription.topic_name)
-        return f"recording {self._subscription.topic_name} to {path}" + (
+        publishers = self.count_publishers(self._subscription.topic)
+        return f"recording {self._subscription.topic} to {path}" + (
             "" if publishers else "; nobody publishes there yet"
         )
 
@@ -148,8 +144,7 @@ class IdentifyNode(ClosingNode):
         tally = self._intake.tally
         if tally.samples == 0:
             raise UserError(
-                f"no joint states came on {self._subscription.topic_name}; {path} is empty and "
-                "not used"
+                f"no joint states came on {self._subscription.topic}; {path} is empty and not used"
             )
         session.bags.append(path)
         said = f"recorded {tally} of {', '.join(tally.joints)} to {path}"
@@ -165,7 +160,7 @@ class IdentifyNode(ClosingNode):
         order = Order(
             bags=tuple(map(str, bags)),
             output=str(new_path(self._directory(), f"{bags[-1].name}_model", ".npz")),
-            topic=self._subscription.topic_name,
+            topic=self._subscription.topic,
             joints=self._settings.strings("joints"),
             model=value("model"),
             train=value("train"),
@@ -231,7 +226,7 @@ class IdentifyNode(ClosingNode):
         if self._intake.failure:
             level, message = Level.ERROR, f"recording ended: {self._intake.failure}"
         elif received == 0:
-            level, message = Level.STALE, f"no joint states on {self._subscription.topic_name}"
+            level, message = Level.STALE, f"no joint states on {self._subscription.topic}"
         values = {
             "state": self._session.state.value,
             "rate [Hz]": rate,

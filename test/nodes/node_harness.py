@@ -34,13 +34,21 @@ class Process:
     """A node in its own process and session, its output in a file."""
 
     def __init__(
-        self, executable: str, log: Path, *, namespace: str = "", params: dict[str, Any] | None
+        self,
+        executable: str,
+        log: Path,
+        *,
+        namespace: str = "",
+        params: dict[str, Any] | None = None,
+        remap: dict[str, str] | None = None,
     ) -> None:
         # The installed parameter files are what the nodes are tested with.
         file = Path(__file__).parents[2] / "config" / f"{executable}.yaml"
         arguments = ["--ros-args", "--params-file", str(file)]
         if namespace:
             arguments += ["-r", f"__ns:=/{namespace}"]
+        for old, new in (remap or {}).items():
+            arguments += ["-r", f"{old}:={new}"]
         for name, value in (params or {}).items():
             arguments += ["-p", f"{name}:={_yaml(value)}"]
         self.log = log
@@ -129,12 +137,10 @@ class Bench:
         self.node.destroy_node()
         self._context.try_shutdown()
 
-    def start(
-        self, executable: str, *, namespace: str = "", params: dict[str, Any] | None = None
-    ) -> Process:
-        """Start a node; returns at once."""
+    def start(self, executable: str, **options: Any) -> Process:
+        """Start a node; returns at once. The options are those of Process."""
         log = self._folder / f"{executable}_{len(self._processes)}.log"
-        process = Process(executable, log, namespace=namespace, params=params)
+        process = Process(executable, log, **options)
         self._processes.append(process)
         return process
 

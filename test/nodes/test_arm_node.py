@@ -76,8 +76,6 @@ def test_joint_states_come_on_an_exact_grid_with_their_reference(
     assert set(stamps) & {stamp(message) for _, message in references}
     assert list(newest(states).name) == list(JOINTS)
     assert "<robot" in description[0][1].data
-    seconds = states[-1][0] - states[0][0]
-    assert len(states) / seconds == pytest.approx(500.0, rel=0.1)
 
 
 def test_it_follows_a_trajectory_in_any_joint_order_and_shows_feedforward(
@@ -140,7 +138,7 @@ def test_what_cannot_be_followed_is_refused_in_words_and_survived(
         send.publish(message)
         # Warnings come once a second at most; the next message must not be gathered into it.
         bench.until(partial(said, arm, expected), expected)
-    np.testing.assert_array_equal(newest(references).position, here)
+    np.testing.assert_allclose(newest(references).position, here, atol=1e-9)
     commands = bench.publisher(Float64MultiArray, "arm/commands")
     for data in ([], [1.0], [math.nan] * 6, [math.inf] * 6):
         commands.publish(Float64MultiArray(data=data))

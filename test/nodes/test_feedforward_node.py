@@ -129,14 +129,15 @@ def test_a_reference_is_annotated_and_streamed_in_time(node: Feedforward, model:
     assert len(streamed) > 50
     elapsed = np.array([nanoseconds(m.header) - start for m in streamed]) / 1e9
     tau = np.array([m.effort for m in streamed])
-    expected = model.predict(*complete.sample(elapsed))
+    q, qd, qdd = complete.sample(elapsed)
+    expected = model.predict(q, qd, qdd)
     # Between the samples of the plan the torque is interpolated.
     assert np.abs(tau - expected).max() < 0.02 * np.abs(expected).max()
     assert list(streamed[0].name) == list(model.joints)
     for _, command in node.commands:
         assert len(command.data) == 2
         assert np.isfinite(command.data).all()
-    rest = model.predict(*(np.array([x]) for x in (complete.q[-1], [0.0, 0.0], [0.0, 0.0])))[0]
+    rest = model.predict(complete.q[-1], np.zeros(2), np.zeros(2))
     np.testing.assert_allclose(node.tau, rest[::-1], atol=1e-6)
 
 

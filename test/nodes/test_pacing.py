@@ -24,26 +24,42 @@ class SleepyClock:
         self.now += round(seconds * 1e9) + (self.delays.pop(0) if self.delays else 0)
 
 
-@given(st.lists(st.integers(0, 12_000_000), max_size=40), st.integers(1, 5))
-def test_every_instant_is_worked_off_or_counted_as_skipped(
-    delays: list[int], catch_up: int
-) -> None:
-    clock = SleepyClock(list(delays))
-    pacer = Pacer(0.002, catch_up, clock, clock.sleep)
+delays = st.lists(st.integers(0, 12_000_000), max_size=40)
+
+
+@given(delays, st.integers(1, 5))
+def test_skipping_works_off_the_newest_and_counts_the_rest(slow: list[int], most: int) -> None:
+    clock = SleepyClock(list(slow))
+    pacer = Pacer(0.002, most, clock=clock, sleep=clock.sleep)
     worked: list[int] = []
-    for _ in range(len(delays) + 5):
+    for _ in range(len(slow) + 5):
         due = pacer.wait()
-        assert 1 <= len(due) <= catch_up
+        assert 1 <= len(due) <= most
         assert pacer.instant(due[-1]) <= clock.now < pacer.instant(due[-1] + 1)
         worked += due
     assert worked == sorted(set(worked))
     assert len(worked) + pacer.skipped == worked[-1]
-    assert pacer.late == len(worked) - (len(delays) + 5)
+    assert pacer.behind == 0.0
+
+
+@given(delays, st.integers(2, 5))
+def test_without_skipping_every_instant_is_worked_off_in_order(slow: list[int], most: int) -> None:
+    clock = SleepyClock(list(slow))
+    pacer = Pacer(0.002, most, skip=False, clock=clock, sleep=clock.sleep)
+    worked: list[int] = []
+    while not worked or clock.delays or pacer.behind > 0.0:
+        due = pacer.wait()
+        assert 1 <= len(due) <= most
+        assert pacer.instant(due[-1]) <= clock.now
+        worked += due
+    assert worked == list(range(1, worked[-1] + 1))
+    assert pacer.skipped == 0
+    assert (pacer.late > 0) == any(delay >= PERIOD for delay in slow)
 
 
 def test_a_punctual_clock_is_never_late() -> None:
     clock = SleepyClock([])
-    pacer = Pacer(0.002, 1, clock, clock.sleep)
+    pacer = Pacer(0.002, clock=clock, sleep=clock.sleep)
     assert [pacer.wait()[0] for _ in range(100)] == list(range(1, 101))
     assert clock.now == 100 * PERIOD
     assert pacer.late == pacer.skipped == 0

@@ -10,21 +10,23 @@ class Pacer:
 
     Args:
         period: s between two instants.
-        max_catch_up: how many instants that have passed are still worked off; those before
-            them are skipped and counted.
+        most: how many instants that have passed are worked off at once.
+        skip: whether older ones are left out, for work of which only the newest counts; if not,
+            they are worked off next, for work that must not have holes.
         clock: ns of a monotonic clock.
         sleep: s to wait.
 
     Attributes:
         start: ns of instant 0.
         late: instants worked off at least one period after their time.
-        skipped: instants never worked off.
+        skipped: instants left out.
     """
 
     def __init__(
         self,
         period: float,
-        max_catch_up: int = 1,
+        most: int = 1,
+        skip: bool = True,
         clock: Callable[[], int] = time.monotonic_ns,
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
@@ -32,7 +34,8 @@ class Pacer:
         self.start = clock()
         self.late = 0
         self.skipped = 0
-        self._max_catch_up = max_catch_up
+        self._most = most
+        self._skip = skip
         self._clock = clock
         self._sleep = sleep
         self._next = 1
@@ -41,17 +44,25 @@ class Pacer:
         """Ns of the monotonic clock at this instant."""
         return self.start + index * self.period
 
+    @property
+    def behind(self) -> float:
+        """s since the oldest instant that waits to be worked off; 0 where none does."""
+        return max(0, self._clock() - self.instant(self._next)) / 1e9
+
     def wait(self) -> range:
-        """Sleep until the next instant; the indices of all instants that are due, never none."""
+        """Sleep until the next instant; the indices of the instants that are due, never none."""
         remaining = self.instant(self._next) - self._clock()
         if remaining > 0:
             self._sleep(remaining / 1e9)
-        due = max((self._clock() - self.start) // self.period, self._next)
-        first = max(self._next, due - self._max_catch_up + 1)
-        self.skipped += first - self._next
-        self.late += due - first
-        self._next = due + 1
-        return range(first, due + 1)
+        now = max((self._clock() - self.start) // self.period, self._next)
+        if self._skip:
+            due = range(max(self._next, now - self._most + 1), now + 1)
+        else:
+            due = range(self._next, min(now, self._next + self._most - 1) + 1)
+        self.skipped += due[0] - self._next
+        self.late += min(now - due[0], len(due))
+        self._next = due[-1] + 1
+        return due
 
 
 class RateMeter:

@@ -5,7 +5,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 
 # A best-effort subscription matches reliable and best-effort publishers alike.
 RECORDING = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT
+    history=HistoryPolicy.KEEP_LAST, depth=5000, reliability=ReliabilityPolicy.BEST_EFFORT
 )
 NEWEST = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.BEST_EFFORT

@@ -1,8 +1,7 @@
-"""From the subscription to the disk: the callback appends, a thread writes."""
+"""From the subscription to the disk, in a thread that does nothing else."""
 
 import threading
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.recording import BagWriter
 
-DRAIN_PERIOD = 0.02  # s; what a kill of the process may lose
+PERIOD = 0.01  # s; what a kill of the process may lose
 
 
 @dataclass(frozen=True)
@@ -38,19 +37,27 @@ class Tally:
 
 
 class Intake:
-    """Takes serialised joint states; writes them to a bag while one is open.
+    """Takes serialised joint states as they come; writes them to a bag while one is open.
 
-    `append` only queues, so a disk that stalls delays no callback and loses no message.
     Messages that are not joint states are complained about and not written; those with missing
     or NaN values are complained about and written as they came.
 
     Args:
+        take: gives what has come since it was last called, with the ns it was received at. What
+            comes while the disk stalls must wait there.
         complain: told the kind and the text of each complaint.
+
+    Attributes:
+        received: joint states so far, written or not.
     """
 
-    def __init__(self, complain: Callable[[str, str], None]) -> None:
+    def __init__(
+        self,
+        take: Callable[[], Iterable[tuple[bytes, int]]],
+        complain: Callable[[str, str], None],
+    ) -> None:
+        self._take_new = take
         self._complain = complain
-        self._queue: deque[tuple[bytes, int]] = deque()
         self._lock = threading.Lock()
         self._reader = JointStateReader()
         self._bag: BagWriter | None = None
@@ -63,10 +70,6 @@ class Intake:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="intake", daemon=True)
         self._thread.start()
-
-    def append(self, data: bytes, received: int) -> None:
-        """Take one message, received at this time in ns."""
-        self._queue.append((data, received))
 
     def open(self, path: Path, topic: str) -> None:
         """Start a new bag; what came before is not in it.
@@ -110,13 +113,13 @@ class Intake:
         self.close_bag()
 
     def _run(self) -> None:
-        while not self._stop.wait(DRAIN_PERIOD):
+        while not self._stop.wait(PERIOD):
             with self._lock:
                 self._drain()
 
     def _drain(self) -> None:
-        for _ in range(len(self._queue)):
-            self._take(*self._queue.popleft())
+        for data, received in self._take_new():
+            self._take(data, received)
 
     def _take(self, data: bytes, received: int) -> None:
         try:

@@ -28,8 +28,7 @@ class Segment:
 
     def at(self, now: int) -> tuple[Floats, Floats, Floats]:
         """q, qd, qdd, each (N,), at this time in ns."""
-        q, qd, qdd = self.reference.sample(np.array([(now - self.start) / 1e9]))
-        return q[0], qd[0], qdd[0]
+        return self.reference.sample(np.asarray((now - self.start) / 1e9))
 
     def effort_at(self, now: int) -> Floats:
         """(N,) N·m at this time in ns, the ends held outside; zeros without effort."""

@@ -9,13 +9,13 @@ Flags = NDArray[np.bool_]
 
 def clamp(tau: Floats, limit: Floats) -> tuple[Floats, Flags]:
     """Torques within ±limit, and where they were not."""
-    return np.clip(tau, -limit, limit), np.abs(tau) > limit
+    return np.minimum(np.maximum(tau, -limit), limit), np.abs(tau) > limit
 
 
 def slew(previous: Floats, wanted: Floats, rate: Floats, dt: float) -> tuple[Floats, Flags]:
     """From `previous` towards `wanted` by at most rate·dt; and which joints were held back."""
-    step = np.clip(wanted - previous, -rate * dt, rate * dt)
-    return previous + step, np.abs(wanted - previous) > rate * dt
+    step, flagged = clamp(wanted - previous, rate * dt)
+    return previous + step, flagged
 
 
 class Ramp:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
@@ -11,6 +12,10 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from lagrangian_ff.nodes.common.errors import RefusedReference
 
 Floats = NDArray[np.float64]
+
+# d^r/dt^r of t^k is FACTOR[r, k] t^EXPONENT[r, k].
+EXPONENT = np.array([[0, 1, 2, 3, 4, 5], [0, 0, 1, 2, 3, 4], [0, 0, 0, 1, 2, 3]])
+FACTOR = np.array([[1.0, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20]])
 
 
 @dataclass(frozen=True)
@@ -63,38 +68,35 @@ class Reference:
         return len(self.time) == 1
 
     def sample(self, time: Floats) -> tuple[Floats, Floats, Floats]:
-        """q, qd, qdd, each (L, N), at L times from the start."""
+        """q, qd, qdd, each (..., N), at times (...) from the start."""
         if self.is_setpoint:
-            rows = np.zeros(len(time), dtype=np.int64)
+            rows = np.zeros(np.shape(time), dtype=np.int64)
             return self.q[rows], self.qd[rows], self.qdd[rows]
         t = self.time
-        left = np.clip(np.searchsorted(t, time, side="right") - 1, 0, len(t) - 2)
-        span = (t[left + 1] - t[left])[:, None]
-        s = (np.clip(time, t[0], t[-1]) - t[left])[:, None] / span
-        c = _quintic(
-            self.q[left], self.qd[left] * span, self.qdd[left] * span**2,
-            self.q[left + 1], self.qd[left + 1] * span, self.qdd[left + 1] * span**2,
-        )  # fmt: skip
-        q = ((((c[5] * s + c[4]) * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0]
-        qd = (((5 * c[5] * s + 4 * c[4]) * s + 3 * c[3]) * s + 2 * c[2]) * s + c[1]
-        qdd = ((20 * c[5] * s + 12 * c[4]) * s + 6 * c[3]) * s + 2 * c[2]
-        still = ((time < t[0]) | (time > t[-1]))[:, None]
-        return q, np.where(still, 0.0, qd / span), np.where(still, 0.0, qdd / span**2)
+        inside = np.minimum(np.maximum(time, t[0]), t[-1])
+        left = np.minimum(np.searchsorted(t, inside, side="right") - 1, len(t) - 2)
+        powers = FACTOR * (inside - t[left])[..., None, None] ** EXPONENT
+        powers[..., 1:, :] *= (inside == time)[..., None, None]
+        state = powers @ self._coefficients[left]
+        return state[..., 0, :], state[..., 1, :], state[..., 2, :]
 
-
-def _quintic(
-    p0: Floats, v0: Floats, a0: Floats, p1: Floats, v1: Floats, a1: Floats
-) -> tuple[Floats, ...]:
-    """Coefficients, lowest first, of the quintic on [0, 1] with these ends."""
-    d = p1 - p0
-    return (
-        p0,
-        v0,
-        0.5 * a0,
-        10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
-        -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
-        6 * d - 3 * (v0 + v1) - 0.5 * (a0 - a1),
-    )
+    @cached_property
+    def _coefficients(self) -> Floats:
+        """(K - 1, 6, N) of the powers of the time since the left point."""
+        h = np.diff(self.time)[:, None]
+        p, v, a = self.q[:-1], self.qd[:-1] * h, self.qdd[:-1] * h**2
+        d, w, b = self.q[1:] - p, self.qd[1:] * h, self.qdd[1:] * h**2
+        return np.stack(
+            [
+                p,
+                v / h,
+                0.5 * a / h**2,
+                (10 * d - 6 * v - 4 * w - 1.5 * a + 0.5 * b) / h**3,
+                (-15 * d + 8 * v + 7 * w + 1.5 * a - b) / h**4,
+                (6 * d - 3 * (v + w) - 0.5 * (a - b)) / h**5,
+            ],
+            axis=1,
+        )
 
 
 def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_000) -> Reference:

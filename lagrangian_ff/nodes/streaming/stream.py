@@ -166,10 +166,8 @@ class TorqueStream:
             self._limited, held_back = slew(self._limited, wanted, settings.effort_rate, dt)
         self._ramp.up, self._ramp.down = settings.ramp_time, settings.fade_time
         gain = self._ramp.move(not withheld, dt)
-        q, qd, _ = plan.reference.sample(np.array([elapsed]))
-        return Output(
-            gain * self._limited, gain, phase, withheld, saturated, held_back, q[0], qd[0]
-        )
+        q, qd, _ = plan.reference.sample(np.asarray(elapsed))
+        return Output(gain * self._limited, gain, phase, withheld, saturated, held_back, q, qd)
 
     def _take_over(self, now: int) -> None:
         """Let the next plan take the place of the present one when its time has come."""
