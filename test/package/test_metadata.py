@@ -157,6 +157,18 @@ def test_oldest_versions_are_those_that_setup_allows() -> None:
         assert f"{version}.0".startswith(f"{low.group(1)}."), f"{name}: {version}, {ranges[name]}"
 
 
+def test_each_dependency_is_named_once() -> None:
+    setup = setup_of("RUNTIME", "EXTRAS")
+    assert isinstance(setup["RUNTIME"], list)
+    assert isinstance(setup["EXTRAS"], dict)
+    pip = [
+        str(requirement).split()[0] for requirement in setup["RUNTIME"] + setup["EXTRAS"]["test"]
+    ]
+    rosdep = [(element.tag, element.text) for element in MANIFEST if "depend" in element.tag]
+    for names in (pip, rosdep):
+        assert sorted(set(names)) == sorted(names)
+
+
 def test_ros_is_no_requirement_of_pip() -> None:
     """Where ROS comes from its own packages, pip must not look for it."""
     assert not {name for name in runtime() if name.startswith("ros-") or is_ros(name)}
