@@ -164,7 +164,7 @@ def test_each_dependency_is_named_once() -> None:
     pip = [
         str(requirement).split()[0] for requirement in setup["RUNTIME"] + setup["EXTRAS"]["test"]
     ]
-    rosdep = [(element.tag, element.text) for element in MANIFEST if "depend" in element.tag]
+    rosdep = [f"{element.tag} {element.text}" for element in MANIFEST if "depend" in element.tag]
     for names in (pip, rosdep):
         assert sorted(set(names)) == sorted(names)
 
