@@ -80,7 +80,8 @@ def ros_environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
     pytest.importorskip("rclpy", reason="rclpy is not installed")
     domain, lock = _claim_domain()
     prefixes = [*filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep))]
-    if sys.prefix not in prefixes:
+    # With ROS from wheels, the root of the Python environment is itself an ament prefix.
+    if sys.prefix not in prefixes and (Path(sys.prefix) / "share" / "ament_index").is_dir():
         prefixes.append(sys.prefix)
     ours = {
         "ROS_DOMAIN_ID": str(domain),

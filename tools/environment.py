@@ -240,6 +240,8 @@ class Environment:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 text=True,
+                # A user's preference for installing elsewhere must not reach this environment.
+                env={**os.environ, "PIP_USER": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1"},
             )
             for line in process.stdout or ():
                 lines.append(line)

@@ -24,7 +24,7 @@ def make_environment(directory: Path) -> int:
     shutil.copy(HERE, directory / "bin" / "python")
     shutil.copy(HERE.parent / "settings.json", directory / "bin")
     command = directory / "bin" / "lagrangian_ff"
-    command.write_text('#!/bin/sh\necho "ran: lagrangian_ff $*"\n')
+    command.write_text('#!/bin/sh\necho "PYTHONPATH=$PYTHONPATH"\necho "ran: lagrangian_ff $*"\n')
     command.chmod(0o755)
     return 0
 

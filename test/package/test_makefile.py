@@ -43,8 +43,10 @@ class Machine:
         assert program, f"this test needs {name}"
         (self.path / name).symlink_to(program)
 
-    def make(self, *arguments: str, python: str | None = None) -> subprocess.CompletedProcess[str]:
-        """Run make in the clone."""
+    def make(
+        self, *arguments: str, python: str | None = None, **variables: str
+    ) -> subprocess.CompletedProcess[str]:
+        """Run make in the clone, with the environment variables given."""
         environments = [self.python.parent, self.clone / ".venv" / "bin"]
         for folder in (folder for folder in environments if folder.is_dir()):
             text = json.dumps(self.settings | {"calls": str(self.calls)})
@@ -57,7 +59,7 @@ class Machine:
             timeout=60,
             stdin=subprocess.DEVNULL,
             env={key: os.environ[key] for key in ("HOME", "LANG") if key in os.environ}
-            | {"PATH": str(self.path)},
+            | {"PATH": str(self.path), **variables},
         )
 
     def installations(self) -> list[str]:
@@ -90,8 +92,16 @@ def test_repeating_installs_nothing(machine: Machine) -> None:
     machine.make("demo")
     machine.calls.unlink()
     result = machine.make("demo")
-    assert result.stdout == "ran: lagrangian_ff demo\n"
+    assert result.stdout == "PYTHONPATH=\nran: lagrangian_ff demo\n"
     assert not machine.calls.exists()
+
+
+def test_a_sourced_ros_of_another_python_does_not_leak_in(machine: Machine) -> None:
+    elsewhere = "/opt/ros/jazzy/lib/python3.12/site-packages"
+    result = machine.make("demo", ROS_DISTRO="jazzy", PYTHONPATH=elsewhere)
+    assert "PYTHONPATH=\n" in result.stdout
+    result = machine.make("demo", PYTHONPATH="mine")
+    assert "PYTHONPATH=mine\n" in result.stdout, "without ROS, the variable is the user's own"
 
 
 def test_test_tools_come_on_top_and_stay(machine: Machine) -> None:
