@@ -24,14 +24,12 @@ class Pace:
     """How well an arm kept up with the clock during a run.
 
     Attributes:
-        real_time: smallest real-time factor of a second; 1 where every tick came in its second.
         late: ticks that came at least one period late.
-        skipped: ticks that never came.
+        behind: s it was behind at most.
     """
 
-    real_time: float
     late: int
-    skipped: int
+    behind: float
 
 
 class ArmLink:
@@ -49,7 +47,7 @@ class ArmLink:
         self._status = f"{self._prefix}/arm: plant".lstrip("/")
         node = conductor.node
         self._measured, self._reference = (
-            Tape(conductor.listener, f"{self._prefix}/{topic}")
+            Tape(conductor.node, f"{self._prefix}/{topic}")
             for topic in ("joint_states", "arm/reference_state")
         )
         self._topic = f"{self._prefix}/arm/joint_trajectory"
@@ -104,13 +102,9 @@ class ArmLink:
         """How it kept up with the clock since this entry of its diagnostics."""
         history = self._conductor.history.get(self._status, [])[max(0, since - 1) :]
         if not history:
-            return Pace(float("nan"), 0, 0)
-        first, last = history[0], history[-1]
-        return Pace(
-            min(float(values["real-time factor"]) for values in history[1:] or history),
-            int(last["late ticks"]) - int(first["late ticks"]),
-            int(last["skipped ticks"]) - int(first["skipped ticks"]),
-        )
+            return Pace(0, 0.0)
+        late = int(history[-1]["late ticks"]) - int(history[0]["late ticks"])
+        return Pace(late, max(float(values["behind the clock [s]"]) for values in history))
 
 
 class Drive:

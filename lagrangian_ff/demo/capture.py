@@ -11,6 +11,7 @@ from sensor_msgs.msg import JointState
 
 from lagrangian_ff.demo.errors import DemoError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
+from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.recording import Recording
 from lagrangian_ff.report import Tracking
 
@@ -58,27 +59,21 @@ class Tape:
     """Keeps the joint states of a topic as they come.
 
     An executor takes half a millisecond for each message, too much for 2000 a second beside the
-    arms themselves. So the subscription is on a node that nobody spins: messages wait in its
-    queue until `latest` fetches them, serialised, many at once.
+    arms themselves: so messages are fetched many at once, serialised.
 
     Args:
-        node: that is in no executor.
+        node: in whose name to listen.
         topic: of type JointState.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
-        self._subscription = node.create_subscription(
-            JointState, topic, lambda message: None, EVERYTHING, raw=True
-        )
+        self._subscription = PolledSubscription(node, JointState, topic, EVERYTHING, raw=True)
         self._messages: list[bytes] = []
         self._reader = JointStateReader()
 
     def latest(self) -> int:
         """Fetch what came; the stamp of the last message in ns, 0 before the first."""
-        queue = self._subscription.handle
-        with queue:
-            while (found := queue.take_message(JointState, True)) is not None:
-                self._messages.append(found[0])
+        self._messages.extend(data for data, _ in self._subscription.take())
         return self._reader.read(self._messages[-1]).stamp if self._messages else 0
 
     def clear(self) -> None:

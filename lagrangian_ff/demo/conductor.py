@@ -18,7 +18,7 @@ from lagrangian_ff.demo.processes import Nodes
 
 T = TypeVar("T")
 
-PATIENCE = 60.0  # s, far more than any answer takes on a busy machine
+PATIENCE = 120.0  # s, far more than any answer takes on a busy machine
 
 
 class Conductor:
@@ -30,17 +30,16 @@ class Conductor:
 
     Attributes:
         node: the ROS node.
-        listener: one that is not spun, for `Tape`.
         history: values of every diagnostic status that came, by its full name.
     """
 
     def __init__(self, context: Context, nodes: Nodes) -> None:
         self.node = rclpy.create_node("conductor", context=context)
-        self.listener = rclpy.create_node("conductor_listener", context=context)
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._nodes = nodes
         self.history: dict[str, list[dict[str, str]]] = {}
+        self._clients: dict[str, Any] = {}
         self._messages: dict[str, tuple[bytes, str]] = {}
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 50)
 
@@ -48,7 +47,6 @@ class Conductor:
         """Leave the graph."""
         self._executor.shutdown(timeout_sec=1.0)
         self.node.destroy_node()
-        self.listener.destroy_node()
 
     def now(self) -> int:
         """Ns of the ROS clock."""
@@ -84,16 +82,19 @@ class Conductor:
                 meanwhile()
             self._executor.spin_once(timeout_sec=0.05)
 
+    def meet(self, kind: Any, service: str) -> None:
+        """Wait for a service before it is needed: an answer may be lost between two nodes that
+        have only just heard of each other."""
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+        self.until(self._clients[service].service_is_ready, f"the service {service}")
+
     def call(self, kind: Any, service: str, request: Any) -> Any:
         """Call a service; its response."""
-        client = self.node.create_client(kind, service)
-        try:
-            self.until(client.service_is_ready, f"the service {service}")
-            future = client.call_async(request)
-            self.until(future.done, f"an answer of {service}")
-            return future.result()
-        finally:
-            self.node.destroy_client(client)
+        self.meet(kind, service)
+        future = self._clients[service].call_async(request)
+        self.until(future.done, f"an answer of {service}")
+        return future.result()
 
     def trigger(self, service: str) -> str:
         """Call a service of type Trigger; what it says.

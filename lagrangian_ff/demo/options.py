@@ -29,8 +29,8 @@ class Options:
     output: Path = Path("out")
     speed: int = 5
     seed: int = 0
-    duration: float = 30.0
-    unseen_duration: float = 20.0
+    duration: float = 24.0
+    unseen_duration: float = 16.0
     model: str = "vrbfs+fri"
     samples: int = 500
     train: float = 1.0

@@ -80,7 +80,7 @@ def print_findings(findings: Findings, folder: Folder, console: Console) -> None
     for name in NAMES:
         console.print(_verdict(findings, name), highlight=False)
     for line in findings.behind:
-        console.print(f"[yellow]note:[/] an arm fell behind the clock, {line}", highlight=False)
+        console.print(f"[yellow]note:[/] an arm fell behind the clock: {line}", highlight=False)
     console.print(f"\nLook at it: [bold]{folder.page}[/]", highlight=False, soft_wrap=True)
     console.print(
         f"Model {folder.model}, recordings {folder.bag()} and {folder.unseen}, all numbers "
@@ -129,7 +129,7 @@ def _tracking_table(findings: Findings, name: str) -> Table:
 
 def _verdict(findings: Findings, name: str) -> str:
     ratio, target = findings.ratio(name), TARGETS[name]
-    order = "none > without friction > with all"
+    order = "none > without friction > with friction"
     reached = "[green]✓[/]" if findings.reached(name) else "[red]✗[/]"
     ordered = "[green]✓[/]" if findings.ordered(name) else "[red]✗[/]"
     return (

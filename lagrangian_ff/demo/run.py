@@ -15,6 +15,8 @@ from lagrangian_ff.demo.options import Options
 from lagrangian_ff.demo.stages import Stages
 from lagrangian_ff.errors import UserError
 
+WIDTH = 100  # of what is printed where there is no terminal
+
 
 def run(options: Options | None = None) -> int:
     """Record, identify and drive the simulated arm over ROS 2; show how it went.
@@ -44,6 +46,8 @@ def run(options: Options | None = None) -> int:
     from lagrangian_ff.demo.trajectories import make_motions
 
     console = Console(file=sys.stdout)
+    if not console.is_terminal:
+        console.width = WIDTH
     stages = Stages(console)
     folder = Folder(options.output)
     folder.prepare()

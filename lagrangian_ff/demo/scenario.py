@@ -5,11 +5,13 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
+from lifecycle_msgs.srv import ChangeState
+from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
 from rclpy.qos import QoSProfile
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from lagrangian_ff.arm import Trajectory
 from lagrangian_ff.demo.arm_link import ArmLink, Drive, message_of
 from lagrangian_ff.demo.capture import Track, recording_of
 from lagrangian_ff.demo.conductor import Conductor
@@ -30,6 +32,14 @@ IDENTIFICATION = "identify: identification"
 STREAM, MODEL = "feedforward: stream", "feedforward: model"
 STILL = 0.5  # s of rest that are recorded before and after the motion
 SLOWEST_IDENTIFICATION = 600.0  # s
+SERVICES = (
+    *((Trigger, f"/identify/{action}") for action in ("start", "stop", "identify", "save")),
+    *(
+        (SetParameters, f"{node}/set_parameters")
+        for node in ("/arm", f"/{SECOND_ARM}/arm", "/feedforward")
+    ),
+    (ChangeState, "/feedforward/change_state"),
+)
 # A busy machine holds the arm up now and then, and it then publishes many samples at once: with the
 # usual short queues some would be lost.
 DEEP = 2000
@@ -77,6 +87,8 @@ class Scenario:
                 with self._stages.stage("start", "three nodes start, and a second arm"):
                     self._conductor.until(self._arm.ready, "the arm")
                     self._conductor.until(self._second.ready, "the second arm")
+                    for kind, service in SERVICES:
+                        self._conductor.meet(kind, service)
                     self._second.feed("true")
                 self._record()
                 self._identify()
@@ -99,7 +111,13 @@ class Scenario:
             log="bound_arm",
         )
         # Not active before there is a model.
-        nodes.start("feedforward", parameters={"autostart": False}, remap=FEEDFORWARD_TO_ARM)
+        nodes.start(
+            "feedforward",
+            # Where the unseen motion is faster than what was learned from, the torque is sent all
+            # the same: the arm is simulated, and what the model knows there is to be seen.
+            parameters={"autostart": False, "out_of_range": "allow"},
+            remap=FEEDFORWARD_TO_ARM,
+        )
         nodes.start(
             "identify",
             parameters={

@@ -41,7 +41,7 @@ class Stages:
             disable=not self._console.is_terminal,
         )
         if not self._console.is_terminal:
-            self._console.print(f"  … {doing}", highlight=False)
+            self._console.print(f"  … {doing}", highlight=False, soft_wrap=True)
         with bar:
             task = bar.add_task(doing, total=1.0, label="")
 
@@ -51,4 +51,6 @@ class Stages:
             yield tell
         took = time.monotonic() - began
         self.seconds[name] = self.seconds.get(name, 0.0) + took
-        self._console.print(f"  [green]✓[/] {doing} [dim]{took:.1f} s[/]", highlight=False)
+        self._console.print(
+            f"  [green]✓[/] {doing} [dim]{took:.1f} s[/]", highlight=False, soft_wrap=True
+        )

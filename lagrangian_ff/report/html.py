@@ -5,7 +5,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 
-__all__ = ["Card", "beside", "cards", "escape", "figure", "note", "paragraph", "steps", "table"]
+__all__ = [
+    "Card",
+    "beside",
+    "cards",
+    "columns",
+    "escape",
+    "figure",
+    "note",
+    "paragraph",
+    "steps",
+    "table",
+]
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -45,6 +56,11 @@ def steps(texts: Iterable[str]) -> str:
 def beside(left: str, right: str) -> str:
     """Two pieces of HTML side by side, where there is room."""
     return f'<div class="beside"><div>{left}</div><div>{right}</div></div>'
+
+
+def columns(pieces: Iterable[str]) -> str:
+    """Pieces of HTML in columns of one width, as many as there is room for."""
+    return f'<div class="columns">{"".join(f"<div>{piece}</div>" for piece in pieces)}</div>'
 
 
 def cards(found: Iterable[Card]) -> str:

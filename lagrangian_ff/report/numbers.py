@@ -9,7 +9,9 @@ def number(value: float, digits: int = 3) -> str:
         return "–"
     if value == 0.0:
         return "0"
-    size = math.floor(math.log10(abs(value)))
+    if value < 0.0:
+        return f"−{number(-value, digits)}"
+    size = math.floor(math.log10(value))
     if size < -4 or size > 5:
         mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         return f"{mantissa}·10{_superscript(int(exponent))}"

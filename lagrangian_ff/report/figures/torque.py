@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from lagrangian_ff.recording import Motion
@@ -45,9 +46,10 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
         for n, joint in enumerate(motion.joints):
             cell = grid[n // columns, n % columns]
             measured, modelled = motion.tau[:, n], predicted[:, n]
-            middle = 0.5 * (measured.max() + measured.min())
-            reach = 0.54 * max(np.ptp(measured), np.ptp(modelled), 1e-9)
-            below = max(float(np.abs(measured - modelled).max()), 0.12 * reach)
+            both = np.concatenate([measured, modelled])
+            middle = 0.5 * float(both.max() + both.min())
+            reach = 0.54 * max(float(np.ptp(both)), 1e-9)
+            below = max(float(np.abs(measured - modelled).max()), 0.2 * reach)
             inner = cell.subgridspec(2, 1, height_ratios=(2 * reach, 2.16 * below), hspace=0.06)
             torque = figure.add_subplot(inner[0])
             residual = figure.add_subplot(inner[1], sharex=torque)
@@ -60,6 +62,7 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
             left = measured - modelled
             _line(residual, elapsed, motion, left, RESIDUAL, 0.8, "measured − predicted")
             symmetric(residual, below)
+            residual.yaxis.set_major_locator(MaxNLocator(2, symmetric=True))
             residual.set_xlim(0.0, max(float(elapsed.max()), 1e-9))
             if n >= count - columns:
                 residual.set_xlabel("time [s]")

@@ -49,7 +49,7 @@ def _effect(
 ) -> str:
     """Heading, meaning and table of one effect on all its joints."""
     name, formula = found[0]["effect"], found[0]["formula"]
-    meaning = f": {EFFECTS[name].meaning}" if name in EFFECTS else ""
+    meaning = f"{EFFECTS[name].meaning}." if name in EFFECTS else ""
     header, rows = ["joint"], [[one["joint"]] for one in found]
     for parameter, first in found[0]["parameters"].items():
         known = truth.get((name, parameter))
@@ -65,7 +65,7 @@ def _effect(
             rows[n].append(number(float(one["shape"][shape])))
     return (
         f'<h3>{html.escape(name)} <span class="formula">τ = {html.escape(formula)}</span></h3>'
-        f"{html.paragraph(f'{name.capitalize()}{meaning}.') if meaning else ''}"
+        f"{html.paragraph(meaning[:1].upper() + meaning[1:]) if meaning else ''}"
         f"{html.table(header, rows, strong=1)}"
     )
 
