@@ -31,7 +31,7 @@ from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, po
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
+from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, STATES, overridable
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.streaming.follower import Follower, Segment
@@ -126,7 +126,7 @@ class ArmNode(ClosingNode):
         return {joint: mass for joint, mass in loads.items() if mass > 0.0}
 
     def _offer(self, kind: type, topic: str) -> Publisher:
-        return self.create_publisher(kind, topic, RELIABLE, qos_overriding_options=overridable())
+        return self.create_publisher(kind, topic, STATES, qos_overriding_options=overridable())
 
     def _parameters_changed(self) -> None:
         self._source: str = self._settings.value("feedforward_source")

@@ -22,6 +22,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ruamel.yaml import YAML
 
+from lagrangian_ff.nodes.common.polled import PolledSubscription
+
 PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
 RELIABLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 EVERYTHING = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -127,6 +129,7 @@ class Bench:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._processes: list[Process] = []
+        self._collected: list[tuple[PolledSubscription, deque[Any]]] = []
         self.statuses: dict[str, Any] = {}
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
 
@@ -157,7 +160,7 @@ class Bench:
         """Take messages for a while."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self._executor.spin_once(timeout_sec=max(0.0, min(0.05, end - time.monotonic())))
+            self._take()
 
     def until(self, condition: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
         """Take messages until this holds, and return its value."""
@@ -168,17 +171,22 @@ class Bench:
                 return value
             if any(process.broke for process in self._processes):
                 break
-            self._executor.spin_once(timeout_sec=0.05)
+            self._take()
         outputs = "\n".join(f"--- {p.log.name}\n{p.output}" for p in self._processes)
         raise AssertionError(f"waited in vain for {what}\n{outputs}")
 
     def collect(self, kind: type, topic: str, qos: QoSProfile = EVERYTHING) -> deque[Any]:
         """A queue that fills with (time received, message)."""
         queue: deque[Any] = deque(maxlen=100_000)
-        self.node.create_subscription(
-            kind, topic, lambda message: queue.append((time.monotonic(), message)), qos
-        )
+        self._collected.append((PolledSubscription(self.node, kind, topic, qos), queue))
         return queue
+
+    def _take(self) -> None:
+        """One round of the executor and of what is collected."""
+        self._executor.spin_once(timeout_sec=0.01)
+        for subscription, queue in self._collected:
+            for message, _ in subscription.take():
+                queue.append((time.monotonic(), message))
 
     def publisher(self, kind: type, topic: str, qos: QoSProfile = RELIABLE) -> Any:
         """A publisher that somebody already listens to."""

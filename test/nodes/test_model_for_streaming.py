@@ -1,0 +1,58 @@
+"""The model a stream is made from: tried at once, refused with a reason."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_model import save_small_model
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.nodes.streaming.loading import load_model
+from lagrangian_ff.nodes.streaming.plan import Policy, make_plan
+from lagrangian_ff.nodes.streaming.reference import Reference
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "model.npz"
+    save_small_model(path)
+    return path
+
+
+def test_columns_follow_the_joints_asked_for(file: Path) -> None:
+    model, columns = load_model(str(file), ())
+    assert model.joints == ("a", "b")
+    assert columns.tolist() == [0, 1]
+    assert load_model(str(file), ("b", "a"))[1].tolist() == [1, 0]
+
+
+def test_a_real_model_gives_the_torques_it_predicts(file: Path) -> None:
+    model, _ = load_model(str(file), ())
+    time = np.linspace(0.0, 1.0, 30)
+    q = np.column_stack([0.3 * time**2, -0.2 * time**2])
+    qd, qdd = np.gradient(q, time, axis=0), np.full_like(q, 0.5)
+    reference = Reference(model.joints, time, q, qd, qdd)
+    plan = make_plan(model, reference, Policy("allow"))
+    np.testing.assert_allclose(
+        plan.effort(np.ones(4), np.ones(2), np.full(2, 1e9)), model.predict(q, qd, qdd), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("joints", "expected"),
+    [(("a", "c"), "a model of a, b, but parameter joints asks for a, c"), (("a",), "asks for a$")],
+)
+def test_other_joints_are_refused(file: Path, joints: tuple[str, ...], expected: str) -> None:
+    with pytest.raises(ModelError, match=expected):
+        load_model(str(file), joints)
+
+
+def test_no_file_and_no_model_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="model_file is empty"):
+        load_model("", ())
+    with pytest.raises(ModelError, match="missing"):
+        load_model(str(tmp_path / "missing.npz"), ())
+    junk = tmp_path / "junk.npz"
+    junk.write_bytes(b"junk")
+    with pytest.raises(ModelError, match="junk"):
+        load_model(str(junk), ())
