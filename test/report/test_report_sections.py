@@ -1,0 +1,69 @@
+"""Sections: the numbers on the page are those of the record."""
+
+import pytest
+from report_examples import JOINTS, comparison, effects, runs
+from test_report_html import PICTURE, texts
+
+from lagrangian_ff.report.numbers import mrad, number, percent
+from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
+from lagrangian_ff.report.sections.effects import interval
+
+
+def test_the_torque_section_shows_the_record() -> None:
+    found = comparison()
+    section = torque_section(found, PICTURE, "Torque", "lead")
+    shown = texts(section.body)
+    record = found.record()["joints"]
+    assert isinstance(record, dict)
+    for joint, errors in record.items():
+        row = shown.index(joint)
+        assert shown[row + 2] == number(errors["rmse"])
+        assert shown[row + 4] == number(errors["nmse"])
+    assert any(percent(found.outside) in text for text in shown)
+
+
+def test_the_tracking_section_shows_the_record() -> None:
+    shown = texts(tracking_section(runs(), PICTURE, "Tracking", "lead").body)
+    for run in runs():
+        record = run.record()
+        assert run.label in shown
+        assert isinstance(record["joints"], dict)
+        for joint, errors in record["joints"].items():
+            place = shown.index(run.label) - shown.index("RMS error [mrad]")
+            assert shown[shown.index(joint) + place] == mrad(errors["rms"])
+
+
+def test_the_effects_section_shows_values_intervals_and_truth() -> None:
+    record = effects()
+    section = effects_section(record, {("coulomb", "F_c"): [1.4, 2.6]}, remark="a remark")
+    shown = texts(section.body)
+    assert "τ = F_c tanh(qd / v0)" in shown
+    assert "F_c [N·m]" in shown
+    assert "v0 [rad/s]" in shown
+    assert shown[-1] == "a remark"
+    for n, joint in enumerate(JOINTS):
+        row = shown.index(joint)
+        found = record["effects"][n]["parameters"]["F_c"]
+        assert shown[row + 1 : row + 5] == [
+            number(found["value"]),
+            interval(found["low"], found["high"]),
+            number((1.4, 2.6)[n]),
+            number(0.02),
+        ]
+
+
+def test_without_truth_there_is_no_column_for_it() -> None:
+    assert "true value" not in effects_section(effects()).body
+
+
+def test_a_model_without_effects_says_so() -> None:
+    assert "no effects" in effects_section({"effects": []}).body
+
+
+@pytest.mark.parametrize("name", ["none", "some"])
+def test_the_record_of_a_run_is_in_rad(name: str) -> None:
+    run = next(run for run in runs() if run.label == name)
+    record = run.record()
+    assert record["unit"] == "rad"
+    assert record["rms"] == pytest.approx(((run.error**2).mean()) ** 0.5)
+    assert record["largest"] == pytest.approx(abs(run.error).max())
