@@ -150,7 +150,9 @@ class FeedforwardLink:
         if fault:
             self._complaints.add("bad joint state", f"ignored {fault}")
         else:
-            self._stream.joint_state_came(time.monotonic())
+            columns = [state.names.index(joint) for joint in self._model.joints]
+            at = state.stamp or self._now()
+            self._stream.joint_state_came(time.monotonic(), at, state.position[columns])
 
     def _on_description(self, message: String) -> None:
         try:

@@ -39,6 +39,9 @@ def declare(parameters: Parameters) -> None:
         "Trajectories do not time out", low=0.0, high=10.0)  # fmt: skip
     add("joint_state_timeout", 0.5, "s without a joint state after which the torque fades; "
         "0 = off", low=0.0, high=10.0)  # fmt: skip
+    add("tracking_tolerance", 0.5, "rad a joint may be away from its reference before the torque "
+        "fades, as where the robot refused the trajectory; 0 = off",
+        low=0.0, high=100.0)  # fmt: skip
     add("after_end", "hold", "after the end of a trajectory: hold the torque of its last point "
         "at rest, or fade", choices=("hold", "fade"))  # fmt: skip
 
@@ -98,6 +101,7 @@ def settings(
         fade_time=value("fade_time"),
         reference_timeout=value("reference_timeout"),
         joint_state_timeout=value("joint_state_timeout"),
+        tracking_tolerance=value("tracking_tolerance"),
         after_end=value("after_end"),
         lead=value("lead_time"),
     )

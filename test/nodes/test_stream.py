@@ -1,5 +1,6 @@
 """The stream of torques: in time, within limits, and faded to zero whenever it must be."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +20,7 @@ SECOND = 1_000_000_000
 SETTINGS = Settings(
     scale=np.ones(2), effort_limit=np.full(2, 100.0), effort_rate=np.full(2, 1e6),
     ramp_time=0.5, fade_time=0.5, reference_timeout=0.2, joint_state_timeout=0.3,
+    tracking_tolerance=0.0,
 )  # fmt: skip
 
 
@@ -43,6 +45,8 @@ class Bench:
         self.stream = TorqueStream(("a", "b"), replace(SETTINGS, **changes))
         self.now = 0.0
         self.alive = True
+        self.delay = 0.0
+        self.position: Callable[[float], np.ndarray] = lambda time: np.zeros(2)
 
     def play(self, plan: Plan, start: float = 0.0) -> None:
         self.stream.play(plan, round(start * SECOND), self.now)
@@ -51,7 +55,8 @@ class Bench:
         outputs = []
         for _ in range(round(seconds * 500)):
             if self.alive:
-                self.stream.joint_state_came(self.now)
+                stamp = round((self.now - self.delay) * SECOND)
+                self.stream.joint_state_came(self.now, stamp, self.position(self.now - self.delay))
             outputs.append(self.stream.tick(round(self.now * SECOND), self.now))
             self.now += 0.002
         return outputs
@@ -132,6 +137,25 @@ def test_silent_joint_states_fade_it_and_new_ones_bring_it_back() -> None:
     assert "no joint states" in outputs[-1].withheld
     bench.alive = True
     assert bench.run(0.6)[-1].gain == 1.0
+
+
+def test_a_robot_that_is_not_where_its_reference_is_gets_no_torque() -> None:
+    bench = Bench(tracking_tolerance=0.3)
+    bench.play(constant_speed())
+    assert bench.run(1.4)[-1].gain == 1.0
+    outputs = bench.run(0.7)
+    faded([output for output in outputs if output.withheld])
+    assert outputs[-1].withheld == "a is more than 0.3 rad from its reference"
+    bench.position = lambda time: np.array([0.5, -0.5])
+    assert bench.run(0.6)[-1].gain == 1.0
+
+
+def test_joint_states_that_come_late_are_compared_with_the_reference_of_their_time() -> None:
+    bench = Bench(tracking_tolerance=0.05, ramp_time=0.0)
+    bench.delay = 0.5
+    bench.position = lambda time: max(time, 0.0) * np.array([0.5, -0.5])
+    bench.play(constant_speed(speed=0.5))
+    assert not any(output.withheld for output in bench.run(3.0))
 
 
 def test_silent_set_points_fade_it() -> None:

@@ -42,6 +42,7 @@ class Settings:
         fade_time: s in which it is faded to zero.
         reference_timeout: s without a set-point after which it fades; 0 = never.
         joint_state_timeout: s without a joint state after which it fades; 0 = never.
+        tracking_tolerance: rad a joint may be away from its reference before it fades; 0 = any.
         after_end: "hold" the torque of the last point at rest, or "fade".
         lead: s by which the torque is sent ahead of its reference.
     """
@@ -54,6 +55,7 @@ class Settings:
     fade_time: float = 0.5
     reference_timeout: float = 0.2
     joint_state_timeout: float = 0.5
+    tracking_tolerance: float = 0.5
     after_end: str = "hold"
     lead: float = 0.0
 
@@ -103,6 +105,7 @@ class TorqueStream:
         self._limited = np.zeros(len(joints))
         self._reference_at = -np.inf
         self._joint_state_at = -np.inf
+        self._state: tuple[int, Floats] | None = None
         self._refused = ""
         self._last_tick: float | None = None
 
@@ -121,9 +124,9 @@ class TorqueStream:
         """Fade out until the next reference that can be followed comes."""
         self._refused = reason
 
-    def joint_state_came(self, steady: float) -> None:
-        """The robot is alive."""
-        self._joint_state_at = steady
+    def joint_state_came(self, steady: float, stamp: int, position: Floats) -> None:
+        """The robot is alive, and its joints were here, (N,) rad, at this time in ns."""
+        self._joint_state_at, self._state = steady, (stamp, position)
 
     def reference_age(self, steady: float) -> float:
         """Seconds since the last reference came; infinite where none did."""
@@ -155,7 +158,7 @@ class TorqueStream:
             return Output(np.zeros(len(self.joints)), 0.0, Phase.WAITING, reason, none, none)
         elapsed = (now - self._start) / 1e9 + settings.lead
         phase = _phase(plan, elapsed)
-        withheld = self._withheld(phase, steady)
+        withheld = self._withheld(phase, steady) or self._astray(plan)
         parts, weight = plan.at(elapsed)
         wanted = (settings.switches @ parts) * settings.scale * weight
         wanted, saturated = clamp(wanted, settings.effort_limit)
@@ -168,6 +171,20 @@ class TorqueStream:
         gain = self._ramp.move(not withheld, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
         return Output(gain * self._limited, gain, phase, withheld, saturated, held_back, q, qd)
+
+    def _astray(self, plan: Plan) -> str:
+        """Which joint was not where the reference was: its torque would be the wrong one."""
+        tolerance = self.settings.tracking_tolerance
+        if self._state is None or tolerance == 0.0:
+            return ""
+        # By the stamp, so that joint states that come late do no harm.
+        stamp, position = self._state
+        q, _, _ = plan.reference.sample(np.asarray((stamp - self._start) / 1e9))
+        distance = np.abs(position - q)
+        worst = int(np.argmax(distance))
+        if distance[worst] <= tolerance:
+            return ""
+        return f"{self.joints[worst]} is more than {tolerance:g} rad from its reference"
 
     def _take_over(self, now: int) -> None:
         """Let the next plan take the place of the present one when its time has come."""
