@@ -5,9 +5,7 @@ from lagrangian_ff.effects.coulomb import Coulomb
 from lagrangian_ff.effects.offset import Offset
 from lagrangian_ff.effects.viscous import Viscous
 
-EFFECTS: dict[str, Effect] = {
-    effect.name: effect for effect in (Viscous(), Coulomb(), Offset())
-}
+EFFECTS: dict[str, Effect] = {effect.name: effect for effect in (Viscous(), Coulomb(), Offset())}
 """Every effect by its name; a new one joins here and in its own file: the tests read this list."""
 
 GROUPS: dict[str, tuple[str, ...]] = {"fri": ("viscous", "coulomb", "offset")}
