@@ -12,7 +12,7 @@ VENV ?= .venv
 ARGS ?=
 
 BIN = $(VENV)/bin
-SOURCES = lagrangian_ff test benchmark tools setup.py
+SOURCES = lagrangian_ff launch test benchmark tools setup.py
 # A ROS that is sourced in this shell belongs to another Python, and would be found before our own.
 ifdef ROS_DISTRO
 unexport PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH

@@ -25,6 +25,11 @@ ARRAYS = {
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
 
+UNREADABLE = (
+    OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What reading a damaged zip raises; RuntimeError stands for flags that a flipped bit sets."""
+
 
 def save(model: Model, path: Path) -> None:
     """Write the model; an existing file is replaced only once the new one is whole.
@@ -105,7 +110,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ModelError(f"no model file {path}") from error
     except IsADirectoryError as error:
         raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError) as error:
+    except UNREADABLE as error:
         raise ModelError(f"{path} is damaged or no model file: {error}") from error
 
 

@@ -47,7 +47,7 @@ def test_every_option_reaches_the_demo(asked: list[demo.Options]) -> None:
 
 def test_quick_gives_way_to_what_is_given(asked: list[demo.Options]) -> None:
     assert lagrangian_ff("demo", "--quick", "--samples", "123").code == 0
-    assert asked == [demo.Options(**{**QUICK, "samples": 123})]  # type: ignore[arg-type]
+    assert asked == [demo.Options(**{**QUICK, "samples": 123})]
 
 
 def test_a_setting_that_cannot_work(asked: list[demo.Options]) -> None:
