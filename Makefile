@@ -12,7 +12,7 @@ VENV ?= .venv
 ARGS ?=
 
 BIN = $(VENV)/bin
-SOURCES = lagrangian_ff launch test benchmark tools setup.py
+SOURCES = lagrangian_ff test benchmark launch tools setup.py
 # A ROS that is sourced in this shell belongs to another Python, and would be found before our own.
 ifdef ROS_DISTRO
 unexport PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH
@@ -49,15 +49,15 @@ install:  ## only make the environment
 	$(environment) ros,test $(addprefix --constraints ,$(CONSTRAINTS))
 
 lint: install  ## check style
-	@$(BIN)/ruff check $(wildcard $(SOURCES))
-	@$(BIN)/ruff format --check $(wildcard $(SOURCES))
+	@$(BIN)/ruff check $(SOURCES)
+	@$(BIN)/ruff format --check $(SOURCES)
 
 types: install  ## check types
-	@$(BIN)/mypy $(wildcard $(SOURCES))
+	@$(BIN)/mypy
 
 format: install  ## put the sources into the one format
-	@$(BIN)/ruff check --fix $(wildcard $(SOURCES))
-	@$(BIN)/ruff format $(wildcard $(SOURCES))
+	@$(BIN)/ruff check --fix $(SOURCES)
+	@$(BIN)/ruff format $(SOURCES)
 
 benchmark:  ## measure speed against named yardsticks
 	$(environment) ros
