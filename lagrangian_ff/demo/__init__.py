@@ -5,7 +5,7 @@ figures, numbers and one page that shows them. rclpy is imported when `run` is c
 before.
 """
 
-from lagrangian_ff.demo.options import Options
+from lagrangian_ff.demo.options import QUICK, Options
 from lagrangian_ff.demo.run import run
 
-__all__ = ["Options", "run"]
+__all__ = ["QUICK", "Options", "run"]
