@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.recording.recording import columns_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,12 +72,7 @@ class Motion:
         Raises:
             RecordingError: a joint is not in the motion; names both lists.
         """
-        missing = [name for name in joints if name not in self.joints]
-        if missing:
-            raise RecordingError(
-                f"{self.source}: no joint {', '.join(missing)}; it holds {', '.join(self.joints)}"
-            )
-        columns = [self.joints.index(name) for name in joints]
+        columns = columns_of(joints, self.joints, self.source)
         return replace(
             self,
             joints=tuple(joints),

@@ -1,5 +1,6 @@
 """What was measured, exactly as it came."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +9,18 @@ from numpy.typing import NDArray
 from lagrangian_ff.errors import RecordingError
 
 Floats = NDArray[np.float64]
+
+
+def columns_of(wanted: Sequence[str], held: Sequence[str], source: str) -> list[int]:
+    """Where the wanted joints stand among those that a source holds.
+
+    Raises:
+        RecordingError: one is not there; names both lists.
+    """
+    missing = [name for name in wanted if name not in held]
+    if missing:
+        raise RecordingError(f"{source}: no joint {', '.join(missing)}; it holds {', '.join(held)}")
+    return [held.index(name) for name in wanted]
 
 
 @dataclass(frozen=True)
@@ -55,12 +68,7 @@ class Recording:
         Raises:
             RecordingError: a joint is not in the recording; names both lists.
         """
-        missing = [name for name in joints if name not in self.joints]
-        if missing:
-            raise RecordingError(
-                f"{self.source}: no joint {', '.join(missing)}; it holds {', '.join(self.joints)}"
-            )
-        columns = [self.joints.index(name) for name in joints]
+        columns = columns_of(joints, self.joints, self.source)
         return replace(
             self,
             joints=tuple(joints),
