@@ -56,7 +56,7 @@ def test_a_model(tmp_path: Path) -> None:
     assert outcome.code == 0, outcome
     for words in (
         "model vrbfs+fri of shoulder, elbow", "model.csv", "in words", "τ = ", "sigma",
-        "squared length scale", "the motion it was identified on", "speed [rad/s]",
+        "squared length scale", "torque scale", "the motion it was identified on", "speed [rad/s]",
     ):  # fmt: skip
         assert words in outcome.text
     record = json.loads(lagrangian_ff("info", path, "--json", "-").out)

@@ -17,6 +17,11 @@ NEEDED = (
     "rmse", "nmse", "effects", "hyperparameters",
 )  # fmt: skip
 
+SCALES = {
+    "common": "one for all joints, whose torques derive from one Lagrangian",
+    "joint": "each torque divided by its own spread",
+}
+
 
 def say_record(record: Mapping[str, Any], console: Console) -> None:
     """The error table, the effects and the hyperparameters of an identification."""
@@ -40,6 +45,8 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
         console.say(parameter_table(record["effects"]))
     console.say(["", "hyperparameters"])
     console.say(hyperparameter_table(record))
+    if record.get("scale") in SCALES:
+        console.paragraph(f"torque scale {record['scale']}: {SCALES[record['scale']]}", "  ")
 
 
 def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
