@@ -104,7 +104,10 @@ class System:
     @property
     def degrees(self) -> int:
         """Torques minus the directions of the basis that they determine."""
-        return int(self.target.shape[0] - np.linalg.matrix_rank(self.covariance, hermitian=True))
+        rows, columns = self.design.shape
+        if columns == 0:  # NumPy 1 has no rank for an empty matrix
+            return rows
+        return int(rows - np.linalg.matrix_rank(self.covariance, hermitian=True))
 
     @property
     def amplitude(self) -> float:

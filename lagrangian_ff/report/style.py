@@ -1,15 +1,17 @@
 """What all figures share: colours with a meaning, a quiet frame, PNG as bytes."""
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -21,6 +23,7 @@ RUNS = ("#9aa5b1", "#e8910c", "#1864ab", "#2b8a3e", "#7048e8", "#c2255c")
 
 WIDTH = 10.0  # inches
 DPI = 150
+LEGEND_STRIP = 0.3  # inches
 MOST_POINTS = 3000
 """A line of more points is thinned: no eye and no pixel tells them apart."""
 
@@ -64,6 +67,15 @@ def new_figure(height: float) -> Figure:
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def legend_above(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
+    """One line of legend above all panels; the layout keeps a strip of the figure free for it."""
+    free = LEGEND_STRIP / float(figure.get_size_inches()[1])
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine.set(rect=(0.0, 0.0, 1.0, 1.0 - free))
+    figure.legend(handles, labels, loc="upper left", ncol=len(labels))
 
 
 def png(figure: Figure) -> bytes:

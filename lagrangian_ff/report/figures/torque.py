@@ -13,6 +13,7 @@ from lagrangian_ff.report.style import (
     PREDICTED,
     RESIDUAL,
     broken,
+    legend_above,
     new_figure,
     styled,
     symmetric,
@@ -67,7 +68,7 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
             if n >= count - columns:
                 residual.set_xlabel("time [s]")
         lines = [line for axes in figure.axes[:2] for line in axes.get_lines()]
-        figure.legend(handles=lines, loc="outside upper left", ncols=3)
+        legend_above(figure, lines, [str(line.get_label()) for line in lines])
     return figure
 
 

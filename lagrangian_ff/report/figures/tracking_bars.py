@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lagrangian_ff.report.numbers import mrad
-from lagrangian_ff.report.style import INK, RUNS, new_figure, styled
+from lagrangian_ff.report.style import INK, RUNS, legend_above, new_figure, styled
 from lagrangian_ff.report.tracking import Tracking
 
 FILLED = 0.84  # of the room between joints
@@ -46,5 +46,5 @@ def tracking_bars_figure(trajectories: Mapping[str, Sequence[Tracking]]) -> Figu
             axes.set_ylabel("RMS error [mrad]")
             axes.set_title(name)
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper left", ncols=len(handles))
+        legend_above(figure, handles, labels)
     return figure

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lagrangian_ff.report.numbers import mrad
-from lagrangian_ff.report.style import RUNS, new_figure, styled, symmetric, thinned
+from lagrangian_ff.report.style import RUNS, legend_above, new_figure, styled, symmetric, thinned
 from lagrangian_ff.report.tracking import Tracking
 
 
@@ -42,7 +42,7 @@ def tracking_time_figure(runs: Sequence[Tracking]) -> Figure:
                 axes.set_xlabel("time [s]")
                 axes.tick_params(labelbottom=True)
         handles, labels = figure.axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper left", ncols=len(runs))
+        legend_above(figure, handles, labels)
     return figure
 
 
