@@ -18,3 +18,7 @@ class ModelError(UserError):
 
 class ArmError(UserError):
     """A command the simulated arm cannot carry out: limits, collisions, unknown joints."""
+
+
+class EffectError(UserError):
+    """A physical effect that is unknown, does not load, or gives what an effect must not."""

@@ -1,16 +1,27 @@
 """What an effect is: a named torque, linear in its parameters, that friction or hardware adds."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.errors import EffectError
 
 Floats = NDArray[np.float64]
+
+KINDS = ("measurement", "friction", "transmission", "mechanics", "event")
+"""What causes an effect, in the order in which causes are looked for: a fault of measurement
+looks like friction, and is to be mended first."""
+
+MOTIONS = (
+    "exciting", "speeds", "slow sweep", "reversals", "chirp", "one by one", "warm-up", "payloads",
+)  # fmt: skip
+"""The motions that show effects or tell them apart."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +45,8 @@ class Shape:
         name: as in the formula.  unit: SI.  meaning: what it is, in a few words.
         low, high: the range searched, on a logarithmic scale.
         start: its value before any search.
+        steps: how many values, evenly spread over the logarithm of the range, are tried first.
+        whole: whether only whole numbers mean anything; all of the range are tried then.
     """
 
     name: str
@@ -42,6 +55,14 @@ class Shape:
     low: float
     high: float
     start: float
+    steps: int = 6
+    whole: bool = False
+
+    def grid(self) -> list[float]:
+        """The values tried first."""
+        if self.whole:
+            return [float(k) for k in range(int(self.low), int(self.high) + 1)]
+        return [float(v) for v in np.geomspace(self.low, self.high, self.steps)]
 
 
 class Effect(ABC):
@@ -49,6 +70,23 @@ class Effect(ABC):
 
     A subclass is data, a formula and its docstring. Columns are what the parameters multiply:
     the torque of the effect is `columns @ parameters`, in N·m.
+
+    Attributes:
+        name: one word, as the command line takes it.
+        formula: the torque it adds, with parameters and shapes by their names.
+        source: where the formula is from.
+        meaning: what it is, for a person.
+        parameters: what the torque is linear in.
+        shapes: what it is not linear in.
+        kind: one of `KINDS`.
+        coordinate: what to plot the residual against to see it.
+        shows_as: what is seen there.
+        look_alikes: by name of effect, what tells the two apart.
+        motion: which of `MOTIONS` shows it best.
+        next_motion: that motion in words.
+        remembers: whether it depends on the past; its columns then get the whole motion.
+        uses: which of `load` and `torque` of the inputs it needs.
+        caution: what this effect cannot be told from by any motion; empty where nothing is.
     """
 
     name: ClassVar[str]
@@ -57,7 +95,44 @@ class Effect(ABC):
     meaning: ClassVar[str]
     parameters: ClassVar[tuple[Parameter, ...]]
     shapes: ClassVar[tuple[Shape, ...]] = ()
+    kind: ClassVar[str] = "friction"
+    coordinate: ClassVar[str] = "velocity"
+    shows_as: ClassVar[str] = ""
+    look_alikes: ClassVar[Mapping[str, str]] = {}
+    motion: ClassVar[str] = "exciting"
+    next_motion: ClassVar[str] = "move every joint through its whole range at several speeds"
+    remembers: ClassVar[bool] = False
+    uses: ClassVar[frozenset[str]] = frozenset()
+    caution: ClassVar[str] = ""
 
     @abstractmethod
-    def columns(self, x: States, joint: int, shape: Mapping[str, float]) -> Floats:
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """(M, P) what each of the P parameters multiplies, for one joint's torque."""
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """The shapes tried on one joint: every combination of the shapes' grids."""
+        names = [shape.name for shape in self.shapes]
+        grids = [shape.grid() for shape in self.shapes]
+        return [dict(zip(names, values, strict=True)) for values in product(*grids)]
+
+
+def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+    """(M, P) the columns of an effect, which a user may have written, found to be sound.
+
+    Raises:
+        EffectError: they have another shape, or a value that is not finite; names the effect.
+    """
+    found = np.asarray(effect.columns(x, joint, shape), dtype=np.float64)
+    expected = (len(x), len(effect.parameters))
+    if found.shape != expected:
+        raise EffectError(
+            f"effect '{effect.name}': columns() gave shape {found.shape}, expected {expected}: "
+            "one row a sample and one column a parameter"
+        )
+    if not np.isfinite(found).all():
+        row, column = np.argwhere(~np.isfinite(found))[0]
+        raise EffectError(
+            f"effect '{effect.name}': columns() gave {found[row, column]} for the parameter "
+            f"{effect.parameters[column].name} at sample {row}; expected finite values"
+        )
+    return found

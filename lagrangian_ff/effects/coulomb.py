@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.effects.inputs import Inputs
 
 
 class Coulomb(Effect):
@@ -18,6 +18,6 @@ class Coulomb(Effect):
     parameters = (Parameter("F_c", "N·m", "Coulomb torque"),)
     shapes = (Shape("v0", "rad/s", "speed at which friction is fully reversed", 1e-3, 0.3, 0.02),)
 
-    def columns(self, x: States, joint: int, shape: Mapping[str, float]) -> Floats:
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return np.tanh(x.qd[:, [joint]] / shape["v0"])

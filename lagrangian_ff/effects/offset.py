@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.effects.inputs import Inputs
 
 
 class Offset(Effect):
@@ -17,6 +17,6 @@ class Offset(Effect):
     meaning = "constant torque, as from a current sensor's zero"
     parameters = (Parameter("c", "N·m", "constant torque"),)
 
-    def columns(self, x: States, joint: int, shape: Mapping[str, float]) -> Floats:
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return np.ones((len(x), 1))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.effects.inputs import Inputs
 
 
 class Viscous(Effect):
@@ -15,6 +15,6 @@ class Viscous(Effect):
     meaning = "friction in proportion to speed"
     parameters = (Parameter("B", "N·m·s/rad", "viscous coefficient"),)
 
-    def columns(self, x: States, joint: int, shape: Mapping[str, float]) -> Floats:
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return x.qd[:, [joint]]

@@ -1,13 +1,13 @@
 """The finite basis of effects, Φ(x) b in (44): which columns belong to which joint."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.effects import Effect
-from lagrangian_ff.kernels import States
+from lagrangian_ff.effects import Effect, Inputs, checked_columns
+from lagrangian_ff.effects.inputs import SIGN_SPEED
 
 Floats = NDArray[np.float64]
 
@@ -26,9 +26,15 @@ class Term:
     joint: int
     shape: Mapping[str, float] = field(default_factory=dict)
 
-    def columns(self, x: States) -> Floats:
-        """(M, P) what the term's P parameters multiply in its joint's torque."""
-        return self.effect.columns(x, self.joint, self.shape)
+    def columns(self, x: Inputs) -> Floats:
+        """(M, P) what the term's P parameters multiply in its joint's torque.
+
+        Raises:
+            EffectError: the effect gave another shape, or values that are not finite.
+        """
+        if self.effect.remembers and x.whole is not None:
+            return checked_columns(self.effect, x.whole, self.joint, self.shape)[x.index]
+        return checked_columns(self.effect, x, self.joint, self.shape)
 
 
 @dataclass(frozen=True)
@@ -55,17 +61,32 @@ class Basis:
         """The terms that act on these joints."""
         return Basis(tuple(term for term in self.terms if term.joint in joints))
 
-    def design(self, x: States) -> Floats:
+    def design(self, x: Inputs) -> Floats:
         """(M, N, B) Φ(x): the torque of each joint per unit of each parameter."""
         out = np.zeros((len(x), x.joints, self.size))
         for term, place in self.slices():
             out[:, term.joint, place] = term.columns(x)
         return out
 
-    def torque(self, x: States, b: Floats) -> dict[str, Floats]:
-        """(M, N) N·m of each effect by name, for parameters b (B,)."""
+    def sign_speed(self, joints: int) -> Floats:
+        """(N,) rad/s, where the smoothed sign turns over: v0 of the Coulomb terms, as found."""
+        speed = np.full(joints, SIGN_SPEED)
+        for term in self.terms:
+            if term.effect.name == "coulomb" and "v0" in term.shape:
+                speed[term.joint] = term.shape["v0"]
+        return speed
+
+    def torque(self, x: Inputs, b: Floats) -> dict[str, Floats]:
+        """(M, N) N·m of each effect by name, for parameters b (B,).
+
+        Effects that follow the torque get that of the load and of all other effects.
+        """
         parts: dict[str, Floats] = {}
-        for term, place in self.slices():
-            part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
-            part[:, term.joint] += term.columns(x) @ b[place]
-        return parts
+        placed = self.slices()
+        for follows in (False, True):
+            seen = replace(x, torque=x.load + sum(parts.values(), np.zeros_like(x.q)))
+            for term, place in placed:
+                if ("torque" in term.effect.uses) == follows:
+                    part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
+                    part[:, term.joint] += term.columns(seen) @ b[place]
+        return {name: parts[name] for name in dict.fromkeys(t.effect.name for t, _ in placed)}

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.identification.system import System
@@ -160,21 +161,30 @@ class Fit:
         return np.concatenate(places) if places else np.empty(0, dtype=np.int64)
 
 
-def fit(spec: Spec, choice: Choice, states: States, tau: Floats, scaling: Scaling) -> Fit:
+def fit(spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Scaling) -> Fit:
     """Solve (44) for given hyperparameters: one Cholesky factor a system.
 
     Args:
         spec: the kernel's family and the effects.
         choice: hyperparameters and shapes.
-        states: (M, N) training states.
+        x: (M, N) training states, as inputs where an effect needs more than the state.
         tau: (M, N) N·m.
         scaling: how torques are normalised.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
-    basis = choice.basis(spec, states.joints)
-    kernel = choice.kernel
+    inputs = x if isinstance(x, Inputs) else Inputs.of(x)
+    return fit_basis(choice.basis(spec, inputs.joints), choice, inputs, tau, scaling)
+
+
+def fit_basis(basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling) -> Fit:
+    """Solve (44) for a basis whose shapes are given; see `fit`.
+
+    Raises:
+        NotPositiveDefiniteError: the noise is too small for the arithmetic.
+    """
+    kernel, states = choice.kernel, States(x.q, x.qd, x.qdd)
     groups: list[tuple[int, ...]]
     if isinstance(kernel, CoupledKernel):
         groups = [tuple(range(states.joints))]
@@ -186,7 +196,7 @@ def fit(spec: Spec, choice: Choice, states: States, tau: Floats, scaling: Scalin
     for joints in groups:
         part = basis.of_joints(joints)
         rows = list(joints)
-        design = part.design(states)[:, rows, :] / scaling.unit[rows][None, :, None]
+        design = part.design(x)[:, rows, :] / scaling.unit[rows][None, :, None]
         gram = _gram(kernel, states, joints)
         system = System.factor(
             gram,

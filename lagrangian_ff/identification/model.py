@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.motion_range import MotionRange
@@ -14,6 +15,7 @@ from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 CHUNK_SAMPLES = 20_000
 """States evaluated at once, so that memory stays bounded on long recordings."""
@@ -80,13 +82,23 @@ class Model:
     training_segment: NDArray[np.int64]
 
     def predict(
-        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, progress: Progress = silent
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        progress: Progress = silent,
+        *,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
     ) -> Floats:
         """Torque in N·m.
 
         Args:
             q, qd, qdd: (M, N) in rad, rad/s, rad/s²; or one state (N,).
             progress: told the share done, for long motions.
+            time: (M,) s since the motion began, for effects that depend on it or on the past;
+                without it they are taken as settled.
+            segment: (M,) samples recorded without interruption share a number.
 
         Returns:
             (M, N), or (N,) for one state.
@@ -94,19 +106,46 @@ class Model:
         Raises:
             ModelError: the arrays are not of this model's joints.
         """
-        x = self._states(q, qd, qdd)
-        out = np.empty_like(x.q)
-        for first in range(0, len(x), CHUNK_SAMPLES):
-            part = slice(first, first + CHUNK_SAMPLES)
-            states = x.take(part)
-            out[part] = self._lagrangian(states)
-            for torque in self.basis.torque(states, self.coefficients).values():
-                out[part] += torque
-            progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
+        x = self.inputs(q, qd, qdd, progress, time=time, segment=segment)
+        out = x.load.copy()
+        for torque in self.basis.torque(x, self.coefficients).values():
+            out += torque
         return out if np.ndim(q) > 1 else out[0]
 
-    def terms(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Terms:
-        """The torque in parts: gravity, inertia, Coriolis, and each effect.
+    def inputs(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        progress: Progress = silent,
+        *,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
+    ) -> Inputs:
+        """A motion as effects see it, with the model's own rigid-body torque; see `predict`.
+
+        Raises:
+            ModelError: the arrays are not of this model's joints.
+        """
+        x = self._states(q, qd, qdd)
+        load = np.empty_like(x.q)
+        for first in range(0, len(x), CHUNK_SAMPLES):
+            part = slice(first, first + CHUNK_SAMPLES)
+            load[part] = self._lagrangian(x.take(part))
+            progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
+        speed = self.basis.sign_speed(len(self.joints))
+        return Inputs.of(x, time, segment, load, load, speed)
+
+    def terms(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        *,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
+    ) -> Terms:
+        """The torque in parts: gravity, inertia, Coriolis, and each effect; see `predict`.
 
         Raises:
             ModelError: the arrays are not of this model's joints.
@@ -114,8 +153,9 @@ class Model:
         x = self._states(q, qd, qdd)
         gravity = self._lagrangian(x.at_rest())
         inertia = self._lagrangian(x.without_velocity()) - gravity
-        coriolis = self._lagrangian(x) - gravity - inertia
-        effects = self.basis.torque(x, self.coefficients)
+        inputs = self.inputs(q, qd, qdd, time=time, segment=segment)
+        coriolis = inputs.load - gravity - inertia
+        effects = self.basis.torque(inputs, self.coefficients)
         if np.ndim(q) > 1:
             return Terms(gravity, inertia, coriolis, effects)
         return Terms(

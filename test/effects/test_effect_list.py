@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lagrangian_ff.effects import EFFECTS, GROUPS, Effect
+from lagrangian_ff.effects import EFFECTS, GROUPS, Effect, Inputs
 from lagrangian_ff.kernels import States
 
 
@@ -14,19 +14,19 @@ def effect(request: pytest.FixtureRequest) -> Effect:
 
 
 @pytest.fixture
-def states() -> States:
+def states() -> Inputs:
     """Return states of three joints, rest among them."""
     rng = np.random.default_rng(0)
     q, qd, qdd = rng.normal(size=(3, 20, 3))
     qd[0] = 0.0
-    return States.of(q, qd, qdd)
+    return Inputs.of(States.of(q, qd, qdd))
 
 
 def shape_of(effect: Effect) -> dict[str, float]:
     return {shape.name: shape.start for shape in effect.shapes}
 
 
-def test_there_is_one_finite_column_a_parameter(effect: Effect, states: States) -> None:
+def test_there_is_one_finite_column_a_parameter(effect: Effect, states: Inputs) -> None:
     columns = effect.columns(states, 1, shape_of(effect))
     assert columns.shape == (20, len(effect.parameters))
     assert np.isfinite(columns).all()
@@ -47,7 +47,7 @@ def test_groups_are_made_of_effects() -> None:
     assert not set(GROUPS) & set(EFFECTS)
 
 
-def test_friction_basis_is_the_papers_kernel(states: States) -> None:
+def test_friction_basis_is_the_papers_kernel(states: Inputs) -> None:
     """Φ Φᵀ equals (51), with the velocity in both tanh as the text of the paper says."""
     width = 0.05
     columns = np.hstack([EFFECTS[name].columns(states, 2, {"v0": width}) for name in GROUPS["fri"]])

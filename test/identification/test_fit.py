@@ -4,6 +4,7 @@ import numpy as np
 import pendulum
 import pytest
 
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.fit import Fit, Scaling, fit
 from lagrangian_ff.identification.search import evenly, starting_choice
 from lagrangian_ff.identification.spec import parse
@@ -27,7 +28,7 @@ def fitted(motion: Motion, name: str, scaling: Scaling | None = None) -> Fit:
 def predict(model: Fit, motion: Motion) -> np.ndarray:
     x = States.of(motion.q, motion.qd, motion.qdd)
     kernel = model.choice.kernel.apply(x, model.states, model.weights) * model.scaling.unit
-    return kernel + sum(model.basis.torque(x, model.coefficients).values())
+    return kernel + sum(model.basis.torque(Inputs.of(x), model.coefficients).values())
 
 
 @pytest.mark.parametrize("name", EVERY)

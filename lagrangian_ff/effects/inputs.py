@@ -1,0 +1,113 @@
+"""What an effect may look at: the motion, its time, and what the model says of the torque."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lagrangian_ff.kernels.states import States
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SIGN_SPEED = 0.02  # rad/s, where the smoothed sign turns over unless the model has found better
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """A motion as effects see it. Never the measured torque: it holds the answer.
+
+    Attributes:
+        q: (M, N) rad.  qd: (M, N) rad/s.  qdd: (M, N) rad/s².
+        time: (M,) s since the recording began; infinite where nothing is known of time, which
+            means long after everything has settled.
+        segment: (M,) samples recorded without interruption share a number.
+        load: (M, N) N·m, the model's rigid-body torque through the gear.
+        torque: (M, N) N·m, all that the model predicts without the effect.
+        sign_speed: (N,) rad/s, v0 of the smoothed sign tanh(qd / v0).
+        whole: the uninterrupted motion that these samples were taken from; None: they are it.
+        index: (M,) where in `whole` they lie.
+    """
+
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    time: Floats
+    segment: Ints
+    load: Floats
+    torque: Floats
+    sign_speed: Floats
+    whole: "Inputs | None" = None
+    index: Ints | None = None
+
+    @classmethod
+    def of(
+        cls,
+        states: States,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
+        load: Floats | None = None,
+        torque: Floats | None = None,
+        sign_speed: Floats | None = None,
+    ) -> "Inputs":
+        """What is known of some states; what is not given is taken to be settled, or zero.
+
+        Without time every sample stands alone: it has no past and no rate of change.
+        """
+        count, joints = states.q.shape
+        zero = np.zeros_like(states.q)
+        if segment is None:
+            segment = np.arange(count) if time is None else np.zeros(count, dtype=np.int64)
+        return cls(
+            states.q,
+            states.qd,
+            states.qdd,
+            np.full(count, np.inf) if time is None else np.asarray(time, dtype=np.float64),
+            segment,
+            zero if load is None else load,
+            zero if torque is None else torque,
+            np.full(joints, SIGN_SPEED) if sign_speed is None else sign_speed,
+        )
+
+    def __len__(self) -> int:
+        return int(self.q.shape[0])
+
+    @property
+    def joints(self) -> int:
+        """The number of joints N."""
+        return int(self.q.shape[1])
+
+    def take(self, index: Ints) -> "Inputs":
+        """Some of the samples; what has a memory still sees all of them."""
+        origin = index if self.index is None else self.index[index]
+        return Inputs(
+            self.q[index],
+            self.qd[index],
+            self.qdd[index],
+            self.time[index],
+            self.segment[index],
+            self.load[index],
+            self.torque[index],
+            self.sign_speed,
+            self.whole or self,
+            origin,
+        )
+
+    def sign(self, joint: int) -> Floats:
+        """(M,) the smoothed sign of one joint's velocity, tanh(qd / v0)."""
+        return np.asarray(np.tanh(self.qd[:, joint] / self.sign_speed[joint]))
+
+    def rate(self, values: Floats) -> Floats:
+        """(M, ...) the change of values (M, ...) with time, per s; never across a segment."""
+        out = np.zeros_like(values)
+        for piece in self.pieces():
+            if piece.stop - piece.start > 1 and np.isfinite(self.time[piece.start]):
+                out[piece] = np.gradient(values[piece], self.time[piece], axis=0)
+        return out
+
+    def pieces(self) -> list[slice]:
+        """The uninterrupted stretches, in order."""
+        ends = np.flatnonzero(np.diff(self.segment)) + 1
+        bounds = [0, *ends.tolist(), len(self)]
+        return [slice(a, b) for a, b in pairwise(bounds) if b > a]
