@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from lagrangian_ff.arm.description import robot_description as robot_description
     from lagrangian_ff.arm.drawing import picture as picture
     from lagrangian_ff.arm.exciting import exciting_trajectory as exciting_trajectory
+    from lagrangian_ff.arm.gear import Gear as Gear
     from lagrangian_ff.arm.joint_effect import JointEffect as JointEffect
     from lagrangian_ff.arm.joint_effect import JointMoment as JointMoment
     from lagrangian_ff.arm.parameters import ArmParameters as ArmParameters
+    from lagrangian_ff.arm.plant import Attached as Attached
     from lagrangian_ff.arm.plant import Plant as Plant
     from lagrangian_ff.arm.plant import true_torque as true_torque
+    from lagrangian_ff.arm.servo import SensorEffect as SensorEffect
     from lagrangian_ff.arm.simulation import Run as Run
     from lagrangian_ff.arm.simulation import simulate as simulate
     from lagrangian_ff.arm.trajectory import Trajectory as Trajectory
@@ -36,10 +39,12 @@ _ROOM = {
     "collision": ("check_clearance",),
     "description": ("HOME", "JOINTS", "PAPER_LOADS", "Load", "limits", "robot_description"),
     "exciting": ("exciting_trajectory",),
+    "gear": ("Gear",),
     "joint_effect": ("JointEffect", "JointMoment"),
     "parameters": ("ArmParameters",),
     "drawing": ("picture",),
-    "plant": ("Plant", "true_torque"),
+    "plant": ("Attached", "Plant", "true_torque"),
+    "servo": ("SensorEffect",),
     "simulation": ("Run", "simulate"),
     "trajectory": ("Trajectory", "check_limits", "move_to"),
     "trajectory_csv": ("read_trajectory", "write_trajectory"),

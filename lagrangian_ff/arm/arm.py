@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import HOME, JOINTS, Load, limits
+from lagrangian_ff.arm.gear import Gear, GearedPlant
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
-from lagrangian_ff.arm.plant import Plant
-from lagrangian_ff.arm.servo import CurrentLoop, PositionLoop, Sensors
+from lagrangian_ff.arm.plant import Attached, Plant
+from lagrangian_ff.arm.servo import CurrentLoop, PositionLoop, SensorEffect, Sensors
 from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
@@ -39,10 +40,15 @@ class Arm:
         seed: of the noise; the same seed and inputs give the same samples.
         loads: kg (or Load) by joint or link.
         effects: further effects in the joints of the plant.
+        sensors: what falsifies the measurements.
+        gears: the joints whose gears give way or have play.
+        attached: loads that take the place of `loads` at a later time.
 
     Attributes:
         motor_torque: (6,) N·m of the motors through the gears, mean of the last tick.
         effect_torque: (6,) N·m that friction and effects took of it, mean of the last tick.
+        added_torque: (6,) N·m of it that went to the effects besides friction.
+        load_torque: (6,) N·m that went into the links, mean of the last tick.
         saturated: (6,) whether the torque asked for was cut at the limit in the last tick.
     """
 
@@ -55,12 +61,19 @@ class Arm:
         seed: int = 0,
         loads: Mapping[str, float | Load] | None = None,
         effects: Sequence[JointEffect] = (),
+        sensors: Sequence[SensorEffect] = (),
+        gears: Sequence[Gear] = (),
+        attached: Attached | None = None,
     ) -> None:
         self.parameters = parameters or ArmParameters()
-        self.plant = Plant(self.parameters, loads, effects)
+        self.plant = (
+            GearedPlant(self.parameters, loads, effects, attached, gears)
+            if gears
+            else Plant(self.parameters, loads, effects, attached)
+        )
         self._current = CurrentLoop(self.parameters)
         self._position = PositionLoop(self.parameters)
-        self._sensors = Sensors(self.parameters, seed)
+        self._sensors = Sensors(self.parameters, seed, sensors)
         self._limit = limits().effort
         self._substeps = self.parameters.physics_rate // self.parameters.sample_rate
         self._ticks_per_update = self.parameters.sample_rate // self.parameters.position_rate
@@ -83,6 +96,8 @@ class Arm:
         self._feedback = np.zeros(len(JOINTS))
         self.motor_torque = np.zeros(len(JOINTS))
         self.effect_torque = np.zeros(len(JOINTS))
+        self.added_torque = np.zeros(len(JOINTS))
+        self.load_torque = np.zeros(len(JOINTS))
         self.saturated = np.zeros(len(JOINTS), dtype=bool)
         self.plant.reset(q)
         for part in (self._current, self._position, self._sensors):
@@ -111,21 +126,25 @@ class Arm:
         qd_ref = self._checked("reference velocity", qd_ref)
         if feedforward is not None:
             feedforward = self._checked("feedforward torque", feedforward)
-        position, velocity, effort = self._sensors.sample(self.plant.q, self._current.current)
+        position, velocity, effort = self._sensors.sample(self.plant.encoder, self._current.current)
         sample = JointSample(self.time, position, velocity, effort)
         if self._ticks % self._ticks_per_update == 0:
             self._feedback = self._position.torque(q_ref, qd_ref, position)
         wanted = self._feedback if feedforward is None else self._feedback + feedforward
         command = np.minimum(np.maximum(wanted, -self._limit), self._limit)
         self.saturated = command != wanted
-        motor, effect = np.zeros(len(JOINTS)), np.zeros(len(JOINTS))
+        motor, effect, added, load = np.zeros((4, len(JOINTS)))
         for _ in range(self._substeps):
-            torque = self._current.step(command, self.plant.qd)
+            torque = self._current.step(command, self.plant.rotor_velocity)
             self.plant.step(torque)
             motor += torque
             effect += self.plant.effect_torque
+            added += self.plant.added_torque
+            load += self.plant.load_torque
         self.motor_torque = motor / self._substeps
         self.effect_torque = effect / self._substeps
+        self.added_torque = added / self._substeps
+        self.load_torque = load / self._substeps
         self._ticks += 1
         return sample
 

@@ -1,6 +1,7 @@
 """The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,18 @@ ITERATIONS = 8
 SETTLED = 1e-6  # rad/s
 
 
+class Attached(NamedTuple):
+    """Loads that an arm takes up while it moves.
+
+    Attributes:
+        time: s since the reset, from when on the arm carries them.
+        loads: kg (or Load) by joint or link: all that it carries from then on.
+    """
+
+    time: float
+    loads: Mapping[str, float | Load]
+
+
 class Plant:
     """The arm from motor torque to motion.
 
@@ -30,12 +43,14 @@ class Plant:
         parameters: rotors, friction and the rate of the integration.
         loads: kg (or Load) by joint or link.
         effects: what acts in the joints besides viscous and Coulomb friction.
+        attached: loads that take the place of `loads` at a later time.
 
     Attributes:
         time: s since the reset.
         q: (6,) rad.  qd: (6,) rad/s.
         qdd: (6,) rad/s² of the last step.
         effect_torque: (6,) N·m that friction and effects took from the motors in the last step.
+        added_torque: (6,) N·m of it that went to the effects besides friction.
         load_torque: (6,) N·m that went into the links in the last step.
     """
 
@@ -44,10 +59,15 @@ class Plant:
         parameters: ArmParameters | None = None,
         loads: Mapping[str, float | Load] | None = None,
         effects: Sequence[JointEffect] = (),
+        attached: Attached | None = None,
     ) -> None:
         self.parameters = parameters or ArmParameters()
         self.dt = 1.0 / self.parameters.physics_rate
-        self.body = Body(loads, dt=self.dt)
+        self._bodies = [Body(loads, dt=self.dt)]
+        if attached is not None:
+            self._bodies.append(Body(attached.loads, dt=self.dt))
+        self._attached_at = np.inf if attached is None else attached.time
+        self.body = self._bodies[0]
         self.friction = Friction(self.parameters)
         self._effects: tuple[JointEffect, ...] = (self.friction, *effects)
         self._armature = self.parameters.reflected_inertia
@@ -60,10 +80,22 @@ class Plant:
         self.qd = np.zeros(len(JOINTS))
         self.qdd = np.zeros(len(JOINTS))
         self.effect_torque = np.zeros(len(JOINTS))
+        self.added_torque = np.zeros(len(JOINTS))
         self.load_torque = np.zeros(len(JOINTS))
+        self.body = self._bodies[0]
         self.body.set_state(self.q, self.qd)
         for effect in self._effects:
             effect.reset(self.q)
+
+    @property
+    def encoder(self) -> Floats:
+        """(6,) rad of the motors through their gears, which is where the encoders sit."""
+        return self.q
+
+    @property
+    def rotor_velocity(self) -> Floats:
+        """(6,) rad/s of the motors through their gears."""
+        return self.qd
 
     def step(self, motor: Floats) -> None:
         """Let the motors act for one step of the integration.
@@ -71,6 +103,7 @@ class Plant:
         Args:
             motor: (6,) N·m through the gears.
         """
+        self._take_up()
         mass = self.body.mass_matrix(self.q)
         bias = self.body.bias(self.q, self.qd)
         inertia = mass.copy()
@@ -92,14 +125,25 @@ class Plant:
         self.qdd = qdd
         self.body.advance(self.load_torque)
         self.q, self.qd = self.body.state()
+        self._advance_effects(motor)
+
+    def _take_up(self) -> None:
+        """Change to the body with the attached loads when its time has come."""
+        if self.time >= self._attached_at and self.body is not self._bodies[-1]:
+            self.body = self._bodies[-1]
+            self.body.set_state(self.q, self.qd)
+
+    def _advance_effects(self, motor: Floats) -> None:
+        """Let the clock and the states of the effects catch up with the motion."""
+        q, qd = self.encoder, self.rotor_velocity
+        if len(self._effects) > 1:
+            self.added_torque = self.effect_torque - self.friction.at(qd)
         self.time += self.dt
         for effect in self._effects:
-            effect.advance(
-                JointMoment(self.time, self.dt, self.q, self.qd, motor, self.load_torque)
-            )
+            effect.advance(JointMoment(self.time, self.dt, q, qd, motor, self.load_torque))
 
     def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
-        moment = JointMoment(self.time, self.dt, self.q, qd, motor, self.load_torque)
+        moment = JointMoment(self.time, self.dt, self.encoder, qd, motor, self.load_torque)
         torque, slope = self._effects[0].torque(moment)
         for effect in self._effects[1:]:
             more, steeper = effect.torque(moment)
@@ -147,7 +191,8 @@ class Plant:
 
     def close(self) -> None:
         """End PyBullet's world."""
-        self.body.close()
+        for body in self._bodies:
+            body.close()
 
 
 def true_torque(

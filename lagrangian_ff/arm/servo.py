@@ -1,5 +1,8 @@
 """The servo of the paper's arm: PI current loop within a PD position loop, and the sensors."""
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -97,14 +100,43 @@ class PositionLoop:
         return self._stiffness * (q_ref - position) + self._damping * (qd_ref - velocity)
 
 
-class Sensors:
-    """Encoders on the motors and current sensors, sampled together."""
+class SensorEffect(Protocol):
+    """What stands between the truth and what the sensors sample, with a state if it needs one."""
 
-    def __init__(self, parameters: ArmParameters, seed: int) -> None:
+    def reset(self) -> None:
+        """Forget the past."""
+
+    def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
+        """What reaches the sensors, called once a sample.
+
+        Args:
+            time: s since the reset.
+            position: (6,) rad of the motors through the gears.
+            effort: (6,) N·m of the motors through the gears.
+
+        Returns:
+            Position and effort as the encoders and the current sensors see them.
+        """
+
+
+class Sensors:
+    """Encoders on the motors and current sensors, sampled together.
+
+    Args:
+        parameters: resolution, rate and noise.
+        seed: of the noise.
+        effects: what falsifies the truth before it is sampled, one after the other.
+    """
+
+    def __init__(
+        self, parameters: ArmParameters, seed: int, effects: Sequence[SensorEffect] = ()
+    ) -> None:
+        self._effects = tuple(effects)
         self._step = parameters.encoder_step
         self._torque_per_ampere = parameters.torque_per_ampere
         self._noise = np.asarray(parameters.current_noise)
         self._rate = parameters.sample_rate if parameters.velocity_measured else np.nan
+        self._tick = parameters.tick
         self._seed = seed
         self.reset()
 
@@ -112,12 +144,24 @@ class Sensors:
         """Begin again, with the same noise."""
         self._random = np.random.default_rng(self._seed)
         self._before: Floats | None = None
+        self._ticks = 0
+        for effect in self._effects:
+            effect.reset()
 
     def sample(self, q: Floats, current: Floats) -> tuple[Floats, Floats, Floats]:
         """Measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m at the joints."""
+        if self._effects:
+            q, current = self._falsified(q, current)
         position = np.round(q / self._step) * self._step
         before = position if self._before is None else self._before
         velocity = (position - before) * self._rate
         self._before = position
         noise = self._noise * self._random.standard_normal(len(self._noise))
         return position, velocity, (current + noise) * self._torque_per_ampere
+
+    def _falsified(self, q: Floats, current: Floats) -> tuple[Floats, Floats]:
+        effort = current * self._torque_per_ampere
+        for effect in self._effects:
+            q, effort = effect.sense(self._ticks * self._tick, q, effort)
+        self._ticks += 1
+        return q, effort / self._torque_per_ampere

@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 from lagrangian_ff.arm.arm import Arm
 from lagrangian_ff.arm.collision import check_clearance
 from lagrangian_ff.arm.description import JOINTS, Load
+from lagrangian_ff.arm.gear import Gear
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arm.plant import Attached
+from lagrangian_ff.arm.servo import SensorEffect
 from lagrangian_ff.arm.trajectory import Trajectory, check_limits
 from lagrangian_ff.errors import ArmError
 from lagrangian_ff.progress import Progress, silent
@@ -32,9 +35,12 @@ class Run:
         recording: joint states as the driver reports them.
         reference: the trajectory at the instants of the recording.
         feedforward: (M, 6) N·m that was added.
-        position: (M, 6) rad and velocity: (M, 6) rad/s, without the sensors' errors.
+        position: (M, 6) rad and velocity: (M, 6) rad/s of the links, without the sensors' errors.
+        encoder: (M, 6) rad of the motors through the gears; the position, where gears are stiff.
         motor_torque: (M, 6) N·m through the gears, mean of the tick after each sample.
         effect_torque: (M, 6) N·m of it lost to friction and effects.
+        added_torque: (M, 6) N·m of it lost to the effects besides friction.
+        load_torque: (M, 6) N·m of it that went into the links.
         saturated: (M, 6) whether the torque was cut at the limit.
     """
 
@@ -43,8 +49,11 @@ class Run:
     feedforward: Floats
     position: Floats
     velocity: Floats
+    encoder: Floats
     motor_torque: Floats
     effect_torque: Floats
+    added_torque: Floats
+    load_torque: Floats
     saturated: NDArray[np.bool_]
 
     @property
@@ -60,6 +69,9 @@ def simulate(
     parameters: ArmParameters | None = None,
     loads: Mapping[str, float | Load] | None = None,
     effects: Sequence[JointEffect] = (),
+    sensors: Sequence[SensorEffect] = (),
+    gears: Sequence[Gear] = (),
+    attached: Attached | None = None,
     seed: int = 0,
     progress: Progress = silent,
 ) -> Run:
@@ -71,7 +83,7 @@ def simulate(
             (M, 6) arrays, such as a model's `predict`; an array (K, 6) N·m at the points of the
             trajectory, linear between them; "trajectory" for the trajectory's own effort; "true"
             for the plant's own torques, the bound of what feedforward can do.
-        parameters, loads, effects: the arm; see Arm.
+        parameters, loads, effects, sensors, gears, attached: the arm; see Arm.
         seed: of the noise.
         progress: told the fraction done.
 
@@ -81,7 +93,15 @@ def simulate(
             finite.
     """
     reference = _on_ticks(trajectory, parameters or ArmParameters(), loads)
-    arm = Arm(parameters, seed=seed, loads=loads, effects=effects)
+    arm = Arm(
+        parameters,
+        seed=seed,
+        loads=loads,
+        effects=effects,
+        sensors=sensors,
+        gears=gears,
+        attached=attached,
+    )
     try:
         torque = _torque(feedforward, trajectory, reference, arm)
         return _drive(arm, reference, torque, progress)
@@ -160,19 +180,25 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
         arm.step(reference.q[0], still, torque[0])
     kept = {
         name: np.empty(reference.q.shape)
-        for name in ("measured", "rate", "effort", "position", "velocity", "motor", "effect")
+        for name in (
+            *("measured", "rate", "effort", "position", "velocity", "encoder"),
+            *("motor", "effect", "added", "load"),
+        )
     }
     saturated = np.zeros(reference.q.shape, dtype=bool)
     report = max(1, count // 100)
     for k in range(count):
         kept["position"][k] = arm.plant.q
         kept["velocity"][k] = arm.plant.qd
+        kept["encoder"][k] = arm.plant.encoder
         sample = arm.step(reference.q[k], reference.qd[k], torque[k])
         kept["measured"][k] = sample.position
         kept["rate"][k] = sample.velocity
         kept["effort"][k] = sample.effort
         kept["motor"][k] = arm.motor_torque
         kept["effect"][k] = arm.effect_torque
+        kept["added"][k] = arm.added_torque
+        kept["load"][k] = arm.load_torque
         saturated[k] = arm.saturated
         if k % report == 0:
             progress(k / count, "driving the arm")
@@ -191,7 +217,10 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
         feedforward=torque,
         position=kept["position"],
         velocity=kept["velocity"],
+        encoder=kept["encoder"],
         motor_torque=kept["motor"],
         effect_torque=kept["effect"],
+        added_torque=kept["added"],
+        load_torque=kept["load"],
         saturated=saturated,
     )
