@@ -66,7 +66,9 @@ def compare(
             f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
         )
     motion = motion.select(model.joints)
-    predicted = model.predict(motion.q, motion.qd, motion.qdd, progress)
+    predicted = model.predict(
+        motion.q, motion.qd, motion.qdd, progress, time=motion.time, segment=motion.segment
+    )
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
     return Comparison(
         motion,

@@ -1,0 +1,130 @@
+"""The mean residual over a coordinate, with a band that says what is more than chance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.where.coordinates import Coordinate
+from lagrangian_ff.diagnosis.where.course import Course
+from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, band, resampled
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+BINS = 12
+
+
+@dataclass(frozen=True)
+class Bins:
+    """One joint's residual over one coordinate, in K bins that each hold the same share of time.
+
+    Attributes:
+        coordinate: what the bins divide.
+        joint: its name.
+        low, high: (K,) the ends of each bin; equal for a coordinate of few values.
+        mean: (K,) N·m, the mean residual.
+        mean_low, mean_high: (K,) N·m, its 90 % band from a bootstrap over blocks of 1 s.
+        rms: (K,) N·m.
+        share_of_error: (K,) of the joint's squared error.
+        share_of_time: (K,) of the samples.
+    """
+
+    coordinate: Coordinate
+    joint: str
+    low: Floats
+    high: Floats
+    mean: Floats
+    mean_low: Floats
+    mean_high: Floats
+    rms: Floats
+    share_of_error: Floats
+    share_of_time: Floats
+
+    def record(self) -> dict[str, object]:
+        """For JSON; the axis with it, so that it can be drawn."""
+        arrays = (
+            "low", "high", "mean", "mean_low", "mean_high", "rms", "share_of_error",
+            "share_of_time",
+        )  # fmt: skip
+        return {
+            "joint": self.joint,
+            "coordinate": self.coordinate.name,
+            "unit": self.coordinate.unit,
+            "label": self.coordinate.label,
+            **{name: [float(v) for v in getattr(self, name)] for name in arrays},
+        }
+
+
+def edges_of(values: Floats, count: int) -> Floats:
+    """(K+1,) edges of at most `count` bins that hold the same number of the finite values.
+
+    Fewer where values repeat; none (one edge) where nothing varies.
+    """
+    known = values[np.isfinite(values)]
+    if not len(known) or float(np.ptp(known)) <= 1e-9 * max(1.0, float(np.abs(known).max())):
+        return np.zeros(1)
+    return np.unique(np.quantile(known, np.linspace(0.0, 1.0, count + 1)))
+
+
+def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Floats, Floats]:
+    """Put samples into bins.
+
+    Returns:
+        (M,) the bin of each sample, -1 where the coordinate has no value; (K,) the low and (K,)
+        the high end of each bin. K is 0 where the coordinate does not vary.
+    """
+    if coordinate.levels:
+        found = np.array([level for level in coordinate.levels if np.any(values == level)])
+        code = np.full(len(values), -1, dtype=np.int64)
+        if len(found) < 2:
+            return code, np.zeros(0), np.zeros(0)
+        for k, level in enumerate(found):
+            code[values == level] = k
+        return code, found, found
+    edges = edges_of(values, count)
+    if len(edges) < 3:
+        return np.full(len(values), -1, dtype=np.int64), np.zeros(0), np.zeros(0)
+    inside = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+    return np.where(np.isfinite(values), inside, -1), edges[:-1], edges[1:]
+
+
+def bins_of(
+    course: Course, joint: int, coordinate: Coordinate, count: int = BINS, seed: int = 0
+) -> Bins | None:
+    """Average a joint's residual over a coordinate; None where the coordinate does not vary.
+
+    Args:
+        course: what is looked at.
+        joint: its index.
+        coordinate: what to divide.
+        count: how many bins; a coordinate of few values has one for each.
+        seed: of the bootstrap.
+    """
+    code, low, high = divide(coordinate, coordinate.values(course, joint), count)
+    size = len(low)
+    if not size:
+        return None
+    r = course.residual[:, joint]
+    block = course.motion.blocks(BLOCK_SECONDS)
+    kept = code >= 0
+    place = block[kept] * size + code[kept]
+    length = (int(block[-1]) + 1) * size
+    sums = np.stack(
+        [
+            np.bincount(place, weight, minlength=length).reshape(-1, size)
+            for weight in (np.ones(int(kept.sum())), r[kept], r[kept] ** 2)
+        ],
+        axis=1,
+    )
+    count_in, total, squared = sums.sum(axis=0)
+    drawn = resampled(sums[:, :2], seed)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean_low, mean_high = band(drawn[:, 1] / drawn[:, 0])
+        mean, mean_square = total / count_in, squared / count_in
+    error = float(np.sum(r**2))
+    return Bins(
+        coordinate, course.motion.joints[joint], low, high, mean, mean_low, mean_high,
+        np.sqrt(mean_square), squared / error if error > 0.0 else np.zeros(size),
+        count_in / len(r),
+    )  # fmt: skip

@@ -1,0 +1,164 @@
+"""Everything about where a model fails, for one comparison."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.compare import Comparison
+from lagrangian_ff.diagnosis.where.bins import Bins, bins_of
+from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, OUTSIDE
+from lagrangian_ff.diagnosis.where.course import Course
+from lagrangian_ff.diagnosis.where.orders import Spectrum, order_spectrum
+from lagrangian_ff.diagnosis.where.regions import Region, find_regions
+from lagrangian_ff.identification import Model
+from lagrangian_ff.kernels import States
+from lagrangian_ff.progress import Progress, silent
+
+Floats = NDArray[np.float64]
+
+ERROR_BLOCK_SECONDS = 3.0
+SERIES_SAMPLES = 1500
+"""Of the torques over time in a record that is to be drawn."""
+
+
+@dataclass(frozen=True)
+class Whereabouts:
+    """Where a model fails.
+
+    Attributes:
+        comparison: the model held against the motion.
+        course: the same with what the error is looked at against.
+        bins: the mean residual over every coordinate and joint.
+        regions: the few that hold most of the error, those of the worst joints first.
+        spectra: of the joints that move far enough.
+    """
+
+    comparison: Comparison
+    course: Course
+    bins: tuple[Bins, ...]
+    regions: tuple[Region, ...]
+    spectra: tuple[Spectrum, ...]
+
+    @property
+    def evenly(self) -> tuple[str, ...]:
+        """The joints without a region: their error is spread evenly."""
+        found = {region.joint for region in self.regions}
+        return tuple(name for name in self.comparison.score.joints if name not in found)
+
+    def words(self) -> list[str]:
+        """What to tell a person, one sentence each."""
+        lines = [region.words for region in self.regions]
+        for spectrum in self.spectra:
+            lines += [
+                f"{spectrum.joint} every 1/{spectrum.order[k]:.4g} of a turn: a wave of "
+                f"{spectrum.amplitude[k]:.2g} N·m"
+                for k in spectrum.lines[:1]
+            ]
+        if self.evenly:
+            lines.append(f"{', '.join(self.evenly)}: the error is spread evenly")
+        return lines
+
+    def record(self, *, series: bool = False) -> dict[str, object]:
+        """For JSON.
+
+        Args:
+            series: with the torques over time, thinned, for a page to draw.
+        """
+        found: dict[str, object] = {
+            **self.comparison.record(),
+            "regions": [region.record() for region in self.regions],
+            "evenly": list(self.evenly),
+            "words": self.words(),
+            "blocks": self._blocks(),
+            "bins": [bins.record() for bins in self.bins],
+            "spectra": [spectrum.record() for spectrum in self.spectra],
+            "outside": self._outside(),
+        }
+        if series:
+            found["series"] = self._series()
+        return found
+
+    def _blocks(self) -> list[dict[str, object]]:
+        """The error of each 3 s."""
+        number = self.course.motion.blocks(ERROR_BLOCK_SECONDS)
+        elapsed, squared = self.course.elapsed, self.course.residual**2
+        rows = []
+        for k in np.unique(number):
+            inside = number == k
+            rmse = np.sqrt(squared[inside].mean(axis=0))
+            rows.append(
+                {
+                    "begin": float(elapsed[inside][0]),
+                    "end": float(elapsed[inside][-1]),
+                    "joints": dict(zip(self.course.motion.joints, map(float, rmse), strict=True)),
+                }
+            )
+        return rows
+
+    def _outside(self) -> dict[str, object]:
+        """The error where the motion leaves what the model knows, beside that where it does not."""
+        away = self.course.excess > OUTSIDE
+        squared = self.course.residual**2
+        total = squared.sum(axis=0)
+        joints = {}
+        for n, name in enumerate(self.course.motion.joints):
+            joints[name] = {
+                "share_of_error": float(squared[away, n].sum() / total[n]) if total[n] else 0.0,
+                "rmse_outside": float(np.sqrt(squared[away, n].mean())) if away.any() else None,
+                "rmse_inside": float(np.sqrt(squared[~away, n].mean())) if not away.all() else None,
+            }
+        return {"share_of_time": float(away.mean()), "joints": joints}
+
+    def _series(self) -> dict[str, object]:
+        step = -(-len(self.course.motion) // SERIES_SAMPLES)
+        part = slice(None, None, step)
+        motion, predicted = self.course.motion.take(part), self.comparison.predicted[part]
+        return {
+            "time": [float(v) for v in self.course.elapsed[part]],
+            "segment": [int(v) for v in motion.segment],
+            "joints": {
+                name: {
+                    "measured": [float(v) for v in motion.tau[:, n]],
+                    "predicted": [float(v) for v in predicted[:, n]],
+                }
+                for n, name in enumerate(motion.joints)
+            },
+        }
+
+
+def locate(
+    model: Model, comparison: Comparison, seed: int = 0, progress: Progress = silent
+) -> Whereabouts:
+    """Find where a model fails.
+
+    Args:
+        model: that was compared; it tells the load, and what it knows.
+        comparison: of the model with a motion.
+        seed: of everything drawn at random, so that the same data give the same words.
+        progress: told the share done.
+    """
+    motion = comparison.motion
+    load = model.inputs(
+        motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment
+    ).load
+    excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd)).max(axis=1)
+    course = Course(motion, comparison.residual, load, excess)
+    bins: list[Bins] = []
+    regions: list[Region] = []
+    spectra: list[Spectrum] = []
+    for joint, name in enumerate(motion.joints):
+        progress(joint / len(motion.joints), name)
+        bins += [
+            found
+            for coordinate in COORDINATES.values()
+            if coordinate.binned
+            and (found := bins_of(course, joint, coordinate, seed=seed)) is not None
+        ]
+        regions += find_regions(course, joint, seed)
+        spectrum = order_spectrum(course, joint, seed)
+        spectra += [spectrum] if spectrum is not None else []
+    progress(1.0, "done")
+    weight = dict(zip(motion.joints, np.nan_to_num(comparison.score.nmse), strict=True))
+    regions.sort(key=lambda region: -weight[region.joint] * region.share_of_error)
+    return Whereabouts(comparison, course, tuple(bins), tuple(regions), tuple(spectra))

@@ -1,0 +1,125 @@
+"""Waves of the residual over the joint's angle: what repeats every so many turns.
+
+An order is the number of waves in one turn of the joint. Cogging, eccentric gears and tooth mesh
+show as lines, whatever the speed and direction. Amplitudes are least squares at the measured
+angles, so that the uneven sampling of a motion does no harm.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.where.course import Course
+from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, Shuffles
+
+Floats = NDArray[np.float64]
+
+SAMPLES = 6000
+HIGHEST = 200.0
+FINEST_STEP = 0.25
+SHUFFLES = 60
+CHANCE = 0.05
+"""How often a line may come from a residual that is not tied to the angle, over all orders."""
+MOST_LINES = 5
+CHUNK = 100
+"""Orders computed at once, so that memory stays bounded."""
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """One joint's residual over its angle.
+
+    Attributes:
+        joint: its name.
+        resolution: orders that can be told apart: one over the turns the joint travelled.
+        order: (K,) waves a turn.
+        amplitude: (K,) N·m.
+        noise: (K,) N·m, below which 95 % lie where the residual is not tied to the angle.
+        lines: the orders that stand out, the strongest first.
+        spread: N·m, rms of the residual without its mean.
+    """
+
+    joint: str
+    resolution: float
+    order: Floats
+    amplitude: Floats
+    noise: Floats
+    lines: tuple[int, ...]
+    spread: float
+
+    def record(self) -> dict[str, object]:
+        """For JSON; a line holds amplitude²/2 of the residual's variance."""
+        return {
+            "joint": self.joint,
+            "resolution": self.resolution,
+            "order": [float(v) for v in self.order],
+            "amplitude": [float(v) for v in self.amplitude],
+            "noise": [float(v) for v in self.noise],
+            "lines": [
+                {
+                    "order": float(self.order[k]),
+                    "amplitude": float(self.amplitude[k]),
+                    "share": float(min(1.0, 0.5 * (self.amplitude[k] / self.spread) ** 2)),
+                }
+                for k in self.lines
+            ],
+        }
+
+
+def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None:
+    """The amplitude at each order up to 200; None where the joint hardly moves or errs.
+
+    Args:
+        course: what is looked at.
+        joint: its index.
+        seed: of the random orders of blocks that give the noise.
+    """
+    small = course.thinned(SAMPLES)
+    q, r = small.motion.q[:, joint], small.residual[:, joint]
+    travel = float(np.ptp(q))
+    resolution = 2.0 * np.pi / max(travel, 1e-9)
+    r = r - r.mean()
+    spread = float(np.sqrt(np.mean(r**2)))
+    if resolution > 0.2 * HIGHEST or not spread > 0.0:
+        return None
+    order = np.arange(max(1.0, resolution), HIGHEST, max(FINEST_STEP, 0.25 * resolution))
+    step = float(np.median(np.diff(small.motion.time)))
+    block = max(1, round(BLOCK_SECONDS / max(step, 1e-9)))
+    shuffles = Shuffles.of(len(r), block, SHUFFLES, seed)
+    residuals = np.concatenate([r[None], r[shuffles.order]])
+    amplitude = np.concatenate(
+        [_amplitudes(q, residuals, order[k : k + CHUNK]) for k in range(0, len(order), CHUNK)],
+        axis=1,
+    )
+    measured, chance = amplitude[0], amplitude[1:]
+    noise = np.quantile(chance, 1.0 - CHANCE, axis=0)
+    usual = np.maximum(np.median(chance, axis=0), 1e-300)
+    limit = float(np.quantile((chance / usual).max(axis=1), 1.0 - CHANCE))
+    return Spectrum(
+        course.motion.joints[joint], resolution, order, measured, noise,
+        _lines(order, measured, measured / usual > limit, resolution), spread,
+    )  # fmt: skip
+
+
+def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
+    """(S, K) amplitudes of a cos(k q) + b sin(k q) in (S, M) residuals without mean."""
+    angle = np.exp(1j * order[:, None] * q)
+    angle -= angle.mean(axis=1, keepdims=True)
+    c, s = angle.real.copy(), angle.imag.copy()
+    cc, ss, cs = (c * c).sum(axis=1), (s * s).sum(axis=1), (c * s).sum(axis=1)
+    rc, rs = residuals @ c.T, residuals @ s.T
+    det = np.maximum(cc * ss - cs * cs, 1e-12 * (cc + ss) ** 2 + 1e-300)
+    return np.hypot((ss * rc - cs * rs) / det, (cc * rs - cs * rc) / det)
+
+
+def _lines(
+    order: Floats, amplitude: Floats, strong: NDArray[np.bool_], resolution: float
+) -> tuple[int, ...]:
+    """The highest orders of all that are strong, one within what can be told apart."""
+    lines: list[int] = []
+    for k in np.argsort(-amplitude):
+        apart = all(abs(order[k] - order[other]) > 1.5 * resolution for other in lines)
+        if strong[k] and apart and len(lines) < MOST_LINES:
+            lines.append(int(k))
+    return tuple(lines)
