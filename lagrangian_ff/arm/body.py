@@ -121,6 +121,13 @@ class Body:
             torque[row] = call(body, position, velocity, acceleration, physicsClientId=client)
         return torque
 
+    def tool_jacobian(self, q: Floats) -> Floats:
+        """(3, 6) m: how the last link's centre moves with the joints, along the base's axes."""
+        linear = pybullet.calculateJacobian(
+            self.id, self.index[-1], [0.0] * 3, q.tolist(), self._rest, self._rest, **self._args
+        )[0]
+        return np.array(linear)
+
     def potential_energy(self) -> float:
         """J of the links in gravity, from the floor up, at the present state."""
         energy = 0.0

@@ -1,0 +1,127 @@
+"""Sensors that do not tell the truth: late or clipped effort, an encoder off its axis."""
+
+from collections import deque
+from math import cos, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arm.hidden.base import Installed, Site, unexplained_by
+
+Floats = NDArray[np.float64]
+
+
+class LateEffort:
+    """The driver reports the effort of d seconds ago beside the position of now.
+
+    Between samples it is taken as linear. A delay of one joint is that of its own bus node.
+    """
+
+    def __init__(self, joint: int, delay: float) -> None:
+        self.joint, self.delay = joint, delay
+        self._held: deque[tuple[float, float]] = deque()
+
+    def reset(self) -> None:
+        """See SensorEffect."""
+        self._held.clear()
+
+    def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
+        """See SensorEffect."""
+        held, then = self._held, time - self.delay
+        held.append((time, float(effort[self.joint])))
+        while len(held) > 1 and held[1][0] <= then:
+            held.popleft()
+        late = effort.copy()
+        late[self.joint] = held[0][1]
+        if len(held) > 1 and then > held[0][0]:
+            part = (then - held[0][0]) / (held[1][0] - held[0][0])
+            late[self.joint] += part * (held[1][1] - held[0][1])
+        return position, late
+
+
+def delay(site: Site, strength: float) -> Installed:
+    """Of strength s."""
+    return Installed(sensors=(LateEffort(site.joint, strength),), facts={"delay [s]": strength})
+
+
+def delay_torque(installed: Installed, site: Site) -> Floats:
+    """The reported torque less the true one."""
+    (sensor,) = installed.sensors
+    assert isinstance(sensor, LateEffort)
+    run, j = site.along, sensor.joint
+    torque = np.zeros_like(run.motor)
+    late = np.interp(run.time - sensor.delay, run.time, run.motor[:, j])
+    torque[:, j] = late - run.motor[:, j]
+    return torque
+
+
+class ClippedEffort:
+    """A current sensor whose range ends below what the motor draws."""
+
+    def __init__(self, joint: int, limit: float) -> None:
+        self.joint, self.limit = joint, limit
+
+    def reset(self) -> None:
+        """See SensorEffect."""
+
+    def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
+        """See SensorEffect."""
+        clipped = effort.copy()
+        clipped[self.joint] = min(max(float(effort[self.joint]), -self.limit), self.limit)
+        return position, clipped
+
+
+def saturation(site: Site, strength: float) -> Installed:
+    """A limit at 1 − strength of the largest torque of the run."""
+    limit = (1.0 - strength) * float(np.abs(site.along.motor[:, site.joint]).max())
+    return Installed(sensors=(ClippedEffort(site.joint, limit),), facts={"limit [N·m]": limit})
+
+
+def saturation_torque(installed: Installed, site: Site) -> Floats:
+    """The reported torque less the true one."""
+    (sensor,) = installed.sensors
+    assert isinstance(sensor, ClippedEffort)
+    j = sensor.joint
+    torque = np.zeros_like(site.along.motor)
+    true = site.along.motor[:, j]
+    torque[:, j] = np.clip(true, -sensor.limit, sensor.limit) - true
+    return torque
+
+
+class OffAxis:
+    """An encoder disk off its axis reads q + e cos(q + phase), once a turn of the joint."""
+
+    def __init__(self, joint: int, error: float, phase: float) -> None:
+        self.joint, self.error, self.phase = joint, error, phase
+
+    def reset(self) -> None:
+        """See SensorEffect."""
+
+    def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
+        """See SensorEffect."""
+        read = position.copy()
+        read[self.joint] += self.error * cos(float(position[self.joint]) + self.phase)
+        return read, effort
+
+
+def eccentricity(site: Site, strength: float) -> Installed:
+    """Of strength rad, at a random phase."""
+    phase = site.random.uniform(0.0, 2.0 * pi)
+    return Installed(
+        sensors=(OffAxis(site.joint, strength, phase),),
+        facts={"error [rad]": strength, "phase [rad]": phase},
+    )
+
+
+def eccentricity_torque(installed: Installed, site: Site) -> Floats:
+    """The torque of the true motion less that which the reported motion would need."""
+    (sensor,) = installed.sensors
+    assert isinstance(sensor, OffAxis)
+    run, j, error = site.along, sensor.joint, sensor.error
+    angle = run.q[:, j] + sensor.phase
+    rate = 1.0 - error * np.sin(angle)
+    q, qd, qdd = run.q.copy(), run.qd.copy(), run.qdd.copy()
+    q[:, j] += error * np.cos(angle)
+    qd[:, j] *= rate
+    qdd[:, j] = qdd[:, j] * rate - error * np.cos(angle) * run.qd[:, j] ** 2
+    return unexplained_by(site, q, qd, qdd)

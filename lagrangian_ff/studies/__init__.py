@@ -1,0 +1,1 @@
+"""Studies at full size, each reproducible from its seed."""
