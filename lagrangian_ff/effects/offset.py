@@ -1,6 +1,7 @@
 """A constant torque."""
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,6 +17,18 @@ class Offset(Effect):
     source = "eq. (51), third term"
     meaning = "constant torque, as from a current sensor's zero"
     parameters = (Parameter("c", "N·m", "constant torque"),)
+    kind = "measurement"
+    coordinate = "direction"
+    shows_as = "the same error in both directions, everywhere"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "asymmetric_coulomb": "nothing in the motion: read the effort with the brake on",
+        "drift": "it stays the same from the beginning of the recording to its end",
+        "spring": "it is the same at every position",
+        "contact": "it is there all the time",
+    }
+    motion = "slow sweep"
+    next_motion = "sweep slowly through the whole range, forth and back; read the effort at rest"
+    caution = "asymmetric_coulomb is Coulomb friction plus this"
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

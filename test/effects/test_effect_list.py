@@ -1,10 +1,20 @@
 """What every effect of the shared list must be."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from effect_examples import JOINTS, motion, shape_of, shapes_of
 
-from lagrangian_ff.effects import EFFECTS, GROUPS, Effect, Inputs
+from lagrangian_ff.effects import EFFECTS, GROUPS, KINDS, MOTIONS, Effect, Inputs, checked_columns
 from lagrangian_ff.kernels import States
+
+COORDINATES = {
+    "velocity", "position", "acceleration", "load", "time", "direction", "since_reversal", "order",
+}  # fmt: skip
+# Rates of change are centred: the last samples of a motion know what comes next.
+LOOKAHEAD = 3
 
 
 @pytest.fixture(params=sorted(EFFECTS))
@@ -13,33 +23,106 @@ def effect(request: pytest.FixtureRequest) -> Effect:
     return EFFECTS[request.param]
 
 
+@pytest.fixture(scope="module")
+def moving() -> Inputs:
+    """Return a motion of three joints."""
+    return motion()
+
+
 @pytest.fixture
 def states() -> Inputs:
-    """Return states of three joints, rest among them."""
+    """Return states of three joints without time, rest among them."""
     rng = np.random.default_rng(0)
-    q, qd, qdd = rng.normal(size=(3, 20, 3))
+    q, qd, qdd = rng.normal(size=(3, 20, JOINTS))
     qd[0] = 0.0
     return Inputs.of(States.of(q, qd, qdd))
 
 
-def shape_of(effect: Effect) -> dict[str, float]:
-    return {shape.name: shape.start for shape in effect.shapes}
-
-
-def test_there_is_one_finite_column_a_parameter(effect: Effect, states: Inputs) -> None:
-    columns = effect.columns(states, 1, shape_of(effect))
-    assert columns.shape == (20, len(effect.parameters))
-    assert np.isfinite(columns).all()
-
-
 def test_it_explains_itself(effect: Effect) -> None:
-    assert effect.formula
-    assert effect.source
-    assert effect.meaning
+    words = (
+        effect.name, effect.formula, effect.source, effect.meaning, effect.shows_as,
+        effect.next_motion,
+    )  # fmt: skip
+    assert all(words)
+    assert effect.source != "user"
+    assert effect.kind in KINDS
+    assert effect.coordinate in COORDINATES
+    assert effect.motion in MOTIONS
+    assert effect.uses <= {"load", "torque"}
     assert effect.parameters
     assert all(p.name and p.unit and p.meaning for p in effect.parameters)
     assert all(s.name and s.unit and s.meaning for s in effect.shapes)
     assert all(s.low <= s.start <= s.high for s in effect.shapes)
+
+
+def test_its_formula_has_every_number_by_its_name(effect: Effect) -> None:
+    named = set(re.findall(r"[A-Za-z_]\w*", effect.formula))
+    assert {p.name for p in effect.parameters} | {s.name for s in effect.shapes} <= named
+
+
+def test_its_look_alikes_know_it_too(effect: Effect) -> None:
+    for other, difference in effect.look_alikes.items():
+        assert other in EFFECTS
+        assert other != effect.name
+        assert difference
+        assert effect.name in EFFECTS[other].look_alikes
+
+
+def test_there_is_one_finite_column_a_parameter(effect: Effect, moving: Inputs) -> None:
+    for joint in range(JOINTS):
+        for shape in shapes_of(effect, moving, joint):
+            columns = checked_columns(effect, moving, joint, shape)
+            assert columns.shape == (len(moving), len(effect.parameters))
+
+
+def test_it_adds_something_to_a_motion(effect: Effect, moving: Inputs) -> None:
+    shapes = shapes_of(effect, moving, 1)
+    assert shapes
+    assert all(effect.columns(moving, 1, shape).any(axis=0).all() for shape in shapes)
+
+
+def test_states_without_time_are_settled_and_finite(effect: Effect, states: Inputs) -> None:
+    together = checked_columns(effect, states, 1, shape_of(effect))
+    for i in range(3):
+        alone = effect.columns(states.take(np.array([i])), 1, shape_of(effect))
+        np.testing.assert_allclose(alone[0], together[i], atol=1e-12)
+
+
+def test_the_search_stays_in_the_range(effect: Effect, moving: Inputs) -> None:
+    for shape in effect.candidates(moving, 0):
+        for s in effect.shapes:
+            assert s.low <= shape[s.name] <= s.high
+        assert set(shape) == {s.name for s in effect.shapes}
+
+
+def test_a_sample_does_not_depend_on_which_others_are_there(effect: Effect, moving: Inputs) -> None:
+    """Only what remembers may look at other samples, and it looks back."""
+    shape = shapes_of(effect, moving, 1)[-1]
+    whole = effect.columns(moving, 1, shape)
+    if not effect.remembers:
+        some = np.arange(0, len(moving), 7)
+        np.testing.assert_array_equal(effect.columns(moving.take(some), 1, shape), whole[some])
+    first = len(moving) // 2
+    start = effect.columns(cut(moving, first), 1, shape)
+    kept = first - (LOOKAHEAD if effect.remembers else 0)
+    np.testing.assert_allclose(start[:kept], whole[:kept], atol=1e-12)
+
+
+def test_it_knows_what_it_uses(effect: Effect, moving: Inputs) -> None:
+    shape = shapes_of(effect, moving, 1)[-1]
+    before = effect.columns(moving, 1, shape)
+    for name in ("load", "torque"):
+        changed = replace(moving, **{name: 1.3 * getattr(moving, name) + 1.0})
+        same = np.array_equal(effect.columns(changed, 1, shape), before)
+        assert same == (name not in effect.uses)
+
+
+def test_it_knows_whether_it_remembers(effect: Effect, moving: Inputs) -> None:
+    """Samples in a stretch of their own have no past."""
+    alone = replace(moving, segment=np.arange(len(moving)))
+    shape = shapes_of(effect, moving, 1)[-1]
+    same = np.array_equal(effect.columns(alone, 1, shape), effect.columns(moving, 1, shape))
+    assert same != effect.remembers
 
 
 def test_groups_are_made_of_effects() -> None:
@@ -54,3 +137,9 @@ def test_friction_basis_is_the_papers_kernel(states: Inputs) -> None:
     v = states.qd[:, 2]
     step = np.tanh(v / width)
     np.testing.assert_allclose(columns @ columns.T, np.outer(v, v) + np.outer(step, step) + 1.0)
+
+
+def cut(x: Inputs, count: int) -> Inputs:
+    """Return the beginning of a motion as if the recording had ended there."""
+    names = ("q", "qd", "qdd", "time", "segment", "load", "torque")
+    return replace(x, **{name: getattr(x, name)[:count] for name in names})

@@ -1,0 +1,62 @@
+"""Friction of two joints that share a shaft."""
+
+from collections.abc import Mapping, Sequence
+from typing import ClassVar
+
+import numpy as np
+
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.errors import EffectError
+
+
+class Coupled(Effect):
+    """Friction on the sum or difference of two joints' speeds: a differential wrist.
+
+    By virtual work the same torque, times the ratio, acts on the partner.
+    """
+
+    name = "coupled"
+    formula = "F sign(qd + ratio qd[partner]) + B (qd + ratio qd[partner])"
+    source = "Janot, Vandanjon and Gautier 2014, IEEE Trans. Control Systems Technology 22(1)"
+    meaning = "friction of a shaft that turns with two joints, as in a differential wrist"
+    parameters = (
+        Parameter("F", "N·m", "Coulomb torque of the shared shaft"),
+        Parameter("B", "N·m·s/rad", "viscous coefficient of the shared shaft"),
+    )
+    shapes = (
+        Shape("partner", "index", "the other joint, counted from 0", 0, 63, 0, whole=True),
+        Shape("ratio", "1", "turns of the shaft per turn of the partner", -1, 1, 1, whole=True),
+    )
+    kind = "transmission"
+    coordinate = "velocity"
+    shows_as = "steps where the sum or difference of two joints' speeds is zero"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "coulomb": "the step moves with the neighbour's speed",
+        "delay": "it comes where the sum of two speeds reverses, not where the torque changes",
+    }
+    motion = "one by one"
+    next_motion = "move the two joints one by one, then both at once at several ratios of speed"
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`.
+
+        Raises:
+            EffectError: there is no such partner.
+        """
+        partner = round(shape["partner"])
+        if not 0 <= partner < x.joints:
+            raise EffectError(
+                f"effect 'coupled': there is no joint {partner}; expected 0 to {x.joints - 1}"
+            )
+        speed = x.qd[:, joint] + shape["ratio"] * x.qd[:, partner]
+        return np.stack([np.tanh(speed / x.sign_speed[joint]), speed], axis=1)
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """Every other joint, with the sum of the speeds and with their difference."""
+        return [
+            {"partner": float(partner), "ratio": ratio}
+            for partner in range(x.joints)
+            if partner != joint
+            for ratio in (1.0, -1.0)
+        ]

@@ -1,0 +1,44 @@
+"""Presliding: friction that builds up over a distance."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.memory import stop
+
+
+class Hysteresis(Effect):
+    """Friction that turns over within a distance after a reversal, as asperities bend first.
+
+    One elastic contact that slides, minus the friction it settles at: nothing is left of it once
+    the contact slides. Before a recording begins it is taken to slide already.
+    """
+
+    name = "hysteresis"
+    formula = "F ((q - play(q, w)) / w - sign(qd))"
+    source = (
+        "Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; with play operators: Krasnosel'skii and "
+        "Pokrovskii 1989; Al-Bender, Lampaert and Swevers 2005, IEEE Trans. Autom. Control 50(11)"
+    )
+    meaning = "friction that builds up over a distance after a reversal (presliding)"
+    parameters = (Parameter("F", "N·m", "friction that builds up so"),)
+    shapes = (Shape("w", "rad", "deflection at which it slides", 3e-4, 3e-2, 3e-3),)
+    kind = "friction"
+    coordinate = "since_reversal"
+    shows_as = "loops over position after each reversal"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "coulomb": "it turns over within a distance, not at once",
+        "stribeck": "it comes after a reversal only, not with every slow motion",
+        "backlash": "it follows reversals of the motion, not of the load torque",
+        "delay": "its length is a distance, not a time: reverse at two speeds",
+    }
+    motion = "reversals"
+    next_motion = "reverse with strokes of 0.1 to 10 mrad, at two speeds"
+    remembers = True
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        settled = x.sign(joint)
+        deflection = stop(x.q[:, joint].copy(), x.segment, settled, shape["w"])
+        return (deflection - settled)[:, None]

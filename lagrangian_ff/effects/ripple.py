@@ -1,0 +1,73 @@
+"""Torque that repeats over the turn: cogging and ripple, gear mesh."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.inputs import Inputs
+
+ORDER = Shape("order", "1", "periods in one turn of the joint", 2, 60, 6, whole=True)
+
+
+class Ripple(Effect):
+    """Cogging of magnets against teeth, torque ripple: it repeats over the turn, moving or not."""
+
+    name = "ripple"
+    formula = "a cos(order q) + b sin(order q)"
+    source = "Jahns and Soong 1996, IEEE Trans. Industrial Electronics 43(2)"
+    meaning = "cogging or torque ripple, periodic in the joint's angle"
+    parameters = (
+        Parameter("a", "N·m", "amplitude of the cosine"),
+        Parameter("b", "N·m", "amplitude of the sine"),
+    )
+    shapes = (ORDER,)
+    kind = "transmission"
+    coordinate = "order"
+    shows_as = "a line in the spectrum over position, the same in both directions"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "gear_mesh": "its amplitude does not grow with the load",
+        "position_friction": "it is the same in both directions",
+        "counterbalance": "it goes through several periods in a turn",
+    }
+    motion = "slow sweep"
+    next_motion = "turn slowly through the whole range, with 20 samples or more a period"
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        return turning(x.q[:, joint], shape["order"])
+
+
+class GearMesh(Effect):
+    """An error of the teeth, or the two lobes of a harmonic drive: it grows with the load."""
+
+    name = "gear_mesh"
+    formula = "|load| (a cos(order q) + b sin(order q))"
+    source = "Tuttle and Seering 1996, IEEE Trans. Robotics and Automation 12(3)"
+    meaning = "gear error, periodic in the joint's angle and in proportion to the load"
+    parameters = (
+        Parameter("a", "1", "amplitude of the cosine over the load"),
+        Parameter("b", "1", "amplitude of the sine over the load"),
+    )
+    shapes = (ORDER,)
+    kind = "transmission"
+    coordinate = "order"
+    shows_as = "a line in the spectrum over position that grows with the load"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "ripple": "its amplitude grows with the load",
+        "load_friction": "it is the same in both directions of motion",
+        "eccentricity": "it goes through several periods in a turn",
+    }
+    motion = "payloads"
+    next_motion = "turn slowly through the whole range, with and without a payload"
+    uses = frozenset({"load"})
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        return np.abs(x.load[:, [joint]]) * turning(x.q[:, joint], shape["order"])
+
+
+def turning(q: Floats, order: float) -> Floats:
+    """(M, 2) cosine and sine of an order of the angle."""
+    return np.stack([np.cos(order * q), np.sin(order * q)], axis=1)

@@ -1,0 +1,31 @@
+"""The motor's own inertia."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.inputs import Inputs
+
+
+class RotorInertia(Effect):
+    """The rotor's inertia times the gear ratio squared, as the joint feels it."""
+
+    name = "rotor_inertia"
+    formula = "J qdd"
+    source = "Spong, Hutchinson and Vidyasagar 2006, Robot Modeling and Control, ch. 7"
+    meaning = "the motor's own inertia, reflected through the gear"
+    parameters = (Parameter("J", "kg·m²", "inertia of the rotor times the gear ratio squared"),)
+    kind = "mechanics"
+    coordinate = "acceleration"
+    shows_as = "a straight line over the joint's own acceleration"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "elasticity": "it follows the acceleration itself, not the rate at which the load changes",
+        "torque_gain": "it follows the acceleration, and not gravity",
+    }
+    motion = "exciting"
+    next_motion = "accelerate the joint in postures in which the links' inertia differs"
+    caution = "a Lagrangian kernel has it already: only rigid-body (URDF) models without find it"
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        return x.qdd[:, [joint]]

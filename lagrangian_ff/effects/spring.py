@@ -1,0 +1,40 @@
+"""A spring, a cable, a hose."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.inputs import Inputs
+
+
+class Spring(Effect):
+    """What pulls the joint back: a torsion spring, a hose or a cable that stiffens.
+
+    Where the spring is at rest, q0, goes into an offset.
+    """
+
+    name = "spring"
+    formula = "k q + k3 q^3"
+    source = "Hooke's law and the stiffening term of Duffing's equation"
+    meaning = "a spring, or a cable that pulls the joint back"
+    parameters = (
+        Parameter("k", "N·m/rad", "stiffness"),
+        Parameter("k3", "N·m/rad³", "stiffening"),
+    )
+    kind = "mechanics"
+    coordinate = "position"
+    shows_as = "a smooth curve over position, the same both ways"
+    look_alikes: ClassVar[Mapping[str, str]] = {
+        "offset": "it changes with position",
+        "counterbalance": "it grows steadily with the angle",
+    }
+    motion = "slow sweep"
+    next_motion = "sweep the whole range slowly, forth and back"
+    caution = "a kernel that is free in position has it already: only models without find it"
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        q = x.q[:, joint]
+        return np.stack([q, q**3], axis=1)
