@@ -3,6 +3,7 @@
 from lagrangian_ff.effects.base import KINDS, MOTIONS, Effect, Parameter, Shape, checked_columns
 from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS
 from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.user import load_effects, load_installed
 
 __all__ = [
     "EFFECTS",
@@ -14,4 +15,6 @@ __all__ = [
     "Parameter",
     "Shape",
     "checked_columns",
+    "load_effects",
+    "load_installed",
 ]

@@ -69,7 +69,8 @@ class Effect(ABC):
     """One physical effect on the torque of one joint.
 
     A subclass is data, a formula and its docstring. Columns are what the parameters multiply:
-    the torque of the effect is `columns @ parameters`, in N·m.
+    the torque of the effect is `columns @ parameters`, in N·m. It must give `name`, `formula`,
+    `parameters` and `columns`; the rest has a default.
 
     Attributes:
         name: one word, as the command line takes it.
@@ -91,8 +92,8 @@ class Effect(ABC):
 
     name: ClassVar[str]
     formula: ClassVar[str]
-    source: ClassVar[str]
-    meaning: ClassVar[str]
+    source: ClassVar[str] = "user"
+    meaning: ClassVar[str] = ""
     parameters: ClassVar[tuple[Parameter, ...]]
     shapes: ClassVar[tuple[Shape, ...]] = ()
     kind: ClassVar[str] = "friction"

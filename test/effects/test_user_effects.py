@@ -1,0 +1,205 @@
+"""Effects that users bring, sound and not."""
+
+import sys
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pytest
+
+from lagrangian_ff.effects import EFFECTS, load_effects, user
+from lagrangian_ff.effects.check import check, trial_motion
+from lagrangian_ff.errors import EffectError
+from lagrangian_ff.identification.spec import parse
+
+TEN_LINES = """\
+import numpy as np
+from lagrangian_ff.effects import Effect, Parameter
+
+class Pit(Effect):
+    name = "pit"
+    formula = "F sign(qd) exp(-((q - 0.4) / 0.1)^2)"
+    parameters = (Parameter("F", "N·m", "extra friction in a worn place"),)
+
+    def columns(self, x, joint, shape):
+        return (x.sign(joint) * np.exp(-(((x.q[:, joint] - 0.4) / 0.1) ** 2)))[:, None]
+"""
+
+
+@pytest.fixture(autouse=True)
+def catalogue() -> Iterator[None]:
+    """Put the catalogue back as it was."""
+    before, origin = dict(EFFECTS), dict(user._origin)
+    yield
+    for changed, kept in ((EFFECTS, before), (user._origin, origin)):
+        changed.clear()
+        changed.update(kept)  # type: ignore[arg-type]
+    user.load_installed.cache_clear()
+
+
+def written(folder: Path, text: str, name: str = "mine.py") -> Path:
+    file = folder / name
+    file.write_text(dedent(text))
+    return file
+
+
+def changed(folder: Path, old: str, new: str) -> Path:
+    assert old in TEN_LINES
+    return written(folder, TEN_LINES.replace(old, new))
+
+
+@pytest.mark.parametrize("name", sorted(EFFECTS))
+def test_our_own_effects_are_sound(name: str) -> None:
+    check(EFFECTS[name])
+
+
+def test_ten_lines_take_part_in_everything(tmp_path: Path) -> None:
+    file = written(tmp_path, TEN_LINES)
+    assert len(TEN_LINES.splitlines()) == 10
+    (pit,) = load_effects(file)
+    assert pit.source == "user"
+    assert EFFECTS["pit"] is pit
+    assert parse("vrbfs+fri+pit").effects[-1] is pit
+    assert [f.name for f in tmp_path.iterdir()] == ["mine.py"]
+
+
+def test_instances_and_classes_with_shapes(tmp_path: Path) -> None:
+    text = """
+        from lagrangian_ff.effects import EFFECTS, Effect, Parameter, Shape
+        from lagrangian_ff.effects.ripple import Ripple
+
+        known = EFFECTS["viscous"]
+
+        class _Base(Effect):
+            parameters = (Parameter("F", "N·m", "size"),)
+
+        class Beat(_Base):
+            shapes = (Shape("w", "rad/s", "frequency", 1.0, 50.0, 10.0),)
+
+            def __init__(self, name, power):
+                self.name, self.formula, self.power = name, "F sin(w t)", power
+
+            def columns(self, x, joint, shape):
+                import numpy as np
+                t = np.where(np.isfinite(x.time), x.time, 0.0)
+                return np.sin(shape["w"] * t)[:, None] ** self.power
+
+        one, two = Beat("beat_one", 1), Beat("beat_two", 2)
+    """
+    assert [effect.name for effect in load_effects(written(tmp_path, text))] == [
+        "beat_one",
+        "beat_two",
+    ]
+
+
+def test_a_file_may_be_loaded_again(tmp_path: Path) -> None:
+    load_effects(written(tmp_path, TEN_LINES))
+    load_effects(changed(tmp_path, '"pit"', '"hollow"'))
+    assert "hollow" in EFFECTS
+    assert "pit" not in EFFECTS
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("import numpy as np", "import nunpy as np", ["does not import", "line 1", "nunpy"]),
+        ("import numpy as np", "x = 1 +", ["does not import", "line 1", "SyntaxError"]),
+        ("import numpy as np", "raise SystemExit(3)", ["does not import", "SystemExit"]),
+        ("[:, None]", "", ["'pit'", "shape (1000,)", "expected (1000, 1)"]),
+        ("x.sign(joint) *", "np.inf *", ["'pit'", "inf", "finite", "F"]),
+        ("x.q[:, joint]", "x.angle", ["'pit'", "line 10", "AttributeError", "angle"]),
+        ("def columns", "def column", ["Pit", "no columns()"]),
+        ('"pit"', '"coulomb"', ["'coulomb'", "taken by the catalogue"]),
+        ('"pit"', '"fri"', ["'fri'", "taken by a group"]),
+        ('"pit"', '"rbf"', ["'rbf'", "taken by a kernel"]),
+        ('"pit"', '"a pit"', ["'a pit'", "one word"]),
+        ('"pit"', "3", ["name", "a text", "3"]),
+        (",)", ")", ["'pit'", "parameters", "tuple"]),
+        ("(Effect)", "", ["defines no effect"]),
+        ('    name = "pit"\n', '    name = "pit"\n    kind = "frictoin"\n', ["kind", "frictoin"]),
+        ('    name = "pit"\n', '    name = "pit"\n    motion = "dance"\n', ["motion", "dance"]),
+        ('    name = "pit"\n', '    name = "pit"\n    uses = {"tau"}\n', ["uses", "tau"]),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, words: list[str]) -> None:
+    before = dict(EFFECTS)
+    modules = set(sys.modules)
+    file = changed(tmp_path, old, new)
+    with pytest.raises(EffectError) as caught:
+        load_effects(file)
+    for word in [str(file), *words]:
+        assert word in str(caught.value)
+    assert before == EFFECTS
+    assert "nunpy" not in set(sys.modules) - modules
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ('Shape("w", "s", "width", 0.0, 2.0, 1.0)', ["shape w", "0 < low"]),
+        ('Shape("w", "s", "width", 0.1, 2.0, 3.0)', ["shape w", "3.0"]),
+        ('Shape("F", "s", "width", 0.1, 2.0, 1.0)', ["different names"]),
+        ('"w"', ["shapes", "tuple"]),
+    ],
+)
+def test_shapes_are_checked(tmp_path: Path, shape: str, words: list[str]) -> None:
+    file = changed(tmp_path, '    name = "pit"\n', f'    name = "pit"\n    shapes = ({shape},)\n')
+    file.write_text(file.read_text().replace("Effect, ", "Effect, Shape, "))
+    with pytest.raises(EffectError) as caught:
+        load_effects(file)
+    assert all(word in str(caught.value) for word in words)
+
+
+def test_one_bad_effect_keeps_its_whole_file_out(tmp_path: Path) -> None:
+    second = TEN_LINES[TEN_LINES.index("class") :].replace("Pit", "Bad").replace("pit", "bad")
+    file = written(tmp_path, TEN_LINES + "\n" + second.replace("[:, None]", ""))
+    with pytest.raises(EffectError, match="'bad'"):
+        load_effects(file)
+    assert "pit" not in EFFECTS
+
+
+def test_two_files_with_one_name(tmp_path: Path) -> None:
+    first = written(tmp_path, TEN_LINES)
+    load_effects(first)
+    with pytest.raises(EffectError, match=r"taken by .*mine\.py"):
+        load_effects(written(tmp_path, TEN_LINES, "other.py"))
+
+
+@pytest.mark.parametrize("name", ["none.py", ".", "notes.txt"])
+def test_files_that_are_none(tmp_path: Path, name: str) -> None:
+    (tmp_path / "notes.txt").write_text("hello")
+    with pytest.raises(EffectError, match=r"no such file|a Python file"):
+        load_effects(tmp_path / name)
+
+
+def test_installed_effects_join_and_broken_ones_are_warned_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(tmp_path, TEN_LINES, "worn_gear.py")
+    written(tmp_path, "raise OSError('no licence')", "broken_gear.py")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    entries = [
+        EntryPoint(name, value, user.ENTRY_POINTS)
+        for name, value in (
+            ("broken", "broken_gear:Pit"),
+            ("absent", "worn_gear:Hollow"),
+            ("number", "math:pi"),
+            ("pit", "worn_gear:Pit"),
+        )
+    ]
+    monkeypatch.setattr(user, "entry_points", lambda group: entries)
+    with pytest.warns(UserWarning, match="left out") as warned:
+        found = user.load_installed()
+    assert [effect.name for effect in found] == ["pit"]
+    assert EFFECTS["pit"] is found[0]
+    said = " ".join(str(w.message) for w in warned)
+    assert all(word in said for word in ("no licence", "Hollow", "got float"))
+    assert user.load_installed() is found
+
+
+def test_the_trial_motion_has_rest_and_reversals() -> None:
+    x = trial_motion()
+    assert (x.qd == 0.0).any()
+    assert (np.diff(np.sign(x.qd), axis=0) != 0).any(axis=0).all()
