@@ -15,6 +15,7 @@ RUNTIME = [
     "numba >=0.58.1, <0.69",
     "threadpoolctl >=3.1, <4",
     "matplotlib >=3.6.3, <3.12",
+    "plotly >=5.15, <8",
     "rich >=13.7.1, <16",
     "rosbags >=0.11, <0.12",
     "ruamel.yaml >=0.17.21, <0.20",
@@ -52,7 +53,7 @@ setup(
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={"": ["py.typed", "*.urdf", "*.css", "*.html"]},
+    package_data={"": ["py.typed", "*.urdf", "*.css", "*.js", "*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

@@ -1,13 +1,15 @@
 """Figures and pages that show a person what was found.
 
-`figures` holds one figure a file, drawn by matplotlib without a display; `sections` one part of a
-page a file, each a function that turns findings into a `Section`. `write_page` puts sections into
-one file that needs nothing else: styles and pictures are inside. Whoever makes a page lists the
-sections it shall have, once.
+`figures` holds one figure a file, drawn by matplotlib without a display; `interactive` those that
+are drawn in the reader's browser; `sections` one part of a page a file, each a function that turns
+findings into a `Section`. `write_page` puts sections into one file that needs nothing else: styles,
+pictures and scripts are inside. `pages` holds the pages of compare, diagnose and history. Whoever
+makes a page lists the sections it shall have, once.
 """
 
 from lagrangian_ff.report.page import write_page
+from lagrangian_ff.report.pages.compare import compare_page
 from lagrangian_ff.report.section import Section
 from lagrangian_ff.report.tracking import Tracking
 
-__all__ = ["Section", "Tracking", "write_page"]
+__all__ = ["Section", "Tracking", "compare_page", "write_page"]

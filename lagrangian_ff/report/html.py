@@ -7,15 +7,21 @@ from html import escape
 
 __all__ = [
     "Card",
+    "Share",
+    "badge",
     "beside",
+    "bullets",
     "cards",
     "columns",
     "escape",
     "figure",
     "note",
     "paragraph",
+    "plots",
+    "shares",
     "steps",
     "table",
+    "tabs",
 ]
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -38,6 +44,21 @@ class Card:
     good: bool | None = None
 
 
+@dataclass(frozen=True)
+class Share:
+    """A place, and how much of two wholes lies there.
+
+    Attributes:
+        name: of what it belongs to, set in bold.
+        text: the place.
+        parts: label and share (0 to 1) of each bar; the first is the one that matters.
+    """
+
+    name: str
+    text: str
+    parts: Sequence[tuple[str, float]]
+
+
 def paragraph(text: str) -> str:
     """Running text."""
     return f"<p>{escape(text)}</p>"
@@ -51,6 +72,63 @@ def note(text: str) -> str:
 def steps(texts: Iterable[str]) -> str:
     """A numbered list."""
     return f"<ol>{''.join(f'<li>{escape(text)}</li>' for text in texts)}</ol>"
+
+
+def bullets(texts: Iterable[str]) -> str:
+    """A list without numbers."""
+    return f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in texts)}</ul>"
+
+
+def badge(text: str, kind: str = "") -> str:
+    """A word in a coloured frame.
+
+    Args:
+        text: the word.
+        kind: `good`, `fair`, `bad` or nothing.
+    """
+    return f'<span class="badge {escape(kind)}">{escape(text)}</span>'
+
+
+def shares(rows: Iterable[Share]) -> str:
+    """Places with their shares as bars, one under the other."""
+    return f'<div class="shares">{"".join(map(_share, rows))}</div>'
+
+
+def _share(row: Share) -> str:
+    bars = "".join(
+        f'<div class="bar"><i style="width:{100.0 * min(1.0, max(0.0, share)):.1f}%"></i></div>'
+        f"<span>{escape(label)}</span>"
+        for label, share in row.parts
+    )
+    return (
+        f'<div class="share"><p><b>{escape(row.name)}</b> {escape(row.text)}</p>'
+        f'<div class="bars">{bars}</div></div>'
+    )
+
+
+def plots(pieces: Iterable[str]) -> str:
+    """Small figures in columns, as many as there is room for."""
+    return f'<div class="plots">{"".join(pieces)}</div>'
+
+
+def tabs(name: str, panels: Sequence[tuple[str, str]], first: int = 0) -> str:
+    """Pieces of HTML of which one is shown; no script is needed to choose it.
+
+    Args:
+        name: unlike that of any other tabs of the page.
+        panels: label and HTML of each.
+        first: the one shown before any choice.
+    """
+    parts = []
+    for k, (label, body) in enumerate(panels):
+        mark = f"{escape(name)}-{k}"
+        checked = " checked" if k == first else ""
+        parts.append(
+            f'<input type="radio" name="{escape(name)}" id="{mark}"{checked}>'
+            f'<label for="{mark}">{escape(label)}</label>'
+            f'<div class="panel"><h3 class="label">{escape(label)}</h3>{body}</div>'
+        )
+    return f'<div class="tabs">{"".join(parts)}</div>'
 
 
 def beside(left: str, right: str) -> str:

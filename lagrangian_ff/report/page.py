@@ -6,7 +6,14 @@ from os import PathLike
 from pathlib import Path
 
 from lagrangian_ff.report.html import escape
+from lagrangian_ff.report.interactive.plot import MARK
+from lagrangian_ff.report.interactive.script import scripts
 from lagrangian_ff.report.section import Section
+
+NO_SCRIPT = (
+    "<noscript><p>The figures of this page are drawn by JavaScript, which is switched off here. "
+    "Everything they need is inside the page.</p></noscript>\n"
+)
 
 
 def write_page(
@@ -14,31 +21,38 @@ def write_page(
     title: str,
     sections: Sequence[Section],
     *,
+    kicker: str = "",
     summary: str = "",
     footer: str = "",
 ) -> Path:
-    """Write a page whose styles and pictures are inside it. Returns the path.
+    """Write a page whose styles, pictures and scripts are inside it. Returns the path.
 
     Args:
         path: the file to write, replaced when all of the page is there.
         title: the heading; say the verdict in it.
         sections: in the order they are shown.
+        kicker: a line above the heading: what was done with what.
         summary: a few sentences under the heading.
         footer: small print at the end.
 
     Raises:
         OSError: the file cannot be written.
+        PlotlyMissingError: a section has interactive figures, and nothing is there to draw them.
     """
     path = Path(path)
     style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
+    above = f'<p class="kicker">{escape(kicker)}</p>' if kicker else ""
     below = f"<p>{escape(summary)}</p>" if summary else ""
     end = f"<footer>{escape(footer)}</footer>" if footer else ""
+    interactive = any(MARK in section.body for section in sections)
+    script = scripts() if interactive else ""
     text = (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
-        f"<header><h1>{escape(title)}</h1>{below}</header>\n"
-        f"{''.join(map(_section, sections))}{end}\n</main>\n</body>\n</html>\n"
+        f"<header>{above}<h1>{escape(title)}</h1>{below}</header>\n"
+        f"{NO_SCRIPT if interactive else ''}"
+        f"{''.join(map(_section, sections))}{end}\n</main>\n{script}</body>\n</html>\n"
     )
     part = path.with_name(f"{path.name}.part")
     part.write_text(text, encoding="utf-8")

@@ -14,12 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from lagrangian_ff.report.colours import (
+    FAINT,
+    FRAME,
+    GRID,
+    INK,
+)
 
-INK, FAINT, GRID = "#1f2933", "#7b8794", "#e4e7eb"
-MEASURED, PREDICTED, RESIDUAL = "#9aa5b1", "#1864ab", "#c2410c"
-# Which colour a run has in every figure, in the order in which runs are drawn.
-RUNS = ("#9aa5b1", "#e8910c", "#1864ab", "#2b8a3e", "#7048e8", "#c2255c")
+Floats = NDArray[np.float64]
 
 WIDTH = 10.0  # inches
 DPI = 150
@@ -32,7 +34,7 @@ _RC: dict[Any, Any] = {
     "font.size": 9.0,
     "text.color": INK,
     "axes.labelcolor": INK,
-    "axes.edgecolor": "#cbd2d9",
+    "axes.edgecolor": FRAME,
     "axes.linewidth": 0.8,
     "axes.titlesize": 9.5,
     "axes.titleweight": "bold",

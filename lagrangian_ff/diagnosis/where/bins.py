@@ -28,6 +28,8 @@ class Bins:
         rms: (K,) N·m.
         share_of_error: (K,) of the joint's squared error.
         share_of_time: (K,) of the samples.
+        explained: the share of the joint's squared error that a function of this coordinate would
+            take away; what the means owe to chance, by the bootstrap, is not counted.
     """
 
     coordinate: Coordinate
@@ -40,6 +42,7 @@ class Bins:
     rms: Floats
     share_of_error: Floats
     share_of_time: Floats
+    explained: float
 
     def record(self) -> dict[str, object]:
         """For JSON; the axis with it, so that it can be drawn."""
@@ -52,6 +55,7 @@ class Bins:
             "coordinate": self.coordinate.name,
             "unit": self.coordinate.unit,
             "label": self.coordinate.label,
+            "explained": self.explained,
             **{name: [float(v) for v in getattr(self, name)] for name in arrays},
         }
 
@@ -120,11 +124,14 @@ def bins_of(
     count_in, total, squared = sums.sum(axis=0)
     drawn = resampled(sums[:, :2], seed)
     with np.errstate(divide="ignore", invalid="ignore"):
-        mean_low, mean_high = band(drawn[:, 1] / drawn[:, 0])
+        means = drawn[:, 1] / drawn[:, 0]
         mean, mean_square = total / count_in, squared / count_in
+    mean_low, mean_high = band(means)
     error = float(np.sum(r**2))
+    owed = np.nan_to_num(np.nanvar(means, axis=0))
+    taken = float(np.sum(count_in * (mean**2 - owed)))
     return Bins(
         coordinate, course.motion.joints[joint], low, high, mean, mean_low, mean_high,
         np.sqrt(mean_square), squared / error if error > 0.0 else np.zeros(size),
-        count_in / len(r),
+        count_in / len(r), min(1.0, max(0.0, taken / error)) if error > 0.0 else 0.0,
     )  # fmt: skip

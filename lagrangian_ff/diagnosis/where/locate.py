@@ -51,9 +51,9 @@ class Whereabouts:
         lines = [region.words for region in self.regions]
         for spectrum in self.spectra:
             lines += [
-                f"{spectrum.joint} every 1/{spectrum.order[k]:.4g} of a turn: a wave of "
-                f"{spectrum.amplitude[k]:.2g} N·m"
-                for k in spectrum.lines[:1]
+                f"{spectrum.joint}: a wave of {line.amplitude:.2g} N·m over its angle, "
+                f"{line.order:.3g} to a turn"
+                for line in spectrum.lines[:1]
             ]
         if self.evenly:
             lines.append(f"{', '.join(self.evenly)}: the error is spread evenly")
@@ -160,5 +160,5 @@ def locate(
         spectra += [spectrum] if spectrum is not None else []
     progress(1.0, "done")
     weight = dict(zip(motion.joints, np.nan_to_num(comparison.score.nmse), strict=True))
-    regions.sort(key=lambda region: -weight[region.joint] * region.share_of_error)
+    regions.sort(key=lambda region: -weight[region.joint] * region.strength)
     return Whereabouts(comparison, course, tuple(bins), tuple(regions), tuple(spectra))

@@ -22,8 +22,24 @@ SHUFFLES = 60
 CHANCE = 0.05
 """How often a line may come from a residual that is not tied to the angle, over all orders."""
 MOST_LINES = 5
+LOWEST_LINE, LEAST_WAVES = 3.0, 2.0
+"""A line has at least so many waves a turn, and within the motion: fewer are a slow dependence on
+position, which gravity or a spring may cause."""
 CHUNK = 100
 """Orders computed at once, so that memory stays bounded."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A wave that stands out.
+
+    Attributes:
+        order: waves a turn.
+        amplitude: N·m.
+    """
+
+    order: float
+    amplitude: float
 
 
 @dataclass(frozen=True)
@@ -36,7 +52,7 @@ class Spectrum:
         order: (K,) waves a turn.
         amplitude: (K,) N·m.
         noise: (K,) N·m, below which 95 % lie where the residual is not tied to the angle.
-        lines: the orders that stand out, the strongest first.
+        lines: those that stand out, the strongest first.
         spread: N·m, rms of the residual without its mean.
     """
 
@@ -45,7 +61,7 @@ class Spectrum:
     order: Floats
     amplitude: Floats
     noise: Floats
-    lines: tuple[int, ...]
+    lines: tuple["Line", ...]
     spread: float
 
     def record(self) -> dict[str, object]:
@@ -58,11 +74,11 @@ class Spectrum:
             "noise": [float(v) for v in self.noise],
             "lines": [
                 {
-                    "order": float(self.order[k]),
-                    "amplitude": float(self.amplitude[k]),
-                    "share": float(min(1.0, 0.5 * (self.amplitude[k] / self.spread) ** 2)),
+                    "order": line.order,
+                    "amplitude": line.amplitude,
+                    "share": min(1.0, 0.5 * (line.amplitude / self.spread) ** 2),
                 }
-                for k in self.lines
+                for line in self.lines
             ],
         }
 
@@ -96,10 +112,11 @@ def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None
     noise = np.quantile(chance, 1.0 - CHANCE, axis=0)
     usual = np.maximum(np.median(chance, axis=0), 1e-300)
     limit = float(np.quantile((chance / usual).max(axis=1), 1.0 - CHANCE))
-    return Spectrum(
-        course.motion.joints[joint], resolution, order, measured, noise,
-        _lines(order, measured, measured / usual > limit, resolution), spread,
-    )  # fmt: skip
+    strong = (measured / usual > limit) & (order > max(LOWEST_LINE, LEAST_WAVES * resolution))
+    places = _peaks(order, measured, strong, resolution)
+    lines = tuple(_refined(q, r, order, k) for k in places)
+    name = course.motion.joints[joint]
+    return Spectrum(name, resolution, order, measured, noise, lines, spread)
 
 
 def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
@@ -113,7 +130,15 @@ def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
     return np.hypot((ss * rc - cs * rs) / det, (cc * rs - cs * rc) / det)
 
 
-def _lines(
+def _refined(q: Floats, r: Floats, order: Floats, place: int) -> Line:
+    """The top of a peak, between the orders that were tried."""
+    around = order[place] + np.linspace(-1.0, 1.0, 81) * (order[1] - order[0])
+    amplitude = _amplitudes(q, r[None], around)[0]
+    top = int(np.argmax(amplitude))
+    return Line(float(around[top]), float(amplitude[top]))
+
+
+def _peaks(
     order: Floats, amplitude: Floats, strong: NDArray[np.bool_], resolution: float
 ) -> tuple[int, ...]:
     """The highest orders of all that are strong, one within what can be told apart."""

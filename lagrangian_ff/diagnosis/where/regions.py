@@ -10,7 +10,7 @@ from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, PAIRS
 from lagrangian_ff.diagnosis.where.course import Course
 from lagrangian_ff.diagnosis.where.phrases import percent
 from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, Shuffles, band, resampled
-from lagrangian_ff.diagnosis.where.scan import Found, Scan
+from lagrangian_ff.diagnosis.where.scan import Found, Scan, divergence
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -76,6 +76,12 @@ class Region:
     rms: float
 
     @property
+    def strength(self) -> float:
+        """How striking it is; see `scan`."""
+        share, time = np.array([self.share_of_error]), np.array([self.share_of_time])
+        return float(divergence(share, time)[0])
+
+    @property
     def place(self) -> str:
         """Where it is, without the joint."""
         return " ".join(condition.words for condition in self.conditions)
@@ -102,6 +108,7 @@ class Region:
             "share_of_error_high": self.band[1],
             "share_of_time": self.share_of_time,
             "rmse": self.rms,
+            "place": self.place,
             "words": self.words,
         }
 

@@ -120,7 +120,7 @@ class Scan:
         right = self.axes[1].members if len(self.axes) == 2 else np.ones((1, 1))
         shares = left @ energy.reshape(repeats, rows, columns) @ right.T
         times = left @ time.reshape(rows, columns) @ right.T
-        return _divergence(shares, times)
+        return divergence(shares, times)
 
     def best(self, error: Floats) -> Found:
         """The most striking region for (M,) squared errors."""
@@ -134,7 +134,7 @@ class Scan:
         return self.strength(error[shuffles.order]).max(axis=(1, 2))
 
 
-def _divergence(share: Floats, time: Floats) -> Floats:
+def divergence(share: Floats, time: Floats) -> Floats:
     """The divergence of Bernoulli(share) from Bernoulli(time)."""
     usable = (time >= LEAST_TIME) & (time <= MOST_TIME)
     t = np.where(usable, time, 0.5)

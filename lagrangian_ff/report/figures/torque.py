@@ -7,11 +7,9 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from lagrangian_ff.recording import Motion
+from lagrangian_ff.report.colours import MEASURED, PREDICTED, RESIDUAL
 from lagrangian_ff.report.numbers import number, percent
 from lagrangian_ff.report.style import (
-    MEASURED,
-    PREDICTED,
-    RESIDUAL,
     broken,
     legend_above,
     new_figure,

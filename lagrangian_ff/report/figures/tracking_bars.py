@@ -5,8 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from lagrangian_ff.report.colours import FRAME, INK, RUNS
 from lagrangian_ff.report.numbers import mrad
-from lagrangian_ff.report.style import INK, RUNS, legend_above, new_figure, styled
+from lagrangian_ff.report.style import legend_above, new_figure, styled
 from lagrangian_ff.report.tracking import Tracking
 
 FILLED = 0.84  # of the room between joints
@@ -38,7 +39,7 @@ def tracking_bars_figure(trajectories: Mapping[str, Sequence[Tracking]]) -> Figu
                         mrad(1e-3 * height), (place, height), (0, 2), textcoords="offset points",
                         ha="center", fontsize=6.5, color=INK,
                     )  # fmt: skip
-            axes.axvline(len(groups) - 1.5, color="#cbd2d9", linewidth=0.8)
+            axes.axvline(len(groups) - 1.5, color=FRAME, linewidth=0.8)
             axes.set_xticks(np.arange(len(groups)), groups)
             axes.set_xlim(-0.5, len(groups) - 0.5)
             axes.grid(visible=False, axis="x")

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from lagrangian_ff.report.colours import RUNS
 from lagrangian_ff.report.numbers import mrad
-from lagrangian_ff.report.style import RUNS, legend_above, new_figure, styled, symmetric, thinned
+from lagrangian_ff.report.style import legend_above, new_figure, styled, symmetric, thinned
 from lagrangian_ff.report.tracking import Tracking
 
 

@@ -1,0 +1,131 @@
+"""`compare`: where a model fails on recordings."""
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.leaving import leaving
+from lagrangian_ff.cli.common.options import (
+    SOURCE_HELP,
+    add_conditioning,
+    add_force,
+    add_json,
+    add_topic,
+    conditioning_of,
+)
+from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.cli.common.sources import of_model, prepare, read
+from lagrangian_ff.cli.text.compare import next_step, say_where
+from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
+from lagrangian_ff.cli.text.model import scaling
+from lagrangian_ff.errors import UserError
+
+NAME = "compare"
+SUMMARY = "see where a model fails: in which region of speed, position, load, direction or time"
+USAGE = "MODEL SOURCE [SOURCE ...] [options]"
+DESCRIPTION = """\
+Holds a model against recordings, those it was identified from or others, and tells where its error
+lies: the error of each joint, and the few regions of speed, position, acceleration, load, time,
+direction or time around reversals that hold most of it. On a recording made later, this is what
+changed since."""
+EPILOG = """\
+examples:
+  lagrangian_ff compare model.npz other_bag
+  lagrangian_ff compare model.npz bag_1 bag_2 --report where.html --json where.json
+
+what comes out:
+  the error of each joint in N·m (rmse) and as a share of its torque's variance (nmse);
+  regions such as `joint_2 below 0.1 rad/s: 41 % of its error in 6 % of the time`. A region is
+  named only if error spread at random over the motion would hardly show one so striking;
+  with --report one page with everything to look at, which opens without a network: torques over
+  time, the residual over each quantity with bands of chance, and its waves over each joint's
+  angle."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """See `Command`."""
+    parser.add_argument("model", type=Path, metavar="MODEL", help="a model file of identify")
+    parser.add_argument(
+        "sources",
+        type=Path,
+        nargs="+",
+        metavar="SOURCE",
+        help=f"{SOURCE_HELP}; several are judged together",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="write a page with interactive figures"
+    )
+    add_topic(parser)
+    add_conditioning(parser)
+    add_json(parser)
+    add_force(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """See `Command`."""
+    console = Console(arguments.json)
+    _check_outputs(arguments)
+    from lagrangian_ff.diagnosis import compare
+    from lagrangian_ff.diagnosis.where import locate
+    from lagrangian_ff.identification import Model
+    from lagrangian_ff.recording import Conditioning
+    from lagrangian_ff.recording.motion import concatenate
+
+    model = Model.load(arguments.model)
+    conditioning = conditioning_of(
+        arguments, Conditioning.from_record(model.record.get("conditioning"))
+    )
+    console.say(scaling(conditioning.record()))
+    recordings = [
+        of_model(read(source, arguments.topic), model, arguments.model)
+        for source in arguments.sources
+    ]
+    motions = [prepare(recording, conditioning, console).motion for recording in recordings]
+    motion = concatenate(motions) if len(motions) > 1 else motions[0]
+    with progress_bar("predicting") as progress:
+        comparison = compare(model, motion, progress=progress)
+    with progress_bar("looking where it fails") as progress:
+        where = locate(model, comparison, progress=progress)
+    names = {
+        "model": str(arguments.model),
+        "sources": [str(source) for source in arguments.sources],
+    }
+    record = {**names, **where.record()}
+    if arguments.report is not None:
+        from lagrangian_ff.report import compare_page
+
+        with whole(arguments.report) as path:
+            compare_page(path, {**names, **where.record(series=True)})
+    write_record(arguments.json, record)
+    console.say(f"{arguments.model} ({model.name}) on {motion.source}")
+    console.say(error_table(record))
+    console.paragraph(LEGEND, "  ")
+    console.say()
+    console.paragraph(verdict(record))
+    away = leaving(model, motion.time, (motion.q, motion.qd, motion.qdd))
+    if away.share > 0.0:
+        console.note(
+            f"{away.share:.1%} of the motion lies outside what the model was identified on "
+            f"({away.worst}): {away.when()}. There it guesses",
+            "",
+        )
+    console.say()
+    say_where(record, console)
+    console.say()
+    if arguments.report is not None:
+        console.say(f"saved: {arguments.report}")
+    console.say(next_step(record))
+    return 0
+
+
+def _check_outputs(arguments: Namespace) -> None:
+    for source in arguments.sources:
+        if not source.exists():
+            raise UserError(f"{source}: no such file or directory")
+    keep = [arguments.model, *arguments.sources]
+    if arguments.report is not None:
+        check_file(arguments.report, "--report", force=arguments.force, suffix=".html", keep=keep)
+        keep.append(arguments.report)
+    if arguments.json not in (None, "-"):
+        check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)

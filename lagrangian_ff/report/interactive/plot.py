@@ -1,0 +1,122 @@
+"""What all interactive figures share: frame, axes, lines and bands, and how they enter a page."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK, faded
+from lagrangian_ff.report.html import escape
+
+Trace = dict[str, Any]
+
+MARK = 'class="plot"'
+"""What a page is searched for, to know whether it needs the library."""
+FONT = 'Inter, "Segoe UI", "Helvetica Neue", Roboto, "DejaVu Sans", system-ui, sans-serif'
+DIGITS = 5
+"""Significant, of every number in a page: finer than any pixel, and half the size."""
+
+
+@dataclass(frozen=True)
+class Plot:
+    """One figure as plotly.js takes it.
+
+    Attributes:
+        data: the traces.
+        layout: what differs from the common layout.
+        height: pixels.
+    """
+
+    data: Sequence[Trace]
+    layout: Mapping[str, Any] = field(default_factory=dict)
+    height: int = 300
+
+    def full_layout(self) -> dict[str, Any]:
+        """The common layout with what differs."""
+        common = {
+            "font": {"family": FONT, "size": 12, "color": INK},
+            "margin": {"l": 58, "r": 14, "t": 28, "b": 44},
+            "paper_bgcolor": "rgba(0,0,0,0)",
+            "plot_bgcolor": "rgba(0,0,0,0)",
+            "hovermode": "closest",
+            "hoverlabel": {"bgcolor": "#ffffff", "bordercolor": FRAME, "font": {"color": INK}},
+            "legend": {
+                "orientation": "h", "x": 0, "y": 1.02, "xanchor": "left", "yanchor": "bottom",
+                "font": {"size": 11},
+            },
+            "modebar": {"bgcolor": "rgba(255,255,255,0.8)", "color": FRAME, "activecolor": FAINT},
+            "showlegend": False,
+            "height": self.height,
+            "autosize": True,
+        }  # fmt: skip
+        return {**common, **self.layout}
+
+
+def axis(title: str = "", **more: Any) -> dict[str, Any]:
+    """An axis in the common style."""
+    return {
+        "title": {"text": title, "font": {"size": 11.5, "color": FAINT}, "standoff": 8},
+        "gridcolor": GRID,
+        "zerolinecolor": FRAME,
+        "linecolor": FRAME,
+        "tickfont": {"size": 11, "color": FAINT},
+        "automargin": True,
+        **more,
+    }
+
+
+def line(
+    x: Sequence[float | None], y: Sequence[float | None], name: str, colour: str, **more: Any
+) -> Trace:
+    """A line; None and NaN break it."""
+    width = more.pop("width", 1.6)
+    return {
+        "type": "scatter", "mode": "lines", "x": list(x), "y": list(y), "name": name,
+        "line": {"color": colour, "width": width}, **more,
+    }  # fmt: skip
+
+
+def band(
+    x: Sequence[float], low: Sequence[float], high: Sequence[float], colour: str, **more: Any
+) -> Trace:
+    """The area between two lines, without a place in the legend."""
+    return {
+        "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)],
+        "y": [*high, *reversed(low)], "fill": "toself", "fillcolor": faded(colour, 0.16),
+        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False, **more,
+    }  # fmt: skip
+
+
+def embed(plot: Plot, alternative: str, caption: str = "") -> str:
+    """A figure as a piece of a page.
+
+    Args:
+        plot: what to draw.
+        alternative: what it shows, for who cannot see it.
+        caption: text under it.
+    """
+    data = json.dumps(
+        {"data": _plain(plot.data), "layout": _plain(plot.full_layout())},
+        ensure_ascii=False, separators=(",", ":"), allow_nan=False,
+    ).replace("</", "<\\/")  # fmt: skip
+    below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
+    return (
+        f'<figure><div {MARK} role="img" aria-label="{escape(alternative)}" '
+        f'style="height:{plot.height}px"></div>'
+        f'<script type="application/json">{data}</script>{below}</figure>'
+    )
+
+
+def _plain(value: Any) -> Any:
+    """Only what JSON has words for, its numbers rounded; NaN and infinities become null."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(inner) for inner in value]
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            return None
+        short = float(f"{value:.{DIGITS}g}")
+        return int(short) if short.is_integer() and abs(short) < 1e6 else short
+    return value
