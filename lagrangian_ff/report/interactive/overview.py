@@ -23,7 +23,7 @@ def dependence_plot(bins: Sequence[Mapping[str, Any]]) -> Plot:
     return _map(
         [_wrapped(label) for _, label in labels], joints, values,
         "%{y}: %{z:.0f} % of its squared error<br>follows %{x}<extra></extra>",
-        [[_text(value) for value in row] for row in values], top=100.0,
+        [[_text(value) for value in row] for row in values], top=60.0,
     )  # fmt: skip
 
 

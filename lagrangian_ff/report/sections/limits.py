@@ -1,0 +1,101 @@
+"""What the diagnosis cannot tell, what is wrong with the measurement, and what to record next."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from lagrangian_ff.report import html
+from lagrangian_ff.report.numbers import percent
+from lagrangian_ff.report.section import Section
+from lagrangian_ff.report.words import sentence, spoken
+
+
+def serious_section(record: Mapping[str, Any]) -> Section | None:
+    """Faults of the measurement that must be mended before any effect is believed.
+
+    Args:
+        record: of diagnose.
+    """
+    serious = [one for one in record.get("preflight") or [] if one.get("serious")]
+    if not serious:
+        return None
+    texts = [f"{one['joint']}: {_told(one)}" if one.get("joint") else _told(one) for one in serious]
+    return Section(
+        "First: the measurement",
+        "These faults look like missing physics. Mend them before believing any effect.",
+        html.bullets(texts),
+    )
+
+
+def checks_section(record: Mapping[str, Any]) -> Section | None:
+    """All that was checked of the measurement.
+
+    Args:
+        record: of diagnose.
+    """
+    checks = record.get("preflight") or []
+    if not checks:
+        return None
+    rows = [
+        [
+            spoken(str(one["check"])),
+            one.get("joint") or "all",
+            one["finding"],
+            "mend first" if one.get("serious") else "fine",
+        ]
+        for one in checks
+    ]
+    table = html.table(["check", "joint", "found", ""], rows, words=4)
+    return Section("The measurement", "What was checked before any effect was looked for.", table)
+
+
+def next_section(record: Mapping[str, Any]) -> Section | None:
+    """Which motion would tell more, and what was left unexplained.
+
+    Args:
+        record: of diagnose.
+    """
+    parts = []
+    motions: dict[str, list[str]] = {}
+    for one in record["findings"]:
+        if one.get("next_motion") and one["verdict"] != "confirmed":
+            who = f"{spoken(one['effect'])} on {', '.join(one['joints'])}"
+            motions.setdefault(one["next_motion"], []).append(who)
+    hidden: dict[str, dict[str, list[str]]] = {}
+    for one in record.get("not_observable") or []:
+        hidden.setdefault(one["next_motion"], {}).setdefault(one["effect"], []).append(one["joint"])
+    if motions:
+        texts = [
+            f"{sentence(motion)} It settles {', '.join(who)}." for motion, who in motions.items()
+        ]
+        parts.append(f'<h3 class="plain">To settle what was found</h3>{html.bullets(texts)}')
+    if hidden:
+        rows = [
+            [spoken(effect), ", ".join(joints), motion]
+            for motion, effects in hidden.items()
+            for effect, joints in effects.items()
+        ]
+        table = html.table(["effect", "joints", "motion that would show it"], rows, words=3)
+        parts.append(
+            '<h3 class="plain">What this motion could not show</h3>'
+            + html.paragraph(
+                "The model absorbs so much of these effects on this motion that nothing is said "
+                "about them: neither that they are there, nor that they are not."
+            )
+            + table
+        )
+    left = record.get("unexplained") or []
+    if left:
+        texts = [
+            f"{one['joint']}: {percent(one['share'])} of its error follows "
+            f"{spoken(one['coordinate'])}, and no effect of the catalogue accounts for it."
+            for one in left
+        ]
+        parts.append(f'<h3 class="plain">Left unexplained</h3>{html.bullets(texts)}')
+    if not parts:
+        return None
+    return Section("What to record next", "", "".join(parts))
+
+
+def _told(one: Mapping[str, Any]) -> str:
+    advice = sentence(one["advice"]) if one.get("advice") else ""
+    return f"{sentence(one['finding'])} {advice}".strip()
