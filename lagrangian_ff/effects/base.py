@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import product
 from typing import ClassVar
 
@@ -109,6 +109,26 @@ class Effect(ABC):
     @abstractmethod
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """(M, P) what each of the P parameters multiplies, for one joint's torque."""
+
+    def record(self) -> dict[str, object]:
+        """All that it says of itself, as JSON holds it."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "formula": self.formula,
+            "meaning": self.meaning or " and ".join(p.meaning for p in self.parameters),
+            "source": self.source,
+            "parameters": [asdict(parameter) for parameter in self.parameters],
+            "shapes": [asdict(shape) for shape in self.shapes],
+            "coordinate": self.coordinate,
+            "shows_as": self.shows_as,
+            "look_alikes": dict(self.look_alikes),
+            "motion": self.motion,
+            "next_motion": self.next_motion,
+            "remembers": self.remembers,
+            "uses": sorted(self.uses),
+            "caution": self.caution,
+        }
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
         """The shapes tried on one joint: every combination of the shapes' grids."""

@@ -8,7 +8,16 @@ short), DESCRIPTION (what it does), EPILOG (examples and what the output means),
 from argparse import ArgumentParser, Namespace
 from typing import Protocol
 
-from lagrangian_ff.cli.commands import compare, demo, feedforward, identify, info, predict, simulate
+from lagrangian_ff.cli.commands import (
+    compare,
+    demo,
+    effects,
+    feedforward,
+    identify,
+    info,
+    predict,
+    simulate,
+)
 
 
 class Command(Protocol):
@@ -31,4 +40,13 @@ class Command(Protocol):
         """
 
 
-COMMANDS: tuple[Command, ...] = (identify, predict, compare, feedforward, simulate, info, demo)
+COMMANDS: tuple[Command, ...] = (
+    identify,
+    predict,
+    compare,
+    effects,
+    feedforward,
+    simulate,
+    info,
+    demo,
+)

@@ -41,7 +41,8 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
     """Draw the torque of one effect along a made-up motion of three joints.
 
     On the left over the coordinate that shows it, both directions of motion apart; on the right
-    over time, above the joint's speed. Parameters are chosen for a torque of about 2 N·m.
+    over time, above the joint's speed. What shows over time is drawn over time alone. Parameters
+    are chosen for a torque of about 2 N·m.
 
     Args:
         effect: what is drawn.
@@ -55,20 +56,23 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
     torque = columns @ parameters
     with styled():
         figure = new_figure(4.3)
-        grid = figure.add_gridspec(2, 2, height_ratios=(3, 1), hspace=0.08, wspace=0.06)
-        left = figure.add_subplot(grid[:, 0])
-        right = figure.add_subplot(grid[0, 1])
-        speed = figure.add_subplot(grid[1, 1], sharex=right)
-        if effect.coordinate == "order":
-            _spectrum(left, x, torque)
-        else:
-            _over_coordinate(left, effect, x, torque)
+        wide = effect.coordinate == "time"
+        grid = figure.add_gridspec(2, 1 if wide else 2, height_ratios=(3, 1))
+        right = figure.add_subplot(grid[0, -1])
+        speed = figure.add_subplot(grid[1, -1], sharex=right)
         _over_time(right, speed, effect, x, torque)
+        said = _numbers(effect, parameters, shape)
+        if wide:
+            right.set_title(f"{effect.formula}    {said}")
+        else:
+            right.set_title(said, fontweight="normal")
+            left = figure.add_subplot(grid[:, 0])
+            draw = _spectrum if effect.coordinate == "order" else _over_coordinate
+            draw(left, effect, x, torque)
+            left.set_title(effect.formula)
         handles, labels = right.get_legend_handles_labels()
         legend_above(figure, handles, labels)
         figure.text(0.995, 0.985, effect.name, ha="right", va="top", fontsize=11.0, color=INK)
-        left.set_title(effect.formula)
-        right.set_title(_numbers(effect, parameters, shape), fontweight="normal")
     return figure
 
 
@@ -124,7 +128,6 @@ def _coordinate(effect: Effect, x: Inputs) -> _Coordinate:
         "position": _Coordinate("position [rad]", x.q[:, JOINT]),
         "acceleration": _Coordinate("acceleration [rad/s²]", x.qdd[:, JOINT]),
         "load": _Coordinate("load torque [N·m]", x.load[:, JOINT]),
-        "time": _Coordinate("time [s]", x.time),
     }
     return known.get(effect.coordinate, speed)
 
@@ -136,7 +139,7 @@ def _since_reversal(x: Inputs) -> Floats:
     return np.asarray(np.where(last >= 0, since, np.inf))
 
 
-def _spectrum(axes: Axes, x: Inputs, torque: Floats) -> None:
+def _spectrum(axes: Axes, effect: Effect, x: Inputs, torque: Floats) -> None:
     """Amplitude of each order over the joint's angle, all fitted at once."""
     orders = np.arange(1, HIGHEST_ORDER + 1)
     angle = np.outer(x.q[:, JOINT], orders)
