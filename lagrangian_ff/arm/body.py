@@ -122,7 +122,7 @@ class Body:
         return torque
 
     def tool_jacobian(self, q: Floats) -> Floats:
-        """(3, 6) m: how the last link's centre moves with the joints, along the base's axes."""
+        """(3, 6) m: how the last link's origin moves with the joints, along the base's axes."""
         linear = pybullet.calculateJacobian(
             self.id, self.index[-1], [0.0] * 3, q.tolist(), self._rest, self._rest, **self._args
         )[0]

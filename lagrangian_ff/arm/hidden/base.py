@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import tanh
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +117,8 @@ class HiddenEffect:
         torque: (M, 6) N·m that the effect makes along the site's run: what the motors must give
             more, or for sensors, what the reported motion needs more than was reported.
         joints: where it can be, 0 to 5.
-        whole_arm: whether it acts on every joint, wherever its size is measured.
+        reach: which joints it acts on when it is put on one: that one, that one and its
+            `partner`, or the whole arm.
         absorbed: whether a kernel that can be any Lagrangian holds it already, so that finding
             nothing is right too.
         largest: the largest size that is still plausible for a machine.
@@ -130,11 +132,21 @@ class HiddenEffect:
     install: Callable[[Site, float], Installed]
     torque: Torque
     joints: tuple[int, ...] = ALL_JOINTS
-    whole_arm: bool = False
+    reach: Literal["joint", "pair", "arm"] = "joint"
     absorbed: bool = False
     largest: float = 0.2
     start: float = 1.0
     strongest: float = np.inf
+
+    def acts_on(self, joint: int) -> tuple[int, ...]:
+        """The joints, 0 to 5, that feel it when it is put on one."""
+        pair = (joint, partner(joint))
+        return {"joint": (joint,), "pair": pair, "arm": ALL_JOINTS}[self.reach]
+
+
+def partner(joint: int) -> int:
+    """The neighbour that a joint shares something with: the next one, the last the one before."""
+    return joint + 1 if joint + 1 < len(JOINTS) else joint - 1
 
 
 class OneJoint(ABC):

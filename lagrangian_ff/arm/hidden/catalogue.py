@@ -86,6 +86,7 @@ KNOWN = (
         "friction at the sum or difference of two joints' speeds",
         solid.coupled,
         replay,
+        reach="pair",
     ),
     HiddenEffect(
         "backlash",
@@ -142,7 +143,7 @@ KNOWN = (
         "a load picked up on the way",
         events.payload,
         events.payload_torque,
-        whole_arm=True,
+        reach="arm",
         joints=(1, 2, 3, 4),
         strongest=6.0,
     ),
@@ -152,7 +153,7 @@ KNOWN = (
         "a push at the tool for some seconds",
         events.contact,
         replay,
-        whole_arm=True,
+        reach="arm",
         joints=(0, 1, 2, 3, 4),
         start=10.0,
     ),
@@ -187,7 +188,6 @@ UNKNOWN = (
     HiddenEffect("pinched", (), "friction set by another joint's angle", strange.pinched, replay),
     HiddenEffect("debris", (), "bursts of friction at times of chance", strange.debris, replay),
     HiddenEffect("starved", (), "friction that remembers acceleration", strange.starved, replay),
-    HiddenEffect("wandering", (), "a sensor zero that wanders", strange.wandering, replay),
 )
 
 HIDDEN: dict[str, HiddenEffect] = {effect.name: effect for effect in (*KNOWN, *UNKNOWN)}

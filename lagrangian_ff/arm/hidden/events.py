@@ -72,11 +72,11 @@ class Push:
 
 
 def contact(site: Site, strength: float) -> Installed:
-    """A push of strength N in a random direction for 5 to 9 s."""
+    """A push of strength N in a random direction for 5 to 9 s, less in a short run."""
     random = site.random
     way = random.normal(size=3)
-    length = random.uniform(5.0, 9.0)
     end = float(site.along.time[-1])
+    length = min(random.uniform(5.0, 9.0), 0.3 * end)
     begin = random.uniform(0.3, 0.95 - length / end) * end
     force = strength * way / np.linalg.norm(way)
     return Installed(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import JOINTS
 from lagrangian_ff.arm.gear import Gear
-from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry
+from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry, partner
 from lagrangian_ff.arm.joint_effect import JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 
@@ -83,18 +83,13 @@ class Differential:
 
 
 def coupled(site: Site, strength: float) -> Installed:
-    """Of strength N·m between a joint and the next (the last: the one before)."""
+    """Of strength N·m between a joint and its partner."""
     second = partner(site.joint)
     way = float(site.random.choice((-1.0, 1.0)))
     return Installed(
         (Differential(site.joint, second, way, strength, 0.3 * strength),),
         facts={"dry [N·m]": strength, "viscous [N·m·s/rad]": 0.3 * strength, "sign": way},
     )
-
-
-def partner(joint: int) -> int:
-    """The neighbour that a joint shares something with."""
-    return joint + 1 if joint + 1 < len(JOINTS) else joint - 1
 
 
 class Spring(OneJoint):

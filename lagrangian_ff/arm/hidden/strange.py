@@ -5,8 +5,7 @@ from math import cos, exp, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry, recorded
-from lagrangian_ff.arm.hidden.solid import partner
+from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry, partner, recorded
 from lagrangian_ff.arm.joint_effect import JointMoment
 
 Floats = NDArray[np.float64]
@@ -131,9 +130,10 @@ class Debris(OneJoint):
 
 
 def debris(site: Site, strength: float) -> Installed:
-    """Of strength N·m for 0.3 to 0.8 s, about every 3 s."""
+    """Of strength N·m for 0.3 to 0.8 s, about every 4 s, more often in a short run."""
     random, end = site.events, float(site.along.time[-1])
-    begins = np.cumsum(random.exponential(3.0, size=round(end)) + 0.8)
+    pause = min(3.0, 0.1 * end)
+    begins = np.cumsum(random.exponential(pause, size=round(end)) + 0.8)
     begins = begins[begins < end]
     ends = begins + random.uniform(0.3, 0.8, size=len(begins))
     return Installed(
@@ -177,32 +177,4 @@ def starved(site: Site, strength: float) -> Installed:
     return Installed(
         (Starved(site.joint, strength, scale, time),),
         facts={"height [N·m]": strength, "refill [s]": time},
-    )
-
-
-class Wandering(OneJoint):
-    """The zero of a current sensor wanders: a torque that only time knows."""
-
-    def __init__(self, joint: int, torque: Floats, times: Floats) -> None:
-        super().__init__(joint)
-        self._torque, self._times = torque, times
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        return float(np.interp(recorded(moment), self._times, self._torque)), 0.0
-
-
-def wandering(site: Site, strength: float) -> Installed:
-    """Of strength N·m, with a memory of 3 s (Ornstein-Uhlenbeck)."""
-    step, memory = 0.25, 3.0
-    times = np.arange(0.0, float(site.along.time[-1]) + step, step)
-    kept = exp(-step / memory)
-    kicks = site.events.normal(size=len(times)) * np.sqrt(1.0 - kept**2)
-    torque = np.empty(len(times))
-    torque[0] = kicks[0] / np.sqrt(1.0 - kept**2)
-    for k in range(1, len(times)):
-        torque[k] = kept * torque[k - 1] + kicks[k]
-    return Installed(
-        (Wandering(site.joint, strength * torque, times),),
-        facts={"height [N·m]": strength, "memory [s]": memory},
     )

@@ -102,7 +102,7 @@ def record(
             {
                 **asdict(hidden),
                 "catalogue": list(hidden.kind.catalogue),
-                "whole_arm": hidden.kind.whole_arm,
+                "joints": [JOINTS[j] for j in hidden.kind.acts_on(JOINTS.index(hidden.joint))],
                 "absorbed": hidden.kind.absorbed,
                 "physics": hidden.kind.physics,
                 "strength": strengths[n],

@@ -1,0 +1,117 @@
+"""One case from the plant to the judgement."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lagrangian_ff import recording
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.studies.hidden.cases import Case
+from lagrangian_ff.studies.hidden.examined import Examined
+from lagrangian_ff.studies.hidden.plants import Stretches
+from lagrangian_ff.studies.hidden.store import recorded
+from lagrangian_ff.studies.hidden.verdicts import CLAIM, Truth, judge
+
+
+def examine(
+    case: Case, folder: Path, stretches: Stretches, examined: Examined, *, keep: bool = False
+) -> dict[str, Any]:
+    """Record a case, have it diagnosed, and judge the diagnosis.
+
+    Args:
+        case: what is hidden.
+        folder: of the study.
+        stretches: what the recordings are made of.
+        examined: who diagnoses.
+        keep: keep the recordings in the folder, and use those that are there.
+
+    Returns:
+        A line of the study's file: the case and the plant, the diagnosis's record, the judgement,
+        and the errors on the second recording. `failed` says why there is no diagnosis.
+    """
+    clock = _Clock()
+    first, second, plant = recorded(case, folder, stretches, keep=keep)
+    clock.lap("recording")
+    line: dict[str, Any] = {"case": case.name, "group": case.group, "plant": plant}
+    try:
+        motions = recording.condition(first), recording.condition(second)
+        line |= _diagnosed(motions, plant, examined, clock)
+    except (UserError, ArithmeticError, np.linalg.LinAlgError, ValueError, KeyError) as error:
+        # One case that breaks down is a finding about the diagnosis, not the end of the study.
+        line["failed"] = f"{type(error).__name__}: {error}"
+    return {**line, "seconds": clock.laps}
+
+
+def truths_of(plant: dict[str, Any]) -> list[Truth]:
+    """What was hidden, from the record of a plant."""
+    return [Truth(tuple(h["catalogue"]), tuple(h["joints"])) for h in plant["hidden"]]
+
+
+def _diagnosed(
+    motions: tuple[Motion, Motion], plant: dict[str, Any], examined: Examined, clock: "_Clock"
+) -> dict[str, Any]:
+    model = examined.identify(motions[0])
+    clock.lap("identification")
+    record = examined.diagnose(model, *motions)
+    clock.lap("diagnosis")
+    claims = [
+        (finding["effect"], finding["joints"][0])
+        for finding in record["findings"]
+        if finding["verdict"] == CLAIM
+    ]
+    known = [h for h in plant["hidden"] if h["catalogue"]]
+    truth = [(h["catalogue"][0], h["joint"]) for h in known]
+    joints = [h["joint"] for h in plant["hidden"]]
+    errors = {"base": examined.errors(model, motions[1])}
+    if len(known) == len(joints) and truth:
+        errors["true"] = examined.errors(_with(examined, model, truth), motions[1])
+    if claims:
+        same = set(claims) == set(truth) and "true" in errors
+        errors["found"] = (
+            errors["true"] if same else examined.errors(_with(examined, model, claims), motions[1])
+        )
+    clock.lap("adding")
+    return {
+        "record": record,
+        "judgement": asdict(judge(truths_of(plant), record["findings"])),
+        "errors": {name: dict(by_joint) for name, by_joint in errors.items()},
+        "ratio": _ratio(errors, joints),
+    }
+
+
+def _with(examined: Examined, model: Any, effects: Sequence[tuple[str, str]]) -> Any:
+    """The model with effects added one after the other."""
+    for effect, joint in effects:
+        model = examined.add(model, effect, joint)
+    return model
+
+
+def _ratio(errors: dict[str, Any], joints: Sequence[str]) -> float | None:
+    """The error on the hidden effects' joints, after adding over that of the true structure.
+
+    Without a claim nothing was added, and the base model's error counts.
+    """
+    if "true" not in errors:
+        return None
+    after = errors.get("found", errors["base"])
+    total = [sum(by_joint[joint] ** 2 for joint in joints) for by_joint in (after, errors["true"])]
+    return float(np.sqrt(total[0] / total[1]))
+
+
+class _Clock:
+    """How long each part of the work took, in s."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+        self.laps: dict[str, float] = {}
+
+    def lap(self, name: str) -> None:
+        """The time since the last lap was spent on this."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last, 2)
+        self._last = now

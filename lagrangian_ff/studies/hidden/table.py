@@ -1,0 +1,151 @@
+"""The numbers of the study, and their table in words."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.stats import beta
+
+from lagrangian_ff.studies.hidden.verdicts import OUTCOMES
+
+Lines = Sequence[dict[str, Any]]
+
+
+def summary(lines: Lines) -> dict[str, Any]:
+    """Count the judgements.
+
+    Args:
+        lines: of the study; those with `failed` are counted as such and nowhere else.
+
+    Returns:
+        For JSON: `sizes`, from the size wanted to the outcomes of effects alone (those that every
+        Lagrangian kernel absorbs stand in `absorbed`); `pairs`, the same of pairs; `effects`, from
+        name and size to outcomes; `clean` and `outside`, cases and claims made in them; `ratio`,
+        the error after adding over that of the true structure, by size.
+    """
+    judged = [line for line in lines if "failed" not in line]
+    alone = [line for line in judged if line["group"] == "alone"]
+    firm = [line for line in alone if not line["plant"]["hidden"][0]["absorbed"]]
+    return {
+        "cases": len(lines),
+        "failed": {line["case"]: line["failed"] for line in lines if "failed" in line},
+        "sizes": _by_size(firm),
+        "absorbed": _by_size(line for line in alone if line not in firm),
+        "pairs": _by_size(line for line in judged if line["group"] == "pair"),
+        "effects": {
+            name: _by_size(line for line in alone if line["plant"]["hidden"][0]["effect"] == name)
+            for name in dict.fromkeys(line["plant"]["hidden"][0]["effect"] for line in alone)
+        },
+        "clean": _claims(line for line in judged if line["group"] == "clean"),
+        "outside": _claims(line for line in judged if line["group"] == "outside"),
+        "ratio": {size: _quantiles(ratios) for size, ratios in ratios_by_size(lines).items()},
+    }
+
+
+def _size(line: dict[str, Any]) -> float:
+    return float(line["plant"]["hidden"][0]["size"])
+
+
+def _sizes(lines: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    held = list(lines)
+    return {
+        f"{size:g}": [line for line in held if _size(line) == size]
+        for size in sorted({_size(line) for line in held})
+    }
+
+
+def _by_size(lines: Iterable[dict[str, Any]]) -> dict[str, dict[str, int]]:
+    return {size: _outcomes(group) for size, group in _sizes(lines).items()}
+
+
+def _outcomes(lines: Lines) -> dict[str, int]:
+    found = [line["judgement"]["outcome"] for line in lines]
+    counted = {str(name): found.count(name) for name in OUTCOMES}
+    # A false claim beside the right one does not make a case wrong, and is not hidden either.
+    extra = sum(
+        bool(line["judgement"]["false"]) and line["judgement"]["outcome"] != "wrong"
+        for line in lines
+    )
+    suggested = sum(bool(line["judgement"]["suggested"]) for line in lines)
+    return {**counted, "cases": len(found), "with_false": extra, "suggested": suggested}
+
+
+def _claims(lines: Iterable[dict[str, Any]]) -> dict[str, Any]:
+    held = list(lines)
+    false = {
+        line["case"]: line["judgement"]["false"] for line in held if line["judgement"]["false"]
+    }
+    return {"cases": len(held), "wrong": len(false), "high": _high(len(false), len(held)),
+            "claims": false}  # fmt: skip
+
+
+def _high(count: int, cases: int) -> float:
+    """The upper end of the 95 % interval of a share (Clopper and Pearson)."""
+    return 1.0 if count == cases else float(beta.ppf(0.975, count + 1, cases - count))
+
+
+def ratios_by_size(lines: Lines) -> dict[str, list[float]]:
+    """The error ratios of the effects alone that no kernel absorbs, by size."""
+    firm = [
+        line
+        for line in lines
+        if line["group"] == "alone"
+        and "failed" not in line
+        and not line["plant"]["hidden"][0]["absorbed"]
+    ]
+    return {
+        size: [line["ratio"] for line in group if line["ratio"] is not None]
+        for size, group in _sizes(firm).items()
+    }
+
+
+def _quantiles(ratios: list[float]) -> dict[str, float]:
+    if not ratios:
+        return {}
+    low, middle, high = np.quantile(ratios, (0.1, 0.5, 0.9)).tolist()
+    within = float(np.mean(np.array(ratios) <= 1.1))
+    return {"low": low, "median": middle, "high": high, "within_1.1": within}
+
+
+def table(numbers: dict[str, Any]) -> list[str]:
+    """The summary as lines of text."""
+    text = [f"{numbers['cases']} cases"]
+    heads = ("size", "cases", "right", "class", "part", "wrong", "nothing", "ratio")
+    for title, key in (("one effect", "sizes"), ("two effects", "pairs")):
+        if not numbers[key]:
+            continue
+        text += ["", f"{title}:", _row(heads)]
+        for size, row in numbers[key].items():
+            ratio = numbers["ratio"].get(size, {}).get("median") if key == "sizes" else None
+            shares = [f"{row[name] / row['cases']:.2f}" for name in OUTCOMES]
+            last = "" if ratio is None else f"{ratio:.2f}"
+            text.append(_row([_percent(size), str(row["cases"]), *shares, last]))
+    if numbers["effects"]:
+        text += ["", "by effect, right or as a class / wrong / cases:"]
+        sizes = sorted({size for row in numbers["effects"].values() for size in row}, key=float)
+        text.append(_row(["", *map(_percent, sizes)], first=20))
+        for name, row in numbers["effects"].items():
+            text.append(_row([name, *(_cell(row.get(size)) for size in sizes)], first=20))
+    for title, key in (("nothing hidden", "clean"), ("outside the catalogue", "outside")):
+        row = numbers[key]
+        if row["cases"]:
+            text += ["", f"{title}: {row['wrong']} of {row['cases']} with a confirmed effect "
+                     f"(at most {row['high']:.0%} with 95 % confidence)"]  # fmt: skip
+            text += [f"  {case}: {'; '.join(claims)}" for case, claims in row["claims"].items()]
+    if numbers["failed"]:
+        text += ["", "failed:", *(f"  {case}: {why}" for case, why in numbers["failed"].items())]
+    return text
+
+
+def _percent(size: str) -> str:
+    return f"{100.0 * float(size):g} %"
+
+
+def _cell(row: dict[str, int] | None) -> str:
+    if row is None:
+        return "-"
+    return f"{row['right'] + row['class']}/{row['wrong']}/{row['cases']}"
+
+
+def _row(cells: Sequence[str], first: int = 8) -> str:
+    return ("  " + f"{cells[0]:<{first}}" + "".join(f"{cell:>9}" for cell in cells[1:])).rstrip()

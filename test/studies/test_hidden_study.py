@@ -1,0 +1,213 @@
+"""The study's machinery on short recordings, with a diagnosis that knows only two effects."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.patches import Rectangle
+
+from lagrangian_ff.arm import check_limits
+from lagrangian_ff.errors import ModelError, UserError
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.studies.hidden import plants
+from lagrangian_ff.studies.hidden.cases import Case, Hidden
+from lagrangian_ff.studies.hidden.figure import figure
+from lagrangian_ff.studies.hidden.plants import Stretches
+from lagrangian_ff.studies.hidden.run import Options, run
+from lagrangian_ff.studies.hidden.store import Folder
+from lagrangian_ff.studies.hidden.table import ratios_by_size, summary, table
+
+SHORT = Stretches(((6, 4.0),))
+
+
+@dataclass
+class Guess:
+    """Says the same of every arm; its model is the list of the effects that were added."""
+
+    effect: str = "ripple"
+    joint: str = "joint_2"
+    broken: bool = False
+
+    def identify(self, motion: Motion) -> list[tuple[str, str]]:
+        assert motion.joints[0] == "joint_1"
+        return []
+
+    def diagnose(
+        self, model: list[tuple[str, str]], motion: Motion, confirm: Motion
+    ) -> Mapping[str, Any]:
+        assert motion.tau.shape != (0, 6)
+        assert not np.array_equal(motion.q[:100], confirm.q[:100])
+        if self.broken:
+            raise ModelError("cannot")
+        claim = {"effect": self.effect, "joints": [self.joint], "verdict": "confirmed"}
+        return {"verdict": "", "findings": [{**claim, "ambiguous_with": []}]}
+
+    def add(self, model: list[tuple[str, str]], effect: str, joint: str) -> list[tuple[str, str]]:
+        return [*model, (effect, joint)]
+
+    def errors(self, model: list[tuple[str, str]], motion: Motion) -> Mapping[str, float]:
+        return {joint: 2.0 - 0.5 * len(model) for joint in motion.joints}
+
+
+def options(folder: Path, **changes: Any) -> Options:
+    return replace(Options(folder, small=True, stretches=SHORT), **changes)
+
+
+def test_a_case_becomes_two_recordings_of_one_plant(tmp_path: Path) -> None:
+    case = Case("x", (Hidden("ripple", "joint_2", 0.2), Hidden("delay", "joint_5", 0.05)), 1, 3)
+    first, second, plant = plants.record(case, tmp_path, SHORT)
+    assert len(first) == len(second) == 2001
+    assert not np.array_equal(first.position, second.position)
+    ripple, delay = plant["hidden"]
+    assert ripple["reached"][0] == pytest.approx(0.2, rel=0.2)
+    assert delay["reached"][0] == pytest.approx(0.05, rel=0.3)
+    assert 0.0 < ripple["visible"][0] <= ripple["reached"][0] + 1e-9
+    assert (ripple["catalogue"], ripple["joints"]) == (["ripple"], ["joint_2"])
+    json.dumps(plant)
+    again = plants.record(case, tmp_path, SHORT)
+    np.testing.assert_array_equal(again[0].effort, first.effort)
+    assert again[2] == plant
+
+
+def test_motions_are_joined_at_rest_within_the_limits() -> None:
+    whole = plants.motion(0, 1, Stretches(((2, 4.0), (6, 4.0))))
+    assert whole.duration == pytest.approx(8.0)
+    check_limits(whole)
+    np.testing.assert_allclose(whole.sample(4.0)[1], 0.0, atol=1e-9)
+    slow, fast = (np.abs(whole.qd[part]).mean() for part in (slice(0, 400), slice(400, 800)))
+    assert fast > 1.5 * slow
+
+
+def test_the_study_judges_keeps_and_resumes(tmp_path: Path) -> None:
+    chosen = options(tmp_path, only="*-joint_2-20", keep=True)
+    seen: list[float] = []
+    lines = run(replace(chosen, only="ripple*"), Guess(), lambda share, _: seen.append(share))
+    assert seen == [0.0, 1.0]
+    (ripple,) = lines
+    assert ripple["judgement"]["outcome"] == "right"
+    assert ripple["ratio"] == 1.0
+    assert set(ripple["seconds"]) == {"recording", "identification", "diagnosis", "adding"}
+    # An interruption in the middle of a line leaves what was whole.
+    with Folder(tmp_path).lines.open("a", encoding="utf-8") as file:
+        file.write('{"case": "stribeck-jo')
+    lines = run(replace(chosen, only="[rp]i*"), Guess())
+    assert [line["case"] for line in lines] == ["ripple-joint_2-20", "pitting-joint_2-20"]
+    assert lines[0] == ripple
+    assert lines[1]["judgement"]["outcome"] == "wrong"
+    assert lines[1]["ratio"] is None
+    assert len(Folder(tmp_path).done()) == 2
+    kept = tmp_path / "recordings" / "ripple-joint_2-20"
+    assert {file.name for file in kept.iterdir()} == {"1.npz", "2.npz", "info.json"}
+    # The recordings that are kept are those that are judged again.
+    Folder(tmp_path).lines.unlink()
+    (again,) = run(replace(chosen, only="ripple*"), Guess("stribeck"))
+    assert again["judgement"]["outcome"] == "wrong"
+    assert again["plant"] == ripple["plant"]
+    numbers = summary([*lines, again])
+    assert numbers["cases"] == 3
+
+
+def test_a_case_that_breaks_down_is_told_and_tried_again(tmp_path: Path) -> None:
+    chosen = options(tmp_path, only="clean-00", keep=True)
+    (line,) = run(chosen, Guess(broken=True))
+    assert line["failed"] == "ModelError: cannot"
+    numbers = summary([line])
+    assert numbers["failed"] == {"clean-00": "ModelError: cannot"}
+    assert any("cannot" in text for text in table(numbers))
+    (line,) = run(chosen, Guess())
+    assert line["judgement"]["outcome"] == "wrong"
+
+
+def test_two_processes_find_what_one_finds(tmp_path: Path) -> None:
+    names = "clean-0[01]"
+    both = run(options(tmp_path / "both", only=names, jobs=2), Guess())
+    one = run(options(tmp_path / "one", only=names), Guess())
+    for line in (*both, *one):
+        del line["seconds"]
+    assert both == one
+
+
+def test_mistakes_are_the_users_to_mend(tmp_path: Path) -> None:
+    Folder(tmp_path).prepare({"seed": 0})
+    with pytest.raises(UserError, match="holds another study"):
+        run(options(tmp_path), Guess())
+    with pytest.raises(UserError, match="no case is named"):
+        run(options(tmp_path / "other", only="nothing*"), Guess())
+    with pytest.raises(UserError, match="jobs is 0"):
+        run(options(tmp_path / "other", jobs=0), Guess())
+
+
+def line(
+    group: str, size: float = 0.1, outcome: str = "right", *, effect: str = "ripple",
+    ratio: float | None = 1.0, absorbed: bool = False, count: int = 1,
+) -> list[dict[str, Any]]:  # fmt: skip
+    hidden = {"effect": effect, "size": size, "absorbed": absorbed}
+    false = ["stribeck on joint_1"] if outcome == "wrong" else []
+    return [
+        {
+            "case": f"{group}-{effect}-{size}-{outcome}-{k}",
+            "group": group,
+            "plant": {"hidden": [] if group == "clean" else [hidden]},
+            "judgement": {"outcome": outcome, "false": false, "suggested": []},
+            "ratio": ratio,
+        }
+        for k in range(count)
+    ]
+
+
+LINES = [
+    *line("alone", count=6),
+    *line("alone", outcome="class", count=2),
+    *line("alone", outcome="wrong", ratio=3.0),
+    *line("alone", outcome="nothing", ratio=2.0, effect="stribeck"),
+    *line("alone", size=0.02, outcome="nothing", ratio=1.3),
+    *line("alone", outcome="nothing", effect="spring", absorbed=True),
+    *line("pair", outcome="part"),
+    *line("clean", outcome="nothing", count=19),
+    *line("clean", outcome="wrong"),
+    *line("outside", outcome="nothing", effect="pitting", ratio=None),
+]
+
+
+def test_the_summary_counts_what_was_judged() -> None:
+    numbers = summary(LINES)
+    row = numbers["sizes"]["0.1"]
+    assert (row["cases"], row["right"], row["class"], row["wrong"], row["nothing"]) == (
+        10, 6, 2, 1, 1,
+    )  # fmt: skip
+    assert numbers["absorbed"]["0.1"]["nothing"] == 1
+    assert numbers["pairs"]["0.1"]["part"] == 1
+    assert (numbers["clean"]["cases"], numbers["clean"]["wrong"]) == (20, 1)
+    assert 0.05 < numbers["clean"]["high"] < 0.3
+    assert numbers["outside"]["wrong"] == 0
+    assert numbers["ratio"]["0.1"]["median"] == 1.0
+    assert numbers["ratio"]["0.1"]["within_1.1"] == pytest.approx(0.8)
+    assert numbers["effects"]["stribeck"]["0.1"]["nothing"] == 1
+    json.dumps(numbers)
+    text = "\n".join(table(numbers))
+    assert "0.60" in text
+    assert "nothing hidden: 1 of 20" in text
+
+
+def test_the_figure_holds_what_the_summary_says() -> None:
+    numbers = summary(LINES)
+    drawn = figure(numbers, ratios_by_size(LINES))
+    bars, ratios, effects = drawn.axes
+    assert [t.get_text() for t in bars.get_xticklabels()][:2] == ["2 %", "10 %"]
+    boxes = [patch for patch in bars.patches if isinstance(patch, Rectangle)]
+    tall = [box.get_height() for box in boxes if box.get_x() + 0.5 * box.get_width() == 1.0]
+    assert tall[0] == pytest.approx(0.6)
+    assert sum(tall) == pytest.approx(1.0)
+    shown = [len(np.asarray(points.get_xdata())) for points in ratios.lines]
+    assert [count for count in shown if count != 2] == [1, 10]
+    assert [t.get_text() for t in effects.get_yticklabels()] == ["ripple", "stribeck", "spring"]
+
+
+def test_a_study_without_results_draws_and_prints() -> None:
+    numbers = summary([])
+    assert table(numbers) == ["0 cases"]
+    figure(numbers, {})
