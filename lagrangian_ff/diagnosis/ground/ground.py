@@ -1,0 +1,182 @@
+"""The whitened residual on which candidates are judged.
+
+With the torques y of S samples, G the Gram matrix of the rigid-body prior plus the noise, U its
+upper factor and Φ the columns of everything already explained, the residual U⁻ᵀ(y − Φ b), divided
+by the amplitude, is white where nothing is missing. Because the prior whitens, a small effect
+with a signature of its own is seen although the rigid-body part is unknown.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from lagrangian_ff.diagnosis.ground.prior import Prior
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.system import System
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TANGENT = 0.03
+"""Relative step by which a shape is varied, so that its error is not taken for an effect."""
+
+
+@dataclass(frozen=True)
+class Extra:
+    """Columns that are explained away without being an effect of the model.
+
+    Attributes:
+        joint: whose torque.  columns: (S, K).
+    """
+
+    joint: int
+    columns: Floats
+
+
+@dataclass(frozen=True)
+class Ground:
+    """One motion, whitened.
+
+    Attributes:
+        motion: all of it.
+        index: (S,) the samples used.
+        block: (S,) the block of time each lies in.
+        inputs: the whole motion as effects see it.
+        prior: of rigid-body torque and noise.
+        basis: the effects already in the model, each free on this motion.
+        extra: what else is explained away.
+        system: the factored system.
+        residual: (S N,) whitened, of variance one where nothing is missing.
+        span: (S N, B) orthonormal columns of what is explained already, whitened.
+    """
+
+    motion: Motion
+    index: Ints
+    block: Ints
+    inputs: Inputs
+    prior: Prior
+    basis: Basis
+    extra: tuple[Extra, ...]
+    system: System
+    residual: Floats
+    span: Floats
+
+    @property
+    def joints(self) -> int:
+        """The number of joints N."""
+        return len(self.motion.joints)
+
+    @property
+    def seen(self) -> Inputs:
+        """The inputs at the samples used."""
+        return self.inputs.take(self.index)
+
+    @property
+    def amplitude(self) -> float:
+        """What one standard deviation of the whitened residual is, in units of the prior."""
+        return float(np.sqrt(self.system.amplitude))
+
+    @property
+    def noise(self) -> Floats:
+        """(N,) N·m, standard deviation of a sample of each joint's torque that is not explained."""
+        return np.asarray(np.sqrt(self.prior.noise) * self.amplitude * self.prior.unit)
+
+    @property
+    def spread(self) -> Floats:
+        """(N,) N·m, root mean square of each joint's torque about its mean."""
+        return np.asarray(np.std(self.motion.tau, axis=0))
+
+    def whiten(self, columns: Floats, joint: int) -> Floats:
+        """(S N, K) columns (S, K) of one joint's torque, whitened, nothing projected out yet."""
+        samples, count = columns.shape
+        full = np.zeros((samples, self.joints, count))
+        full[:, joint, :] = columns / (self.prior.unit[joint] * self.amplitude)
+        flat = full.reshape(samples * self.joints, count)
+        return np.asarray(
+            solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
+        )
+
+    def project(self, whitened: Floats) -> Floats:
+        """(S N, K) what of whitened columns the model's own columns do not explain."""
+        return np.asarray(whitened - self.span @ (self.span.T @ whitened))
+
+    def load(self) -> Floats:
+        """(M, N) N·m, the rigid-body torque of this ground on the whole motion."""
+        x = States(self.motion.q, self.motion.qd, self.motion.qdd)
+        weights = self.system.weights.reshape(len(self.index), self.joints)
+        torque = self.prior.kernel.apply(x, x.take(self.index), weights)
+        return np.asarray(torque * self.prior.unit)
+
+    def known(self) -> Floats:
+        """(M, N) N·m, the torque of the effects already in the model, as fitted here."""
+        coefficients = self.system.coefficients[: self.basis.size]
+        parts = self.basis.torque(self.inputs, coefficients).values()
+        return sum(parts, np.zeros_like(self.motion.tau))
+
+
+def lay(
+    motion: Motion,
+    index: Ints,
+    block: Ints,
+    inputs: Inputs,
+    prior: Prior,
+    basis: Basis,
+    extra: Sequence[Extra] = (),
+) -> Ground:
+    """Factor and whiten a motion; the tangents of the basis' shapes are explained away too.
+
+    Raises:
+        NotPositiveDefiniteError: the noise is too small for the arithmetic.
+    """
+    tangents = [*extra, *_tangents(basis, inputs.take(index))]
+    system = factored(motion.tau[index], inputs.take(index), prior, basis, tangents)
+    span, triangle = np.linalg.qr(system.white_design)
+    weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
+    span = span[:, ~weak]
+    white = system.white_target - span @ (span.T @ system.white_target)
+    residual = white / np.sqrt(system.amplitude)
+    return Ground(motion, index, block, inputs, prior, basis, tuple(extra), system, residual, span)
+
+
+def factored(
+    tau: Floats, x: Inputs, prior: Prior, basis: Basis, extra: Sequence[Extra] = ()
+) -> System:
+    """The system of some samples: tau (S, N) N·m, x (S, N)."""
+    samples, joints = tau.shape
+    design = basis.design(x)
+    if extra:
+        more = [np.zeros((samples, joints, one.columns.shape[1])) for one in extra]
+        for place, one in zip(more, extra, strict=True):
+            place[:, one.joint, :] = one.columns
+        design = np.concatenate([design, *more], axis=2)
+    design /= prior.unit[None, :, None]
+    return System.factor(
+        prior.kernel.gram(States(x.q, x.qd, x.qdd)),
+        np.tile(prior.noise, samples),
+        design.reshape(samples * joints, -1),
+        (tau / prior.unit).ravel(),
+    )
+
+
+def _tangents(basis: Basis, x: Inputs) -> list[Extra]:
+    """How the columns change with the shapes of the effects: to first order, their error."""
+    found = []
+    for term in basis.terms:
+        if len(term.effect.parameters) != 1:
+            continue
+        for shape in term.effect.shapes:
+            if shape.whole or not term.shape.get(shape.name, 0.0) > 0.0:
+                continue
+            value = term.shape[shape.name]
+            up, down = (
+                replace(term, shape={**term.shape, shape.name: value * factor})
+                for factor in (1.0 + TANGENT, 1.0 - TANGENT)
+            )
+            found.append(Extra(term.joint, (up.columns(x) - down.columns(x)) / TANGENT))
+    return found

@@ -1,0 +1,193 @@
+"""Choosing the prior and the friction's shapes by evidence, on few samples first."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from threadpoolctl import threadpool_limits
+
+from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay
+from lagrangian_ff.diagnosis.ground.prior import Prior
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.search import evenly
+from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+
+ROWS = 4800
+"""Torques (samples times joints) that a ground is laid on: a factor takes about a second."""
+SEARCH_ROWS, SHAPE_ROWS = 960, 2400
+BLOCK_SECONDS = 2.0
+SWEEPS = 7
+GAIN_WORTH = 100.0
+"""Nats that other units of effort must be worth before they are believed."""
+FAILED = 1e12
+SIGN_SPEEDS = np.geomspace(0.002, 0.3, 28)  # rad/s
+
+
+def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = silent) -> Ground:
+    """Lay the ground of a motion, everything about it chosen by evidence.
+
+    Args:
+        motion: measured, at 100 Hz or so.
+        inputs: the same motion with the model's load and torque.
+        basis: the effects already in the model; the width of their Coulomb step is chosen anew.
+        progress: told the share done.
+    """
+    prior = Prior.start(motion.tau)
+    with threadpool_limits(1):
+        prior = _search(motion, inputs, basis, prior, SWEEPS, 1.0, _part(progress, 0.0, 0.5))
+        basis = _sign_speeds(motion, inputs, basis, prior)
+        inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
+        prior = _search(motion, inputs, basis, prior, 3, 0.5, _part(progress, 0.5, 0.7))
+        basis = _sign_speeds(motion, inputs, basis, prior)
+        inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
+        prior = _gains(motion, inputs, basis, prior)
+    progress(0.8, "factoring")
+    ground = _lay(motion, inputs, basis, prior)
+    load = ground.load()
+    inputs = replace(inputs, load=load, torque=load + ground.known())
+    ground = replace(ground, inputs=inputs)
+    if any(term.effect.uses for term in basis.terms):
+        ground = _lay(motion, inputs, basis, prior)
+    progress(1.0, "factoring")
+    return ground
+
+
+def sharpen(
+    ground: Ground, basis: Basis, extra: tuple[Extra, ...] = (), progress: Progress = silent
+) -> Prior:
+    """The prior chosen anew with more explained: what is left then stands out more."""
+    motion, inputs = ground.motion, ground.inputs
+    with threadpool_limits(1):
+        return _search(motion, inputs, basis, ground.prior, 2, 0.7, progress, extra, ground)
+
+
+def _lay(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Ground:
+    index = evenly(len(motion), ROWS // len(motion.joints))
+    return lay(motion, index, motion.blocks(BLOCK_SECONDS)[index], inputs, prior, basis)
+
+
+def _part(progress: Progress, low: float, high: float) -> Progress:
+    return lambda share, label: progress(low + share * (high - low), label)
+
+
+def _evidence(
+    motion: Motion, inputs: Inputs, basis: Basis, rows: int, extra: tuple[Extra, ...] = (),
+    ground: Ground | None = None,
+) -> Callable[[Prior], float]:  # fmt: skip
+    """The log evidence in N·m of some of the samples, as a function of the prior."""
+    count = rows // len(motion.joints)
+    if ground is None:
+        index = evenly(len(motion), count)
+    else:
+        chosen = evenly(len(ground.index), count)
+        index = ground.index[chosen]
+        extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
+    tau, x = motion.tau[index], inputs.take(index)
+
+    def evidence(prior: Prior) -> float:
+        try:
+            system = factored(tau, x, prior, basis, extra)
+        except NotPositiveDefiniteError:
+            return -FAILED
+        return system.log_evidence - len(index) * float(np.sum(np.log(prior.unit)))
+
+    return evidence
+
+
+def _search(
+    motion: Motion, inputs: Inputs, basis: Basis, prior: Prior, sweeps: int, step: float,
+    progress: Progress, extra: tuple[Extra, ...] = (), ground: Ground | None = None,
+) -> Prior:  # fmt: skip
+    """Coordinate by coordinate uphill: cheaper than a simplex where the numbers are many."""
+    evidence = _evidence(motion, inputs, basis, SEARCH_ROWS, extra, ground)
+    point = prior.vector()
+    best = evidence(prior)
+    steps = np.full(len(point), step)
+    for sweep in range(sweeps):
+        for axis in range(len(point)):
+            progress((sweep + axis / len(point)) / sweeps, "choosing the noise and the prior")
+            for sign in (1.0, -1.0):
+                tried = point.copy()
+                tried[axis] += sign * steps[axis]
+                value = evidence(prior.at(tried))
+                if value > best:
+                    best, point = value, tried
+                    steps[axis] *= 1.3 * sign
+                    break
+            else:
+                steps[axis] *= 0.5
+    return prior.at(point)
+
+
+def _gains(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Prior:
+    """Units of effort that differ between joints, where the evidence for that is strong."""
+    evidence = _evidence(motion, inputs, basis, SEARCH_ROWS)
+    first = evidence(prior)
+    best, gain = first, prior.gain
+    steps = np.full(len(gain), 0.25)
+    for _ in range(3):
+        for joint in range(1, len(gain)):
+            for sign in (1.0, -1.0):
+                tried = gain.copy()
+                tried[joint] *= np.exp(sign * steps[joint])
+                value = evidence(prior.with_gain(tried))
+                if value > best:
+                    best, gain = value, tried
+                    break
+            else:
+                steps[joint] *= 0.4
+    return prior.with_gain(gain) if best - first > GAIN_WORTH else prior
+
+
+def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Basis:
+    """The width of each joint's Coulomb step: a wrong one looks like a bump at low speed."""
+    places = [
+        (number, place.start)
+        for number, (term, place) in enumerate(basis.slices())
+        if term.effect.name == "coulomb"
+    ]
+    if not places:
+        return basis
+    index = evenly(len(motion), SHAPE_ROWS // len(motion.joints))
+    x = inputs.take(index)
+    system = factored(motion.tau[index], x, prior, basis)
+    white = system.white_design.copy()
+    terms = list(basis.terms)
+    for number, column in places:
+        term = terms[number]
+        tried = np.zeros((len(index), x.joints, len(SIGN_SPEEDS)))
+        unit = prior.unit[term.joint]
+        for k, speed in enumerate(SIGN_SPEEDS):
+            tried[:, term.joint, k] = np.tanh(x.qd[:, term.joint] / speed) / unit
+        flat = tried.reshape(-1, len(SIGN_SPEEDS))
+        z = solve_triangular(system.upper, flat, trans=1, check_finite=False)
+        span, _ = np.linalg.qr(np.delete(white, column, axis=1))
+        left = system.white_target - span @ (span.T @ system.white_target)
+        z -= span @ (span.T @ z)
+        fall = (z.T @ left) ** 2 / np.maximum(np.sum(z * z, axis=0), 1e-300)
+        speed = float(np.exp(_peak(np.log(SIGN_SPEEDS), fall)))
+        terms[number] = Term(term.effect, term.joint, {**term.shape, "v0": speed})
+        chosen = np.zeros((len(index), x.joints))
+        chosen[:, term.joint] = np.tanh(x.qd[:, term.joint] / speed) / unit
+        white[:, column] = solve_triangular(
+            system.upper, chosen.ravel(), trans=1, check_finite=False
+        )
+    return Basis(tuple(terms))
+
+
+def _peak(at: Floats, values: Floats) -> float:
+    """Where a parabola through the largest of evenly spaced values and its neighbours peaks."""
+    k = int(np.argmax(values))
+    if not 0 < k < len(values) - 1:
+        return float(at[k])
+    before, here, after = values[k - 1 : k + 2]
+    bend = before - 2.0 * here + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return float(at[k] + shift * (at[1] - at[0]))

@@ -1,0 +1,1 @@
+"""Which effect would explain what is left: candidates, their gain in evidence, and chance."""

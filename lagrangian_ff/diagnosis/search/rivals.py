@@ -1,0 +1,51 @@
+"""Which candidates the data cannot tell from the best one (Vuong 1989, by blocks of time)."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.search.gain import Score
+
+Floats = NDArray[np.float64]
+
+DEVIATIONS = 2.0
+LEAST = 4.0
+"""Nats by which a rival must fall behind, and standard deviations of that, to be ruled out."""
+
+
+def best_of_each(found: Iterable[Score]) -> list[Score]:
+    """For every effect and joint the score at its best shape, best first."""
+    best: dict[tuple[str, int], Score] = {}
+    for score in found:
+        held = best.get(score.candidate.key)
+        if held is None or score.gain > held.gain:
+            best[score.candidate.key] = score
+    return sorted(best.values(), key=lambda score: -score.gain)
+
+
+def rivals(
+    best: Score, others: Sequence[Score], more: Sequence[tuple[Floats, Floats]] = ()
+) -> list[Score]:
+    """The named candidates that are not clearly worse than the best.
+
+    Args:
+        best: the best one.
+        others: at their best shapes, of the same ground.
+        more: for each of the others, what another recording says: (B,) nats gained by block by
+            the best and by the other, with frozen coefficients.
+    """
+    left = []
+    for number, other in enumerate(others):
+        if not other.candidate.named or other.candidate.key == best.candidate.key:
+            continue
+        behind = best.gain - other.gain
+        differences = best.likelihood - other.likelihood
+        scatter = len(differences) * float(np.var(differences))
+        if more:
+            mine, its = more[number]
+            behind += float(np.sum(mine - its))
+            scatter += len(mine) * float(np.var(mine - its))
+        if other.gain > 0.0 and behind < max(LEAST, DEVIATIONS * np.sqrt(scatter)):
+            left.append(other)
+    return left

@@ -1,0 +1,130 @@
+"""Torques that depend on a coordinate in any smooth way: rivals without a name.
+
+An effect that the catalogue does not have pushes some wrong name up. Where a free curve over one
+coordinate explains clearly more than every known effect does, the honest finding is that curve's
+coordinate, not a name.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.effects import Inputs
+
+Floats = NDArray[np.float64]
+
+KNOTS = 9
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """A piecewise linear torque over a coordinate, times the smoothed sign where it is friction.
+
+    Attributes:
+        name: for records.
+        coordinate: in words, after "depends on".
+        reads: the coordinate (M,) of the inputs, for a joint.
+        knots: (K,) where the curve may bend.
+        friction: whether it changes sign with the direction of motion.
+    """
+
+    name: str
+    coordinate: str
+    reads: Callable[[Inputs, int], Floats]
+    knots: tuple[float, ...]
+    friction: bool
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """(S, K) hat functions over the coordinate."""
+        knots = np.asarray(self.knots)
+        at = np.clip(self.reads(x, joint), knots[0], knots[-1])
+        place = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
+        share = (at - knots[place]) / (knots[place + 1] - knots[place])
+        out = np.zeros((len(x), len(knots)))
+        rows = np.arange(len(x))
+        out[rows, place] = 1.0 - share
+        out[rows, place + 1] = share
+        return out * x.sign(joint)[:, None] if self.friction else out
+
+
+def since_reversal(x: Inputs, joint: int) -> Floats:
+    """(M,) s since the joint's velocity last changed sign, or since the motion began."""
+    out = np.zeros(len(x))
+    whole = x.whole or x
+    elapsed = np.zeros(len(whole))
+    for piece in whole.pieces():
+        time = whole.time[piece]
+        if not np.isfinite(time).all():
+            elapsed[piece] = np.inf
+            continue
+        turned = np.flatnonzero(np.diff(np.signbit(whole.qd[piece, joint]))) + 1
+        last = np.zeros(len(time), dtype=np.int64)
+        last[turned] = turned
+        elapsed[piece] = time - time[np.maximum.accumulate(last)]
+    out[:] = elapsed if x.index is None else elapsed[x.index]
+    return np.minimum(out, 10.0)
+
+
+def _own(kind: str) -> Callable[[Inputs, int], Floats]:
+    return lambda x, joint: np.asarray(getattr(x, kind)[:, joint])
+
+
+def _of(kind: str, other: int) -> Callable[[Inputs, int], Floats]:
+    return lambda x, joint: np.asarray(getattr(x, kind)[:, other])
+
+
+def _time(x: Inputs, joint: int) -> Floats:
+    return np.minimum(x.time, 1e9)
+
+
+def _make(
+    name: str, words: str, reads: Callable[[Inputs, int], Floats], friction: bool
+) -> Callable[[Inputs, int], Iterator[Dependence]]:
+    def make(x: Inputs, joint: int) -> Iterator[Dependence]:
+        knots = _knots(reads(x, joint))
+        if len(knots) >= 3:
+            yield Dependence(name, words, reads, knots, friction)
+
+    return make
+
+
+def _neighbours(
+    name: str, words: str, kind: str, friction: bool
+) -> Callable[[Inputs, int], Iterator[Dependence]]:
+    def make(x: Inputs, joint: int) -> Iterator[Dependence]:
+        for other in range(x.joints):
+            reads = _of(kind, other)
+            knots = _knots(reads(x, joint))
+            if other != joint and len(knots) >= 3:
+                label = words.replace("#", str(other))
+                yield Dependence(f"{name} {other}", label, reads, knots, friction)
+
+    return make
+
+
+def _knots(values: Floats) -> tuple[float, ...]:
+    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
+    width = float(np.ptp(values))
+    keep = np.concatenate([[True], np.diff(knots) > 1e-6 * width]) if width > 0.0 else [True]
+    return tuple(float(v) for v in knots[keep])
+
+
+UNNAMED: tuple[Callable[[Inputs, int], Iterator[Dependence]], ...] = (
+    _make("velocity", "velocity", _own("qd"), False),
+    _make("position", "position", _own("q"), False),
+    _make("acceleration", "acceleration", _own("qdd"), False),
+    _make("time", "time", _time, False),
+    _make("friction over position", "position, changing sign with direction", _own("q"), True),
+    _make("friction over time", "time, changing sign with direction", _time, True),
+    _make("friction over load", "load, changing sign with direction", _own("load"), True),
+    _make("friction over acceleration", "acceleration, changing sign with direction",
+          _own("qdd"), True),
+    _make("since reversal", "time since reversal, changing sign with direction",
+          since_reversal, True),
+    _neighbours("velocity of joint", "velocity of joint #", "qd", False),
+    _neighbours("friction over position of joint",
+                "position of joint #, changing sign with direction", "q", True),
+)  # fmt: skip
+"""Every dependence without a name; a new one joins here."""
