@@ -83,6 +83,16 @@ def test_the_same_seed_hides_the_same_physics(effect: HiddenEffect, site: Site) 
     np.testing.assert_array_equal(effect.torque(one, site), effect.torque(other, site))
 
 
+def test_recordings_of_one_arm_differ_in_what_happens_by_chance_alone(
+    effect: HiddenEffect, site: Site
+) -> None:
+    other = Site(site.joint, site.seed, 1, site.along)
+    one, two = effect.install(site, effect.start), effect.install(other, effect.start)
+    by_chance = effect.name in ("shaking", "debris")
+    same = np.array_equal(effect.torque(one, site), effect.torque(two, other))
+    assert same is not by_chance
+
+
 def test_an_effect_acts_where_it_says(effect: HiddenEffect, site: Site) -> None:
     torque = effect.torque(effect.install(site, effect.start), site)
     moved = {j for j in ALL_JOINTS if np.abs(torque[:, j]).max() > 1e-9}

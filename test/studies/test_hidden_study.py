@@ -73,6 +73,15 @@ def test_a_case_becomes_two_recordings_of_one_plant(tmp_path: Path) -> None:
     assert again[2] == plant
 
 
+def test_both_recordings_are_of_one_arm(tmp_path: Path) -> None:
+    case = Case("x", (Hidden("saturation", "joint_2", 0.2),), 0, 3)
+    first, second, plant = plants.record(case, tmp_path, SHORT)
+    limit = plant["hidden"][0]["facts"]["limit [N·m]"]
+    noise = 160.0 * 0.0385 * 0.12
+    for recording in (first, second):
+        assert limit < np.abs(recording.effort[:, 1]).max() < limit + 6.0 * noise
+
+
 def test_motions_are_joined_at_rest_within_the_limits() -> None:
     whole = plants.motion(0, 1, Stretches(((2, 4.0), (6, 4.0))))
     assert whole.duration == pytest.approx(8.0)

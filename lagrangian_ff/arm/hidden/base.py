@@ -82,7 +82,8 @@ class Site:
         seed: of what chance decides about the effect (its phase, its harmonic, ...).
         recording: which recording of the same arm this is; only what happens by chance in time
             differs between them.
-        along: what the arm does without the effect.
+        along: what the arm does without the effect in the first recording; what an effect takes
+            from it (a limit, an angle) is the same in all of them.
     """
 
     joint: int

@@ -73,26 +73,32 @@ def record(
         it is `visible`: what friction of the joint's own kind (viscous, Coulomb, constant) cannot
         stand in for.
     """
-    sites = [_Sites(case, k, folder, stretches) for k in range(RECORDINGS)]
-    # The strength that gives the size on the first recording is that of the plant: one arm.
-    strengths = [
-        sized(hidden.kind, site, hidden.size)[1]
-        for hidden, site in zip(case.hidden, sites[0].of, strict=True)
-    ]
+    along = _along(case.motion, folder, stretches) if case.hidden else None
     runs, reached = [], []
     facts: list[dict[str, float]] = []
-    for number, here in enumerate(sites):
+    strengths: list[float] = []
+    for number in range(RECORDINGS):
+        # One arm: both recordings are of what was built and sized along the first motion.
+        sites = [
+            Site(JOINTS.index(hidden.joint), case.seed + 7919 * n, number, along)
+            for n, hidden in enumerate(case.hidden)
+            if along is not None
+        ]
+        placed = list(zip(case.hidden, sites, strict=True))
+        strengths = strengths or [
+            sized(hidden.kind, site, hidden.size)[1] for hidden, site in placed
+        ]
         parts = [
             hidden.kind.install(site, strength)
-            for hidden, site, strength in zip(case.hidden, here.of, strengths, strict=True)
+            for (hidden, site), strength in zip(placed, strengths, strict=True)
         ]
         done = _simulate(case, number, parts, stretches, _part(progress, number))
-        facts = [dict(part.facts) for part in parts]
+        facts = facts or [dict(part.facts) for part in parts]
         runs.append(done)
         reached.append(
             [
                 _measured(hidden, part, site, done)
-                for hidden, part, site in zip(case.hidden, parts, here.of, strict=True)
+                for (hidden, site), part in zip(placed, parts, strict=True)
             ]
         )
     info = {
@@ -119,24 +125,12 @@ def record(
     return runs[0].recording, runs[1].recording, info
 
 
-class _Sites:
-    """Where the effects of a case sit in one of its recordings."""
-
-    def __init__(self, case: Case, recording: int, folder: Path, stretches: Stretches) -> None:
-        along = _along(case.motion, recording, folder, stretches) if case.hidden else None
-        self.of = [
-            Site(JOINTS.index(hidden.joint), case.seed + 7919 * n, recording, along)
-            for n, hidden in enumerate(case.hidden)
-            if along is not None
-        ]
-
-
-def _along(pair: int, recording: int, folder: Path, stretches: Stretches) -> Reference:
-    """The arm's run without effects, from the folder or made and kept there."""
+def _along(pair: int, folder: Path, stretches: Stretches) -> Reference:
+    """The run of the first motion without effects, from the folder or made and kept there."""
     name = "_".join(f"{speed}x{seconds:g}" for speed, seconds in stretches.parts)
-    path = folder / "motions" / f"{pair}_{recording}_{name}.npz"
+    path = folder / "motions" / f"{pair}_{name}.npz"
     if not path.is_file():
-        reference = Reference.of(simulate(motion(pair, recording, stretches)))
+        reference = Reference.of(simulate(motion(pair, 0, stretches)))
         path.parent.mkdir(parents=True, exist_ok=True)
         # Several processes may make it at once: each whole, the last one stays.
         part = path.with_name(f"{path.stem}.{np.random.default_rng().integers(2**62)}.part")
