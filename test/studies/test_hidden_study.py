@@ -154,7 +154,7 @@ def line(
     group: str, size: float = 0.1, outcome: str = "right", *, effect: str = "ripple",
     ratio: float | None = 1.0, absorbed: bool = False, count: int = 1,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    hidden = {"effect": effect, "size": size, "absorbed": absorbed}
+    hidden = {"effect": effect, "size": size, "absorbed": absorbed, "visible": [0.6 * size] * 2}
     false = ["stribeck on joint_1"] if outcome == "wrong" else []
     return [
         {
@@ -188,6 +188,7 @@ def test_the_summary_counts_what_was_judged() -> None:
     assert (row["cases"], row["right"], row["class"], row["wrong"], row["nothing"]) == (
         10, 6, 2, 1, 1,
     )  # fmt: skip
+    assert numbers["visible"]["0.05-0.1"] == row
     assert numbers["absorbed"]["0.1"]["nothing"] == 1
     assert numbers["pairs"]["0.1"]["part"] == 1
     assert (numbers["clean"]["cases"], numbers["clean"]["wrong"]) == (20, 1)
@@ -213,7 +214,7 @@ def test_the_figure_holds_what_the_summary_says() -> None:
     assert sum(tall) == pytest.approx(1.0)
     shown = [len(np.asarray(points.get_xdata())) for points in ratios.lines]
     assert [count for count in shown if count != 2] == [1, 10]
-    assert [t.get_text() for t in effects.get_yticklabels()] == ["ripple", "stribeck", "spring"]
+    assert [t.get_text() for t in effects.get_yticklabels()] == ["stribeck", "ripple", "spring"]
 
 
 def test_a_study_without_results_draws_and_prints() -> None:

@@ -25,6 +25,9 @@ WORDS = {
     "nothing": "nothing confirmed",
 }
 
+LEAST, MOST = 0.8, 3.0
+"""Ratios of errors beyond these are drawn at the edge."""
+
 
 def figure(numbers: dict[str, Any], ratios: dict[str, list[float]]) -> Figure:
     """Draw the summary.
@@ -95,14 +98,15 @@ def _ratios(axes: Axes, ratios: dict[str, list[float]]) -> None:
     random = np.random.default_rng(0)
     for place, values in enumerate(ratios.values()):
         spread = place + random.uniform(-0.22, 0.22, size=len(values))
-        axes.plot(spread, np.clip(values, 0.5, 10.0), "o", color=to_rgb("#1864ab"), alpha=0.45,
+        axes.plot(spread, np.clip(values, LEAST, MOST), "o", color=to_rgb("#1864ab"), alpha=0.45,
                   markersize=3.5, markeredgewidth=0)  # fmt: skip
         if values:
             axes.plot([place - 0.3, place + 0.3], [np.median(values)] * 2, color=INK)
     axes.axhline(1.1, color=COLOURS["wrong"], linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set_yscale("log")
-    axes.set_yticks([0.5, 1.0, 2.0, 5.0], ["0.5", "1", "2", "5"])
+    axes.set_yticks([0.8, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "1", "1.2", "1.5", "2", "3"])
     axes.minorticks_off()
+    axes.set_ylim(0.95 * LEAST, 1.05 * MOST)
     axes.set_xticks(range(len(ratios)), [f"{100 * float(size):g} %" for size in ratios])
     axes.set_xlim(-0.5, max(len(ratios), 1) - 0.5)
     axes.grid(visible=False, axis="x")

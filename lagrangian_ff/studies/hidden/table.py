@@ -1,14 +1,19 @@
 """The numbers of the study, and their table in words."""
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.stats import beta
 
+from lagrangian_ff.arm.hidden import HIDDEN
 from lagrangian_ff.studies.hidden.verdicts import OUTCOMES
 
 Lines = Sequence[dict[str, Any]]
+
+VISIBLE = (0.0, 0.01, 0.02, 0.05, 0.10, 1.0)
+"""Edges of the bins of what plain friction cannot stand in for, as a share of the torque."""
 
 
 def summary(lines: Lines) -> dict[str, Any]:
@@ -19,7 +24,8 @@ def summary(lines: Lines) -> dict[str, Any]:
 
     Returns:
         For JSON: `sizes`, from the size wanted to the outcomes of effects alone (those that every
-        Lagrangian kernel absorbs stand in `absorbed`); `pairs`, the same of pairs; `effects`, from
+        Lagrangian kernel absorbs stand in `absorbed`); `visible`, the same by the part of the size
+        that friction of the joint's own kind cannot stand in for; `pairs`, by size; `effects`, from
         name and size to outcomes; `clean` and `outside`, cases and claims made in them; `ratio`,
         the error after adding over that of the true structure, by size.
     """
@@ -31,10 +37,12 @@ def summary(lines: Lines) -> dict[str, Any]:
         "failed": {line["case"]: line["failed"] for line in lines if "failed" in line},
         "sizes": _by_size(firm),
         "absorbed": _by_size(line for line in alone if line not in firm),
+        "visible": _by_visible(firm),
         "pairs": _by_size(line for line in judged if line["group"] == "pair"),
         "effects": {
             name: _by_size(line for line in alone if line["plant"]["hidden"][0]["effect"] == name)
-            for name in dict.fromkeys(line["plant"]["hidden"][0]["effect"] for line in alone)
+            for name in HIDDEN
+            if any(line["plant"]["hidden"][0]["effect"] == name for line in alone)
         },
         "clean": _claims(line for line in judged if line["group"] == "clean"),
         "outside": _claims(line for line in judged if line["group"] == "outside"),
@@ -56,6 +64,15 @@ def _sizes(lines: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
 
 def _by_size(lines: Iterable[dict[str, Any]]) -> dict[str, dict[str, int]]:
     return {size: _outcomes(group) for size, group in _sizes(lines).items()}
+
+
+def _by_visible(lines: Lines) -> dict[str, dict[str, int]]:
+    bins = np.digitize([line["plant"]["hidden"][0]["visible"][0] for line in lines], VISIBLE[1:-1])
+    return {
+        f"{low:g}-{high:g}": _outcomes(group)
+        for k, (low, high) in enumerate(pairwise(VISIBLE))
+        if (group := [line for line, bin_ in zip(lines, bins, strict=True) if bin_ == k])
+    }
 
 
 def _outcomes(lines: Lines) -> dict[str, int]:
@@ -110,16 +127,19 @@ def _quantiles(ratios: list[float]) -> dict[str, float]:
 def table(numbers: dict[str, Any]) -> list[str]:
     """The summary as lines of text."""
     text = [f"{numbers['cases']} cases"]
-    heads = ("size", "cases", "right", "class", "part", "wrong", "nothing", "ratio")
-    for title, key in (("one effect", "sizes"), ("two effects", "pairs")):
-        if not numbers[key]:
-            continue
-        text += ["", f"{title}:", _row(heads)]
-        for size, row in numbers[key].items():
-            ratio = numbers["ratio"].get(size, {}).get("median") if key == "sizes" else None
-            shares = [f"{row[name] / row['cases']:.2f}" for name in OUTCOMES]
+    blocks = (
+        ("one effect, by size", "sizes"),
+        ("one effect, by what plain friction cannot stand in for", "visible"),
+        ("two effects, by size", "pairs"),
+    )
+    for title, key in blocks:
+        if numbers[key]:
+            text += ["", f"{title}:", _row(("", "cases", *OUTCOMES, "ratio"), first=12)]
+        for name, row in numbers[key].items():
+            shares = [f"{row[outcome] / row['cases']:.2f}" for outcome in OUTCOMES]
+            ratio = numbers["ratio"].get(name, {}).get("median") if key == "sizes" else None
             last = "" if ratio is None else f"{ratio:.2f}"
-            text.append(_row([_percent(size), str(row["cases"]), *shares, last]))
+            text.append(_row([_percent(name), str(row["cases"]), *shares, last], first=12))
     if numbers["effects"]:
         text += ["", "by effect, right or as a class / wrong / cases:"]
         sizes = sorted({size for row in numbers["effects"].values() for size in row}, key=float)
@@ -138,7 +158,8 @@ def table(numbers: dict[str, Any]) -> list[str]:
 
 
 def _percent(size: str) -> str:
-    return f"{100.0 * float(size):g} %"
+    """A size, or a range of sizes, in per cent."""
+    return " to ".join(f"{100.0 * float(end):g}" for end in size.split("-")) + " %"
 
 
 def _cell(row: dict[str, int] | None) -> str:
@@ -147,5 +168,5 @@ def _cell(row: dict[str, int] | None) -> str:
     return f"{row['right'] + row['class']}/{row['wrong']}/{row['cases']}"
 
 
-def _row(cells: Sequence[str], first: int = 8) -> str:
+def _row(cells: Sequence[str], first: int) -> str:
     return ("  " + f"{cells[0]:<{first}}" + "".join(f"{cell:>9}" for cell in cells[1:])).rstrip()
