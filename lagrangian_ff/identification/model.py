@@ -1,7 +1,7 @@
 """The identified model: torques from states, and the parts they are made of."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -63,8 +64,12 @@ class Model:
         unit: (N,) N·m that count as one.
         range: the motion it was identified on.
         record: what identification found, as JSON holds it.
-        training_tau: (C, N) N·m measured at the centres, so that it can be refitted.
-        training_time, training_segment: (C,) when, in s, and in which uninterrupted stretch.
+        data: the motion learned from and that held out, at 100 Hz, so that it can be refitted.
+        trained: (K,) which samples of it were learned from.
+        index: (C,) which of them are the centres.
+        noise: (N,) variance of the noise in the kernel's units.
+        noise_share: (N,) relative standard deviation of the noise between joints.
+        steps: the model's history: how it was identified and what was added, as JSON holds it.
     """
 
     joints: tuple[str, ...]
@@ -77,9 +82,24 @@ class Model:
     unit: Floats
     range: MotionRange
     record: Mapping[str, object]
-    training_tau: Floats
-    training_time: Floats
-    training_segment: NDArray[np.int64]
+    data: Motion
+    trained: NDArray[np.bool_]
+    index: Ints
+    noise: Floats
+    noise_share: Floats
+    steps: tuple[Mapping[str, object], ...] = ()
+
+    @property
+    def training_tau(self) -> Floats:
+        """(C, N) N·m measured at the centres."""
+        return np.asarray(self.data.tau[self.index])
+
+    def inputs_of_data(self) -> Inputs:
+        """All of the data as effects see it."""
+        data = self.data
+        x = self.inputs(data.q, data.qd, data.qdd, time=data.time, segment=data.segment)
+        parts = self.basis.torque(x, self.coefficients).values()
+        return replace(x, torque=x.load + sum(parts, np.zeros_like(x.load)))
 
     def predict(
         self,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from threadpoolctl import threadpool_limits
 
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit, with_noise
 from lagrangian_ff.identification.spec import Spec
@@ -35,19 +36,23 @@ class TrainingSet:
     """What hyperparameters are chosen on.
 
     Attributes:
-        states: (M, N).  tau: (M, N) N·m.  fold: (M,) the fold each sample is left out with.
+        x: (M, N) as effects see it.  tau: (M, N) N·m.
+        fold: (M,) the fold each sample is left out with.
     """
 
-    states: States
+    x: Inputs
     tau: Floats
     fold: Ints
 
     def thinned(self, samples: int) -> "TrainingSet":
         """At most this many samples, evenly spread."""
-        index = evenly(len(self.states), samples)
-        return replace(
-            self, states=self.states.take(index), tau=self.tau[index], fold=self.fold[index]
-        )
+        index = evenly(len(self.x), samples)
+        return replace(self, x=self.x.take(index), tau=self.tau[index], fold=self.fold[index])
+
+    @property
+    def states(self) -> States:
+        """(M, N)."""
+        return States(self.x.q, self.x.qd, self.x.qdd)
 
     def groups(self) -> list[Ints]:
         """The samples of each fold."""
@@ -194,7 +199,7 @@ class _Search:
         choice = _at(start, self.axes, values, self.joint, part.states)
         joint = self.joint
         try:
-            fitted = fit(self.spec, choice, part.states, part.tau, scaling)
+            fitted = fit(self.spec, choice, part.x, part.tau, scaling)
             if joint is not None:
                 fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
             if self.criterion == "evidence":

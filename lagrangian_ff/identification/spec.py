@@ -6,6 +6,9 @@ from lagrangian_ff.effects import EFFECTS, GROUPS, Effect
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.kernels import KERNELS, Kernel
 
+FRICTION = GROUPS["fri"]
+"""Effects that are fitted together with the kernel, as the paper does; others are added to it."""
+
 
 @dataclass(frozen=True)
 class Spec:
@@ -14,12 +17,16 @@ class Spec:
     Attributes:
         text: the name as given, e.g. `vrbfs+fri`.
         kernel: the family of the Lagrangian part; `none` where there is none.
-        effects: the basis, in order, each on every joint.
+        effects: the friction basis, in order, each on every joint.
+        further: effects that are added once these are fitted, each with its joint; None is all.
+        basic: the name without the further effects.
     """
 
     text: str
     kernel: type[Kernel]
     effects: tuple[Effect, ...]
+    further: tuple[tuple[Effect, str | None], ...] = ()
+    basic: str = ""
 
 
 def parse(text: str) -> Spec:
@@ -34,13 +41,14 @@ def parse(text: str) -> Spec:
     for part in parts:
         if part in KERNELS:
             continue
-        if part not in GROUPS and part not in EFFECTS:
+        name, at, joint = part.partition("@")
+        if (name not in GROUPS and name not in EFFECTS) or (at and not joint):
             raise ModelError(
                 f"model '{text}': '{part}' is neither a kernel ({', '.join(KERNELS)}) "
                 f"nor an effect ({', '.join([*GROUPS, *EFFECTS])}); "
-                "join one kernel and effects with +, as in vrbfs+fri"
+                "join one kernel and effects with +, as in vrbfs+fri or vrbfs+fri+stribeck@joint_2"
             )
-        effects.extend(GROUPS.get(part, (part,)))
+        effects.extend(f"{one}{at}{joint}" for one in GROUPS.get(name, (name,)))
     if len(kernels) > 1:
         raise ModelError(
             f"model '{text}': {' and '.join(kernels)} are both kernels; "
@@ -49,5 +57,18 @@ def parse(text: str) -> Spec:
     twice = sorted({name for name in effects if effects.count(name) > 1})
     if twice:
         raise ModelError(f"model '{text}': {', '.join(twice)} stands in it twice")
-    kernel = KERNELS[kernels[0] if kernels else "none"]
-    return Spec(text, kernel, tuple(EFFECTS[name] for name in effects))
+    basic = [name for name in effects if name in FRICTION]
+    further = [name.partition("@") for name in effects if name not in FRICTION]
+    return Spec(
+        text,
+        KERNELS[kernels[0] if kernels else "none"],
+        tuple(EFFECTS[name] for name in basic),
+        tuple((EFFECTS[name], joint or None) for name, _, joint in further),
+        _name(kernels, basic, parts),
+    )
+
+
+def _name(kernels: list[str], basic: list[str], parts: list[str]) -> str:
+    """The kernel and the friction by the names they were given."""
+    kept = [part for part in parts if part in KERNELS or part in GROUPS or part in basic]
+    return "+".join(kept or kernels or ["none"])

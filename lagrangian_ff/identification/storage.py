@@ -9,19 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
 
 FORMAT = "lagrangian_ff model"
-VERSION = 1
+VERSION = 2
 ARRAYS = {
-    "q": 2, "qd": 2, "qdd": 2, "weights": 2, "training_tau": 2, "coefficients": 1, "unit": 1,
-    "training_time": 1, "training_segment": 1,
+    "q": 2, "qd": 2, "qdd": 2, "tau": 2, "time": 1, "segment": 1, "trained": 1, "index": 1,
+    "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
 
@@ -50,17 +51,26 @@ def save(model: Model, path: Path) -> None:
         ],
         "range": model.range.record(),
         "record": dict(model.record),
+        "steps": [dict(step) for step in model.steps],
+        "source": model.data.source,
+        "notes": list(model.data.notes),
+        "conditioning": dict(model.data.conditioning),
     }
+    data = model.data
     arrays: dict[str, Any] = {
-        "q": model.centres.q,
-        "qd": model.centres.qd,
-        "qdd": model.centres.qdd,
+        "q": data.q,
+        "qd": data.qd,
+        "qdd": data.qdd,
+        "tau": data.tau,
+        "time": data.time,
+        "segment": data.segment,
+        "trained": model.trained.astype(np.int8),
+        "index": model.index,
         "weights": model.weights,
-        "training_tau": model.training_tau,
         "coefficients": model.coefficients,
         "unit": model.unit,
-        "training_time": model.training_time,
-        "training_segment": model.training_segment,
+        "noise": model.noise,
+        "noise_share": model.noise_share,
     }
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
@@ -83,6 +93,10 @@ def load(path: Path) -> Model:
     if header.get("format") != FORMAT:
         raise ModelError(f"{path} is not a model of lagrangian_ff")
     version = header.get("version")
+    if version == 1:
+        raise ModelError(
+            f"{path} is a model of version 1, which did not keep its data: identify it again"
+        )
     if not isinstance(version, int) or version > VERSION:
         raise ModelError(
             f"{path} is a model of version {version}, this program reads up to {VERSION}: "
@@ -122,18 +136,35 @@ def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
             raise ValueError(f"array {name} has shape {found.shape} and type {found.dtype}")
         if not np.isfinite(found).all():
             raise ValueError(f"array {name} holds values that are not finite")
-        if dimensions == 2 and found.shape != arrays["q"].shape:
+        if name in ("qd", "qdd", "tau") and found.shape != arrays["q"].shape:
             raise ValueError(f"array {name} has shape {found.shape}, not {arrays['q'].shape}")
-    if arrays["q"].shape[1] != len(joints) or arrays["unit"].shape != (len(joints),):
+        if name in ("time", "segment", "trained") and len(found) != len(arrays["q"]):
+            raise ValueError(f"array {name} has {len(found)} entries, not {len(arrays['q'])}")
+        if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
+            raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
+    index = arrays["index"].astype(np.int64)
+    if arrays["q"].shape[1] != len(joints) or arrays["weights"].shape != (len(index), len(joints)):
         raise ValueError(f"arrays of {arrays['q'].shape[1]} joints for {len(joints)} names")
-    centres = States.of(arrays["q"], arrays["qd"], arrays["qdd"])
+    data = Motion(
+        joints=joints,
+        **{name: arrays[name] for name in ("time", "q", "qd", "qdd", "tau")},
+        segment=arrays["segment"].astype(np.int64),
+        source=str(header["source"]),
+        notes=tuple(header["notes"]),
+        conditioning=header["conditioning"],
+    )
+    if len(index) and not (index.min() >= 0 and index.max() < len(data)):
+        raise ValueError("the centres lie outside the data")
+    centres = States.of(data.q[index], data.qd[index], data.qdd[index])
     values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
     basis = Basis(
         tuple(
-            Term(EFFECTS[entry["effect"]], int(entry["joint"]), dict(entry["shape"]))
+            Term(_effect(entry["effect"]), int(entry["joint"]), dict(entry["shape"]))
             for entry in header["basis"]
         )
     )
+    if any(not 0 <= term.joint < len(joints) for term in basis.terms):
+        raise ValueError("an effect acts on a joint that is not there")
     if arrays["coefficients"].shape != (basis.size,):
         raise ValueError(f"{arrays['coefficients'].shape} coefficients for {basis.size} columns")
     return Model(
@@ -147,7 +178,19 @@ def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
         unit=arrays["unit"],
         range=MotionRange.from_record(header["range"]),
         record=header["record"],
-        training_tau=arrays["training_tau"],
-        training_time=arrays["training_time"],
-        training_segment=arrays["training_segment"],
+        data=data,
+        trained=arrays["trained"].astype(bool),
+        index=index,
+        noise=arrays["noise"],
+        noise_share=arrays["noise_share"],
+        steps=tuple(header["steps"]),
     )
+
+
+def _effect(name: str) -> Effect:
+    if name not in EFFECTS:
+        raise KeyError(
+            f"it has the effect '{name}', which is not in the catalogue (one of your own? name "
+            "its file with --effects-file)"
+        )
+    return EFFECTS[name]

@@ -1,0 +1,181 @@
+"""From chosen hyperparameters to a fitted, judged and recorded model."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit_basis
+from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.identification.records import effect_records, hyperparameter_record
+from lagrangian_ff.identification.score import Score
+from lagrangian_ff.identification.settings import Settings
+from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.kernels import States
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+INTERVAL_BLOCK_SECONDS = 1.0
+"""Samples closer than this are not counted as independent when intervals are made."""
+
+
+@dataclass(frozen=True)
+class Blueprint:
+    """All that a model is made from.
+
+    Attributes:
+        name: kernel and effects.
+        choice: the hyperparameters.  scaling: of the torques.  basis: the effects' terms.
+        data: the motion learned from and that held out, at the rate that is kept.
+        trained: (K,) which of its samples may be learned from.
+        index: (C,) those the kernel is built on.
+        settings: how all this was chosen.
+    """
+
+    name: str
+    choice: Choice
+    scaling: Scaling
+    basis: Basis
+    data: Motion
+    trained: Bools
+    index: Ints
+    settings: Settings
+
+
+@dataclass(frozen=True)
+class Identification:
+    """What came out.
+
+    Attributes:
+        model: ready to predict and to be saved.
+        record: the findings as JSON holds them; the page, the node and the file show the same.
+        training: the motion learned from, thinned to the samples the kernel is built on.
+        held_out: the motion the error was measured on.
+        predicted: (M, N) N·m of the model on `held_out`, made without having seen it.
+    """
+
+    model: Model
+    record: dict[str, object]
+    training: Motion
+    held_out: Motion
+    predicted: Floats
+    fitted: Fit = field(repr=False)
+
+
+def folds(blueprint: Blueprint) -> Ints:
+    """(C,) the fold each sample the kernel is built on is left out with."""
+    settings = blueprint.settings
+    training = blueprint.data.take(blueprint.trained)
+    block = np.full(len(blueprint.data), -1)
+    block[blueprint.trained] = training.blocks(settings.block_seconds)
+    return np.asarray(
+        np.unique(block[blueprint.index], return_inverse=True)[1] % settings.folds, dtype=np.int64
+    )
+
+
+def build(
+    blueprint: Blueprint,
+    inputs: Inputs,
+    facts: Mapping[str, object],
+    steps: tuple[Mapping[str, object], ...] = (),
+    progress: Progress = silent,
+) -> Identification:
+    """Fit a model, judge it on motion it has not seen, and write down what was found.
+
+    Args:
+        blueprint: what it is made from.
+        inputs: all of the data as effects see it.
+        facts: what else belongs into the record.
+        steps: the model's history before.
+        progress: told the share done.
+
+    Raises:
+        ModelError: the chosen noise is too small for the arithmetic.
+    """
+    began = time.monotonic()
+    data, index, settings = blueprint.data, blueprint.index, blueprint.settings
+    thinned = data.take(index)
+    try:
+        fitted = fit_basis(
+            blueprint.basis, blueprint.choice, inputs.take(index), thinned.tau, blueprint.scaling
+        )
+    except NotPositiveDefiniteError as error:
+        raise ModelError(
+            f"the Gram matrix of {len(index)} samples has no Cholesky factor ({error}): "
+            "the chosen noise is too small for it; use fewer samples or --selection validation"
+        ) from error
+    fold = folds(blueprint)
+    residual, _ = fitted.left_out([np.flatnonzero(fold == n) for n in np.unique(fold)])
+    predicted_left_out = thinned.tau - residual
+    training = data.take(blueprint.trained)
+    model = Model(
+        joints=data.joints,
+        name=blueprint.name,
+        kernel=fitted.choice.kernel,
+        basis=fitted.basis,
+        centres=fitted.states,
+        weights=fitted.weights,
+        coefficients=fitted.coefficients,
+        unit=fitted.scaling.unit,
+        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), training.tau),
+        record={},
+        data=data,
+        trained=blueprint.trained,
+        index=index,
+        noise=blueprint.choice.noise,
+        noise_share=blueprint.scaling.noise,
+        steps=steps,
+    )
+    if blueprint.trained.all():
+        held_out, predicted = thinned, predicted_left_out
+        judged = "blocks of the training motion, left out in turn"
+    else:
+        held_out = data.take(~blueprint.trained)
+        whole = model.predict(
+            data.q, data.qd, data.qdd, progress, time=data.time, segment=data.segment
+        )
+        predicted = whole[~blueprint.trained]
+        judged = "motion after the training part"
+    fine = data.blocks(INTERVAL_BLOCK_SECONDS)[index]
+    score = Score.of(data.joints, held_out.tau, predicted).record()
+    scaling = fitted.scaling
+    record: dict[str, object] = {
+        "model": blueprint.name,
+        **score,
+        "judged_on": judged,
+        "validation": Score.of(data.joints, thinned.tau, predicted_left_out).record(),
+        "samples": len(index),
+        "seconds": round(time.monotonic() - began, 3),
+        "training_seconds": seconds(training),
+        "held_out_seconds": seconds(held_out),
+        "hyperparameters": hyperparameter_record(blueprint.choice, blueprint.basis, len(index)),
+        "scale": "common" if np.ptp(scaling.unit) == 0.0 else "joint",
+        "effects": effect_records(fitted, data.joints, fine),
+        "log_evidence": float(fitted.log_evidence),
+        "range": model.range.record(),
+        "settings": asdict(settings),
+        "conditioning": dict(training.conditioning),
+        "notes": list(training.notes),
+        **facts,
+    }
+    object.__setattr__(model, "record", record)
+    return Identification(model, record, thinned, held_out, predicted, fitted)
+
+
+def seconds(motion: Motion) -> float:
+    """The time that was recorded, gaps not counted."""
+    total = 0.0
+    for number in np.unique(motion.segment):
+        times = motion.time[motion.segment == number]
+        total += float(times[-1] - times[0])
+    return round(total, 6)
