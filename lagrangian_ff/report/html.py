@@ -101,7 +101,7 @@ def _share(row: Share) -> str:
         for label, share in row.parts
     )
     return (
-        f'<div class="share"><p><b>{escape(row.name)}</b> {escape(row.text)}</p>'
+        f'<div class="share"><p><b>{escape(row.name)}</b> <span>{escape(row.text)}</span></p>'
         f'<div class="bars">{bars}</div></div>'
     )
 

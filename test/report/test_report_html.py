@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lagrangian_ff.report import html
 
 PICTURE = html.PNG + b"rest of the picture"
-VOID = {"img", "meta", "br"}
+VOID = {"img", "input", "meta", "br"}
 
 
 class Balance(HTMLParser):
@@ -54,6 +54,11 @@ def test_no_text_becomes_a_tag(text: str) -> None:
         html.table([text], [[text]]),
         html.cards([html.Card(text, text, text, good=True)]),
         html.figure(PICTURE, text, text),
+        html.bullets([text]),
+        html.badge(text, text),
+        html.shares([html.Share(text, text, ((text, 0.5),))]),
+        html.tabs(text, [(text, html.note(text))]),
+        html.plots([html.note(text)]),
     ):
         assert set(texts(piece)) == {text}
 
@@ -84,3 +89,16 @@ def test_what_is_no_png_is_refused() -> None:
 )
 def test_a_card_shows_its_judgement(good: bool | None, kind: str) -> None:
     assert f'class="{kind}"' in html.cards([html.Card("3 ×", "better", good=good)])
+
+
+def test_bars_are_as_long_as_the_shares_and_never_longer_than_the_row() -> None:
+    parts = (("of its error", 0.41), ("too much", 1.7), ("too little", -0.1))
+    piece = html.shares([html.Share("joint_2", "slow", parts)])
+    assert re.findall(r'width:([\d.]+)%"', piece) == ["41.0", "100.0", "0.0"]
+
+
+def test_one_panel_of_tabs_is_chosen_at_first() -> None:
+    piece = html.tabs("joints", [("a", ""), ("b", ""), ("c", "")], first=1)
+    chosen = re.findall(r'id="([^"]+)"( checked)?', piece)
+    assert chosen == [("joints-0", ""), ("joints-1", " checked"), ("joints-2", "")]
+    assert re.findall(r'for="([^"]+)"', piece) == [mark for mark, _ in chosen]

@@ -18,6 +18,8 @@ def say_where(record: Mapping[str, Any], console: Console) -> None:
     """
     regions, evenly = record["regions"], record["evenly"]
     console.say("where it fails")
+    if record["too_short"]:
+        console.paragraph(record["words"][0], "  ", "    ")
     for region in regions[:MOST]:
         console.paragraph(region["words"], "  ", "    ")
     if len(regions) > MOST:

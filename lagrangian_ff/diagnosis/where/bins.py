@@ -7,12 +7,14 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.where.coordinates import Coordinate
 from lagrangian_ff.diagnosis.where.course import Course
-from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, band, resampled
+from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, FEWEST_BLOCKS, band, resampled
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BINS = 12
+FEWEST_SAMPLES = 10
+"""In a bin."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,8 @@ class Bins:
         joint: its name.
         low, high: (K,) the ends of each bin; equal for a coordinate of few values.
         mean: (K,) N·m, the mean residual.
-        mean_low, mean_high: (K,) N·m, its 90 % band from a bootstrap over blocks of 1 s.
+        mean_low, mean_high: (K,) N·m, its 90 % band from a bootstrap over blocks of 1 s; the mean
+            itself where the motion is too short to tell.
         rms: (K,) N·m.
         share_of_error: (K,) of the joint's squared error.
         share_of_time: (K,) of the samples.
@@ -63,10 +66,11 @@ class Bins:
 def edges_of(values: Floats, count: int) -> Floats:
     """(K+1,) edges of at most `count` bins that hold the same number of the finite values.
 
-    Fewer where values repeat; none (one edge) where nothing varies.
+    Fewer where values are few or repeat; none (one edge) where nothing varies.
     """
     known = values[np.isfinite(values)]
-    if not len(known) or float(np.ptp(known)) <= 1e-9 * max(1.0, float(np.abs(known).max())):
+    count = min(count, len(known) // FEWEST_SAMPLES)
+    if count < 2 or float(np.ptp(known)) <= 1e-9 * max(1.0, float(np.abs(known).max())):
         return np.zeros(1)
     return np.unique(np.quantile(known, np.linspace(0.0, 1.0, count + 1)))
 
@@ -122,13 +126,15 @@ def bins_of(
         axis=1,
     )
     count_in, total, squared = sums.sum(axis=0)
-    drawn = resampled(sums[:, :2], seed)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        means = drawn[:, 1] / drawn[:, 0]
-        mean, mean_square = total / count_in, squared / count_in
+    mean, mean_square = total / count_in, squared / count_in
+    means = mean[None]
+    if len(sums) >= FEWEST_BLOCKS:
+        drawn = resampled(sums[:, :2], seed)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            means = drawn[:, 1] / drawn[:, 0]
     mean_low, mean_high = band(means)
     error = float(np.sum(r**2))
-    owed = np.nan_to_num(np.nanvar(means, axis=0))
+    owed = np.nanvar(means, axis=0) if len(means) > 1 else mean**2
     taken = float(np.sum(count_in * (mean**2 - owed)))
     return Bins(
         coordinate, course.motion.joints[joint], low, high, mean, mean_low, mean_high,

@@ -43,11 +43,11 @@ COORDINATES: dict[str, Coordinate] = {
     one.name: one
     for one in (
         Coordinate(
-            "velocity", "rad/s", "velocity", lambda c, j: c.motion.qd[:, j], phrases.velocity
-        ),
-        Coordinate(
             "speed", "rad/s", "speed", lambda c, j: np.abs(c.motion.qd[:, j]), phrases.speed,
             binned=False,
+        ),
+        Coordinate(
+            "velocity", "rad/s", "velocity", lambda c, j: c.motion.qd[:, j], phrases.velocity
         ),
         Coordinate("position", "rad", "position", lambda c, j: c.motion.q[:, j], phrases.position),
         Coordinate(

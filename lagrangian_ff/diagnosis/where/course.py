@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, FEWEST_BLOCKS
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -26,6 +27,12 @@ class Course:
     residual: Floats
     load: Floats
     excess: Floats
+
+    @property
+    def too_short(self) -> bool:
+        """Whether there are too few blocks to tell anything from chance."""
+        blocks = self.motion.blocks(BLOCK_SECONDS)
+        return not len(blocks) or int(blocks[-1]) + 1 < FEWEST_BLOCKS
 
     @property
     def elapsed(self) -> Floats:

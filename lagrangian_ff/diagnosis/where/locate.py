@@ -11,6 +11,7 @@ from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, OUTSIDE
 from lagrangian_ff.diagnosis.where.course import Course
 from lagrangian_ff.diagnosis.where.orders import Spectrum, order_spectrum
 from lagrangian_ff.diagnosis.where.regions import Region, find_regions
+from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, FEWEST_BLOCKS
 from lagrangian_ff.identification import Model
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
@@ -42,12 +43,20 @@ class Whereabouts:
 
     @property
     def evenly(self) -> tuple[str, ...]:
-        """The joints without a region: their error is spread evenly."""
+        """The joints whose error is spread evenly; none where that cannot be told."""
+        if self.course.too_short:
+            return ()
         found = {region.joint for region in self.regions}
         return tuple(name for name in self.comparison.score.joints if name not in found)
 
     def words(self) -> list[str]:
         """What to tell a person, one sentence each."""
+        if self.course.too_short:
+            least = FEWEST_BLOCKS * BLOCK_SECONDS
+            return [
+                "the motion is too short to tell where the error lies: record "
+                f"{least:.0f} s or more"
+            ]
         lines = [region.words for region in self.regions]
         for spectrum in self.spectra:
             lines += [
@@ -69,6 +78,7 @@ class Whereabouts:
             **self.comparison.record(),
             "regions": [region.record() for region in self.regions],
             "evenly": list(self.evenly),
+            "too_short": self.course.too_short,
             "words": self.words(),
             "blocks": self._blocks(),
             "bins": [bins.record() for bins in self.bins],

@@ -84,7 +84,8 @@ class Spectrum:
 
 
 def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None:
-    """The amplitude at each order up to 200; None where the joint hardly moves or errs.
+    """The amplitude at each order up to 200; None where the joint hardly moves or
+    errs, or the motion is too short to tell.
 
     Args:
         course: what is looked at.
@@ -97,7 +98,7 @@ def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None
     resolution = 2.0 * np.pi / max(travel, 1e-9)
     r = r - r.mean()
     spread = float(np.sqrt(np.mean(r**2)))
-    if resolution > 0.2 * HIGHEST or not spread > 0.0:
+    if course.too_short or resolution > 0.2 * HIGHEST or not spread > 0.0:
         return None
     order = np.arange(max(1.0, resolution), HIGHEST, max(FINEST_STEP, 0.25 * resolution))
     step = float(np.median(np.diff(small.motion.time)))

@@ -21,6 +21,7 @@ def _interval(
 ) -> str:
     """`names`: what is said of below, above and between, before the numbers."""
     slack = NEAR * (highest - lowest)
+    low, high = (0.0 if abs(end) < 0.2 * slack else end for end in (low, high))
     below, above, between = names
     if low <= lowest + slack and high >= highest - slack:
         return ""

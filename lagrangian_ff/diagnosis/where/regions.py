@@ -22,14 +22,15 @@ MOST = 3
 ENOUGH = 0.8
 """Of the error: once so much lies in regions, no more are looked for."""
 SHUFFLES = 100
-CHANCE = 0.05
-"""How often a region that is named may come from error that is spread evenly."""
+CHANCE, CHANCE_OF_TIME = 0.05, 0.01
+"""How often a region that is named may come from error that is spread evenly. Error comes and goes
+by itself over more than a block, so that more is asked of a region of time."""
 LEAST_RATIO, SURE_RATIO = 1.5, 1.2
 """Error over time of a region that is worth naming, and the low end of the band of that ratio."""
 LEAST_SHARE = 0.1
 PAIR_MUST_GAIN = 1.3
 """Two conditions are named only if they say so much more than the best single one."""
-AS_GOOD = 0.97
+AS_GOOD = 0.9
 """A coordinate that is listed earlier is named if it is as good as the best by this factor."""
 
 
@@ -123,11 +124,12 @@ def find_regions(course: Course, joint: int, seed: int = 0) -> list[Region]:
     it failed does not answer where it failed.
 
     Returns:
-        Up to three, and one of time; none where the error is spread evenly.
+        Up to three, and one of time; none where the error is spread evenly, or the
+        motion is too short to tell.
     """
     small = course.thinned(SAMPLES)
     error = small.residual[:, joint] ** 2
-    if not float(error.sum()) > 0.0:
+    if course.too_short or not float(error.sum()) > 0.0:
         return []
     block = max(1, round(BLOCK_SECONDS / _step(small)))
     shuffles = Shuffles.of(len(small.motion), block, SHUFFLES, seed)
@@ -135,7 +137,8 @@ def find_regions(course: Course, joint: int, seed: int = 0) -> list[Region]:
     scans = [scan for one in names if (scan := Scan.of(small, joint, one))]
     when = Scan.of(small, joint, ["time"])
     search = _Search(course, small, joint, shuffles, seed)
-    return search.greedily(scans, error, MOST) + search.greedily([when] if when else [], error, 1)
+    regions = search.greedily(scans, error, MOST, CHANCE)
+    return regions + search.greedily([when] if when else [], error, 1, CHANCE_OF_TIME)
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,9 @@ class _Search:
     shuffles: Shuffles
     seed: int
 
-    def greedily(self, scans: Sequence[Scan], error: Floats, most: int) -> list[Region]:
+    def greedily(
+        self, scans: Sequence[Scan], error: Floats, most: int, level: float
+    ) -> list[Region]:
         """Up to `most` regions of these scans, each beside those before it."""
         regions: list[Region] = []
         covered = np.zeros(len(error), dtype=np.bool_)
@@ -162,7 +167,7 @@ class _Search:
             if region is None:
                 break
             chance = np.max([one.by_chance(error, self.shuffles) for one in scans], axis=0)
-            if found.strength <= float(np.quantile(chance, 1.0 - CHANCE)):
+            if found.strength <= float(np.quantile(chance, 1.0 - level)):
                 break
             regions.append(region)
             inside = _inside(self.small, self.joint, conditions)

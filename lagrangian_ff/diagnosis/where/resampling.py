@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BLOCK_SECONDS = 1.0
+FEWEST_BLOCKS = 5
+"""With fewer, nothing is said of chance."""
 REPEATS = 400
 """Bootstrap samples behind a band."""
 LEVEL = 0.90
@@ -36,13 +38,9 @@ def resampled(sums: "NDArray[Any]", seed: int, repeats: int = REPEATS) -> Floats
 
 
 def band(samples: Floats) -> tuple[Floats, Floats]:
-    """The ends of the central `LEVEL` of samples (R, ...)."""
-    if np.isnan(samples).all():
-        empty = np.full(samples.shape[1:], np.nan)
-        return empty, empty
+    """The ends of the central `LEVEL` of samples (R, ...); NaN is left out."""
     tail = 0.5 * (1.0 - LEVEL)
-    with np.errstate(all="ignore"):
-        low, high = np.nanquantile(samples, [tail, 1.0 - tail], axis=0)
+    low, high = np.nanquantile(samples, [tail, 1.0 - tail], axis=0)
     return low, high
 
 

@@ -40,26 +40,31 @@ def direction(motion: Motion, joint: int) -> Floats:
 
 def since_reversal(motion: Motion, joint: int) -> Floats:
     """(M,) s since the joint last turned round; NaN before it first does in a segment."""
-    sign = direction(motion, joint)
-    out = np.full(len(sign), np.nan)
-    for begin, end in _stretches(motion.segment):
-        turns = begin + 1 + np.flatnonzero(np.diff(sign[begin:end]) != 0.0)
-        turns = turns[np.isfinite(sign[turns - 1]) & np.isfinite(sign[turns])]
-        for first, last in zip(turns, [*turns[1:], end], strict=True):
+    out = np.full(len(motion), np.nan)
+    for turns, _, end in _turns(motion, joint):
+        for first, last in pairwise([*turns, end]):
             out[first:last] = motion.time[first:last] - motion.time[first]
     return out
 
 
 def before_reversal(motion: Motion, joint: int) -> Floats:
     """(M,) s until the joint next turns round; NaN after it last does in a segment."""
-    sign = direction(motion, joint)
-    out = np.full(len(sign), np.nan)
-    for begin, end in _stretches(motion.segment):
-        turns = begin + 1 + np.flatnonzero(np.diff(sign[begin:end]) != 0.0)
-        turns = turns[np.isfinite(sign[turns - 1]) & np.isfinite(sign[turns])]
-        for first, last in zip([begin, *turns[:-1]], turns, strict=bool(len(turns))):
+    out = np.full(len(motion), np.nan)
+    for turns, begin, _ in _turns(motion, joint):
+        for first, last in pairwise([begin, *turns]):
             out[first:last] = motion.time[last] - motion.time[first:last]
     return out
+
+
+def _turns(motion: Motion, joint: int) -> list[tuple[list[int], int, int]]:
+    """Of each stretch: the first samples after the reversals, its begin and its end."""
+    sign = direction(motion, joint)
+    found = []
+    for begin, end in _stretches(motion.segment):
+        part = sign[begin:end]
+        turned = np.isfinite(part[1:] + part[:-1]) & (part[1:] != part[:-1])
+        found.append(([begin + 1 + int(k) for k in np.flatnonzero(turned)], begin, end))
+    return found
 
 
 def _stretches(segment: Ints) -> list[tuple[int, int]]:

@@ -118,5 +118,7 @@ def _plain(value: Any) -> Any:
         if not math.isfinite(value):
             return None
         short = float(f"{value:.{DIGITS}g}")
+        if math.isinf(short):  # the largest numbers of all, rounded up
+            return value
         return int(short) if short.is_integer() and abs(short) < 1e6 else short
     return value

@@ -45,6 +45,8 @@ def headline(record: Mapping[str, Any]) -> str:
             f"{region['joint']} fails {region['place']}: {percent(region['share_of_error'])} of "
             f"its error in {percent(region['share_of_time'])} of the time"
         )
+    if record["too_short"]:
+        return "The recording is too short to tell where the error lies"
     return "The error is spread evenly over the motion"
 
 

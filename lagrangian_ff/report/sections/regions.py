@@ -8,6 +8,7 @@ from lagrangian_ff.report.interactive import embed
 from lagrangian_ff.report.interactive.overview import blocks_plot, dependence_plot
 from lagrangian_ff.report.numbers import number, percent
 from lagrangian_ff.report.section import Section
+from lagrangian_ff.report.words import sentence
 
 LEAD = (
     "Parts of the motion that hold clearly more of a joint's error than of its time. A part is "
@@ -34,7 +35,8 @@ def regions_section(record: Mapping[str, Any]) -> Section:
         )
         for region in regions
     ]
-    body = html.shares(rows) if rows else html.paragraph(EVENLY)
+    told = record["words"][0] if record["too_short"] else EVENLY
+    body = html.shares(rows) if rows else html.paragraph(sentence(told))
     if rows and evenly:
         body += html.note(
             f"On {', '.join(evenly)} no region stands out: the error is spread evenly."
