@@ -5,8 +5,9 @@ from typing import Any
 
 from lagrangian_ff.cli.common.console import Console
 
-MOST = 8
-"""Regions told; the rest is in the record."""
+MOST = 12
+"""Sentences told; the rest is in the record."""
+NOWHERE = "nowhere in particular: the error is spread evenly over the motion"
 
 
 def say_where(record: Mapping[str, Any], console: Console) -> None:
@@ -16,30 +17,14 @@ def say_where(record: Mapping[str, Any], console: Console) -> None:
         record: of compare.
         console: to tell it to.
     """
-    regions, evenly = record["regions"], record["evenly"]
+    words = record["words"]
+    if len(record["evenly"]) == len(record["joints"]) and len(words) == 1:
+        words = [NOWHERE]
     console.say("where it fails")
-    if record["too_short"]:
-        console.paragraph(record["words"][0], "  ", "    ")
-    for region in regions[:MOST]:
-        console.paragraph(region["words"], "  ", "    ")
-    if len(regions) > MOST:
-        console.say(f"  and {len(regions) - MOST} more")
-    for text in waves(record):
+    for text in words[:MOST]:
         console.paragraph(text, "  ", "    ")
-    if evenly and regions:
-        console.paragraph(f"{', '.join(evenly)}: the error is spread evenly", "  ", "    ")
-    elif evenly:
-        console.say("  nowhere in particular: the error is spread evenly over the motion")
-
-
-def waves(record: Mapping[str, Any]) -> list[str]:
-    """The strongest wave over each joint's angle, where one stands out."""
-    return [
-        f"{one['joint']}: a wave of {one['lines'][0]['amplitude']:.2g} N·m over its angle, "
-        f"{one['lines'][0]['order']:.3g} to a turn"
-        for one in record["spectra"]
-        if one["lines"]
-    ]
+    if len(words) > MOST:
+        console.say(f"  and {len(words) - MOST} more places, see --report or --json")
 
 
 def next_step(record: Mapping[str, Any]) -> list[str]:

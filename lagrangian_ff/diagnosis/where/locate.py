@@ -9,7 +9,7 @@ from lagrangian_ff.diagnosis.compare import Comparison
 from lagrangian_ff.diagnosis.where.bins import Bins, bins_of
 from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, OUTSIDE
 from lagrangian_ff.diagnosis.where.course import Course
-from lagrangian_ff.diagnosis.where.orders import Spectrum, order_spectrum
+from lagrangian_ff.diagnosis.where.orders import NAMED_SHARE, Spectrum, order_spectrum
 from lagrangian_ff.diagnosis.where.regions import Region, find_regions
 from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, FEWEST_BLOCKS
 from lagrangian_ff.identification import Model
@@ -63,6 +63,7 @@ class Whereabouts:
                 f"{spectrum.joint}: a wave of {line.amplitude:.2g} N·m over its angle, "
                 f"{line.order:.3g} to a turn"
                 for line in spectrum.lines[:1]
+                if spectrum.share(line) >= NAMED_SHARE
             ]
         if self.evenly:
             lines.append(f"{', '.join(self.evenly)}: the error is spread evenly")

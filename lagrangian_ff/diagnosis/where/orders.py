@@ -25,6 +25,8 @@ MOST_LINES = 5
 LOWEST_LINE, LEAST_WAVES = 3.0, 2.0
 """A line has at least so many waves a turn, and within the motion: fewer are a slow dependence on
 position, which gravity or a spring may cause."""
+NAMED_SHARE = 0.05
+"""Of the residual's variance: a line that holds less is not worth a sentence."""
 CHUNK = 100
 """Orders computed at once, so that memory stays bounded."""
 
@@ -64,8 +66,12 @@ class Spectrum:
     lines: tuple["Line", ...]
     spread: float
 
+    def share(self, line: Line) -> float:
+        """What a line holds of the residual's variance."""
+        return min(1.0, 0.5 * (line.amplitude / self.spread) ** 2)
+
     def record(self) -> dict[str, object]:
-        """For JSON; a line holds amplitude²/2 of the residual's variance."""
+        """For JSON."""
         return {
             "joint": self.joint,
             "resolution": self.resolution,
@@ -76,7 +82,7 @@ class Spectrum:
                 {
                     "order": line.order,
                     "amplitude": line.amplitude,
-                    "share": min(1.0, 0.5 * (line.amplitude / self.spread) ** 2),
+                    "share": self.share(line),
                 }
                 for line in self.lines
             ],

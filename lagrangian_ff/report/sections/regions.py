@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from lagrangian_ff.diagnosis.where.orders import NAMED_SHARE
 from lagrangian_ff.report import html
 from lagrangian_ff.report.interactive import embed
 from lagrangian_ff.report.interactive.overview import blocks_plot, dependence_plot
@@ -52,7 +53,7 @@ def _waves(record: Mapping[str, Any]) -> list[str]:
         f"{one['lines'][0]['order']:.3g} to a turn, of {number(one['lines'][0]['amplitude'], 2)} "
         f"N·m ({percent(one['lines'][0]['share'])} of its error)."
         for one in record["spectra"]
-        if one["lines"]
+        if one["lines"] and one["lines"][0]["share"] >= NAMED_SHARE
     ]
 
 
