@@ -1,5 +1,8 @@
-"""Where and how a model differs from what was measured."""
+"""Where a model differs from what was measured, which effect it lacks, and what adding it does."""
 
+from lagrangian_ff.diagnosis.add import add, history
+from lagrangian_ff.diagnosis.apply import apply
 from lagrangian_ff.diagnosis.compare import Comparison, compare
+from lagrangian_ff.diagnosis.diagnose import Diagnosis, Finding, diagnose
 
-__all__ = ["Comparison", "compare"]
+__all__ = ["Comparison", "Diagnosis", "Finding", "add", "apply", "compare", "diagnose", "history"]

@@ -53,14 +53,18 @@ class Search:
 
     Attributes:
         steps: what was found, in order.
-        ranking: the first look at all candidates, each at its best shape, best first.
+        all: the first look at all candidates, at all shapes.
+        ranking: of the first look, each candidate at its best shape, best first.
+        last: the same of the last look, when nothing stood out any more.
         chance: of the first look.
         ground: the last one, with all steps taken in.
         first: the ground of the first look.
     """
 
     steps: tuple[Step, ...]
+    all: tuple[Score, ...]
     ranking: tuple[Score, ...]
+    last: tuple[Score, ...]
     chance: Chance
     ground: Ground
     first: Ground
@@ -80,25 +84,30 @@ def search(
         steps: at most so many are found.
         progress: told the share done.
     """
-    first, taken = ground, []
-    ranking: tuple[Score, ...] = ()
-    chance = Chance.of([])
-    for number in range(steps + 1):
-        progress(number / (steps + 1), f"looking at every effect, step {number + 1}")
+    first = ground
+    taken: list[Step] = []
+    looks: list[tuple[list[Score], list[Score], Chance]] = []
+    while True:
+        share = len(taken) / (steps + 1)
+        progress(share, f"looking at every effect, step {len(taken) + 1}")
         found = list(scores(ground, _candidates(ground, range(ground.joints), effects)))
-        drawn = Chance.of(found)
-        best = best_of_each(found)
-        if number == 0:
-            ranking, chance = tuple(best), drawn
-        eligible = [score for score in best if _stands_out(score, drawn, ground)]
-        if not eligible or number == steps:
+        looks.append((found, best_of_each(found), Chance.of(found)))
+        _, best, chance = looks[-1]
+        eligible = [score for score in best if _stands_out(score, chance, ground)]
+        if not eligible or len(taken) == steps:
             break
-        step, prior = _judge(ground, eligible[0], drawn, effects)
+        progress(
+            share + 0.5 / (steps + 1), f"looking closer at {eligible[0].candidate.source.name}"
+        )
+        step, prior = _judge(ground, eligible[0], chance, effects)
         if step is None:
             break
         taken.append(step)
         ground = _relaid(ground, prior, *_with(ground, step.score.candidate))
-    return Search(tuple(taken), ranking, chance, ground, first)
+    every, ranking, chance = looks[0]
+    return Search(
+        tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, ground, first
+    )
 
 
 def _candidates(

@@ -1,0 +1,28 @@
+"""Adding to a model what its diagnosis confirmed."""
+
+from lagrangian_ff.diagnosis.add import add
+from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis
+from lagrangian_ff.identification import Model
+from lagrangian_ff.progress import Progress, silent
+
+
+def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
+    """The model with everything confirmed, one step after the other, each with its reason.
+
+    Nothing is added on less than `confirmed`; without such findings the model comes back as it is.
+    """
+    model = diagnosis.model
+    for finding in diagnosis.findings:
+        if finding.verdict != CONFIRMED:
+            continue
+        step = finding.step
+        where = "another recording" if diagnosis.separate else "the end of it, held back"
+        why = {
+            "why": f"{finding.effect.meaning}; it gains {step.score.gain:.0f} nats of evidence, and "
+            f"with frozen coefficients it helps in {finding.trial.share:.0%} of {where}",
+            "verdict": finding.verdict,
+            "evidence_gain": step.score.gain,
+            "p_value": step.p_value,
+        }
+        model = add(model, finding.effect.name, finding.joint, finding.shape, why, progress)
+    return model

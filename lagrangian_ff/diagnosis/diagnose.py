@@ -1,0 +1,260 @@
+"""From a model and a recording to the physical effects that the model lacks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.ground import Ground, tune
+from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
+from lagrangian_ff.diagnosis.search.gain import Score
+from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
+from lagrangian_ff.diagnosis.search.rivals import rivals
+from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.identification import Model, kept
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion, concatenate
+
+Floats = NDArray[np.float64]
+
+CONFIRMED, SUGGESTED, AMBIGUOUS = "confirmed", "suggested", "ambiguous"
+SHORTEST = 6.0  # s
+HELD_BACK = 1.0 / 3.0
+"""Share of the only recording, from its end, that confirms what the rest suggests."""
+LARGE_REST = 0.5
+"""A name is no more than suggested where a free curve still gains this share of what it did."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """An effect that is missing.
+
+    Attributes:
+        step: how it was found.
+        joint: the joint's name.
+        parameters: (P,) frozen, with all that was found in the model.
+        low, high: (P,) ends of their 90 % intervals.
+        trial: how it did on motion that was not used to find it.
+        rivals: what the data cannot tell from it.
+        verdict: `confirmed`, `ambiguous` (one of several is there) or `suggested`.
+        reason: why it is no more than suggested.
+    """
+
+    step: Step
+    joint: str
+    parameters: Floats
+    low: Floats
+    high: Floats
+    trial: Trial
+    rivals: tuple[Score, ...]
+    verdict: str
+    reason: str
+
+    @property
+    def effect(self) -> Effect:
+        """Which."""
+        return self.step.score.candidate.effect
+
+    @property
+    def shape(self) -> Mapping[str, float]:
+        """Its nonlinear parameters."""
+        return self.step.score.candidate.shape
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """Something is left that no known effect fits.
+
+    Attributes:
+        joint: its name.  coordinate: what it depends on, in words.
+        share: root mean square of it over that of the joint's torque.
+        gain: nats.
+    """
+
+    joint: str
+    coordinate: str
+    share: float
+    gain: float
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing in a model.
+
+    Attributes:
+        model: that was diagnosed.
+        motion: the search was made on.  unseen: it was confirmed on.
+        separate: whether `unseen` is another recording, not the end of the same.
+        search: all of the search.
+        findings: effects, best first.  unexplained: dependences without a name.
+        not_observable: effects that this motion could not show.
+    """
+
+    model: Model
+    motion: Motion
+    unseen: Motion
+    separate: bool
+    search: Search
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Unexplained, ...]
+    not_observable: tuple[NotObservable, ...]
+
+    @property
+    def confirmed(self) -> tuple[Finding, ...]:
+        """What may be added without asking."""
+        return tuple(f for f in self.findings if f.verdict == CONFIRMED)
+
+    def record(self) -> dict[str, object]:
+        """For JSON; see `record`."""
+        from lagrangian_ff.diagnosis.record import diagnosis_record
+
+        return diagnosis_record(self)
+
+
+def diagnose(
+    model: Model,
+    motion: Motion | Sequence[Motion],
+    confirm: Motion | Sequence[Motion] = (),
+    effects: Mapping[str, Effect] | None = None,
+    steps: int = MOST_STEPS,
+    progress: Progress = silent,
+) -> Diagnosis:
+    """Find out which physical effects a model lacks.
+
+    Args:
+        model: the model.
+        motion: measured; what is missing is looked for here.
+        confirm: measured too, not used in the search; without it the last third of `motion`.
+        effects: those that may be missing; None takes the whole catalogue.
+        steps: at most so many effects are looked for.
+        progress: told the share done.
+
+    Raises:
+        ModelError: a recording lacks a joint of the model.
+        RecordingError: there is too little motion.
+    """
+    first = _of_model(model, motion)
+    unseen = _of_model(model, confirm) if not isinstance(confirm, Sequence) or confirm else None
+    separate = unseen is not None
+    if unseen is None:
+        cut = round((1.0 - HELD_BACK) * len(first))
+        first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
+    for part in (first, unseen):
+        _require_long(part)
+    ground = tune(first, _inputs(model, first), model.basis, _part(progress, 0.0, 0.3))
+    found = search(ground, effects, steps, _part(progress, 0.3, 0.85))
+    progress(0.9, "confirming on unseen motion")
+    findings = _confirmed(found, unseen, model.joints)
+    progress(1.0, "diagnosing")
+    return Diagnosis(
+        model,
+        first,
+        unseen,
+        separate,
+        found,
+        findings,
+        tuple(_unexplained(step, found.ground, model.joints) for step in found.steps
+              if not step.named),
+        not_observable(found, model.joints),
+    )  # fmt: skip
+
+
+def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
+    motions = [motion] if isinstance(motion, Motion) else list(motion)
+    return concatenate([kept(m.select(model.joints)) for m in motions])
+
+
+def _require_long(motion: Motion) -> None:
+    length = sum(
+        float(np.ptp(motion.time[motion.segment == number])) for number in np.unique(motion.segment)
+    )
+    if length < SHORTEST:
+        raise RecordingError(
+            f"{motion.source}: {length:.1f} s of motion to judge by, expected at least "
+            f"{SHORTEST:g} s: not observable here; record half a minute or more in which every "
+            "joint moves through its range at several speeds"
+        )
+
+
+def _inputs(model: Model, motion: Motion) -> Inputs:
+    x = model.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
+    parts = model.basis.torque(x, model.coefficients).values()
+    return replace(x, torque=x.load + sum(parts, np.zeros_like(x.load)))
+
+
+def _part(progress: Progress, low: float, high: float) -> Progress:
+    return lambda share, label: progress(low + share * (high - low), label)
+
+
+def _confirmed(found: Search, motion: Motion, joints: Sequence[str]) -> tuple[Finding, ...]:
+    own = len(found.first.basis.terms)
+    basis = Basis(found.ground.basis.terms[:own])
+    frozen = _frozen(found)
+    taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
+    unseen = Unseen.lay(motion, found.ground, basis, taken)
+    free = {
+        score.candidate.joint: score.gain
+        for score in reversed(found.last)
+        if not score.candidate.named
+    }
+    findings = []
+    for number, step in enumerate(found.steps):
+        if not step.named:
+            continue
+        candidate = step.score.candidate
+        trial = unseen.trial(number, candidate.joint)
+        mine = unseen.rival(step.score, number)
+        others = [(mine, unseen.rival(score, number)) for score in step.rivals]
+        left = tuple(rivals(step.score, step.rivals, others))
+        reason = trial.reason
+        rest = free.get(candidate.joint, 0.0)
+        if not reason and rest > LARGE_REST * step.score.gain:
+            reason = f"a free curve still gains {rest:.0f} nats: the form is not right"
+        verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
+        parameters, low, high = frozen[number]
+        findings.append(
+            Finding(
+                step, joints[candidate.joint], parameters, low, high, trial, left, verdict, reason
+            )
+        )
+    order = {CONFIRMED: 0, AMBIGUOUS: 1, SUGGESTED: 2}
+    findings.sort(key=lambda f: (order[f.verdict], -f.step.score.gain))
+    return tuple(findings)
+
+
+def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
+    """For each step its parameters with 90 % intervals, all that was found in the model."""
+    ground = found.ground
+    own = len(found.first.basis.terms)
+    places = [place for _, place in ground.basis.slices()][own:]
+    values = ground.system.coefficients
+    deviation = np.sqrt(
+        np.maximum(ground.system.amplitude * np.diag(ground.system.covariance), 0.0)
+    )
+    out = []
+    waiting = iter(places)
+    for step in found.steps:
+        if not step.named:
+            empty = np.zeros(0)
+            out.append((empty, empty, empty))
+            continue
+        place = next(waiting)
+        reach = 1.645 * np.sqrt(step.score.inflation) * deviation[place]
+        out.append((values[place], values[place] - reach, values[place] + reach))
+    return out
+
+
+def _unexplained(step: Step, ground: Ground, joints: Sequence[str]) -> Unexplained:
+    candidate = step.score.candidate
+    dependence = candidate.source
+    words = getattr(dependence, "coordinate", dependence.name)
+    return Unexplained(
+        joints[candidate.joint],
+        words,
+        step.score.size / float(ground.spread[candidate.joint]),
+        step.score.gain,
+    )

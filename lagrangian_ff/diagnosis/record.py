@@ -1,0 +1,187 @@
+"""A diagnosis as JSON holds it: what the command line, the page and the node all show."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from lagrangian_ff.diagnosis.consequence import Consequence, consequences
+from lagrangian_ff.diagnosis.diagnose import AMBIGUOUS, CONFIRMED, Diagnosis, Finding
+from lagrangian_ff.diagnosis.signature import signature
+from lagrangian_ff.progress import Progress, silent
+
+RANKED = 15
+
+
+def diagnosis_record(
+    diagnosis: Diagnosis,
+    made: Mapping[Finding, Consequence] | None = None,
+    progress: Progress = silent,
+) -> dict[str, object]:
+    """All that was found.
+
+    Args:
+        diagnosis: the diagnosis.
+        made: what adding the findings does; None works it out.
+        progress: told the share done.
+    """
+    if made is None:
+        made = consequences(diagnosis, progress)
+    found = diagnosis.search
+    threshold = found.chance.threshold
+    return {
+        "model": diagnosis.model.name,
+        "sources": [diagnosis.motion.source],
+        "confirmed_on": diagnosis.unseen.source if diagnosis.separate
+        else f"the last {_seconds(diagnosis):.0f} s, held back",
+        "verdict": verdict(diagnosis, made),
+        "findings": [_finding(diagnosis, one, made.get(one)) for one in diagnosis.findings],
+        "unexplained": [
+            {
+                "joint": one.joint,
+                "coordinate": one.coordinate,
+                "share": one.share,
+                "evidence_gain": one.gain,
+            }
+            for one in diagnosis.unexplained
+        ],
+        "not_observable": [
+            {
+                "effect": one.effect,
+                "joint": one.joint,
+                "reason": one.reason,
+                "next_motion": one.next_motion,
+            }
+            for one in diagnosis.not_observable
+        ],
+        "ranking": [
+            {
+                "effect": score.candidate.source.name,
+                "joint": diagnosis.model.joints[score.candidate.joint],
+                "gain": score.gain,
+                "threshold": threshold,
+                "named": score.candidate.named,
+            }
+            for score in found.ranking[:RANKED]
+        ],
+        "null": {"threshold": threshold, "level": 0.05},
+        "noise": dict(zip(diagnosis.model.joints, found.ground.noise.tolist(), strict=True)),
+        "steps": _steps(diagnosis, made),
+    }  # fmt: skip
+
+
+def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
+    """One or two sentences for a person."""
+    sure = [one for one in diagnosis.findings if one.verdict == CONFIRMED]
+    unsure = [one for one in diagnosis.findings if one.verdict == AMBIGUOUS]
+    maybe = len(diagnosis.findings) - len(sure) - len(unsure)
+    parts = []
+    if sure:
+        names = _and([f"{_words(one.effect.name)} on {one.joint}" for one in sure])
+        falls = [
+            f"{made[one].whole_before:.3g} to {made[one].whole_after:.3g} N·m on {one.joint}"
+            for one in sure
+            if one in made
+        ]
+        fall = (
+            f": the error falls from {_and(falls)} on motion not used to find it" if falls else ""
+        )
+        parts.append(f"Missing and confirmed: {names}{fall}.")
+    for one in unsure:
+        names = " or ".join(
+            _words(name)
+            for name in [one.effect.name, *(r.candidate.source.name for r in one.rivals)]
+        )
+        parts.append(
+            f"On {one.joint} one of these is missing, this motion cannot tell which: {names}."
+        )
+    if maybe:
+        parts.append(
+            f"{maybe} more suggested, not confirmed." if parts
+            else f"Nothing is confirmed; {maybe} suggested."
+        )  # fmt: skip
+    for rest in diagnosis.unexplained:
+        parts.append(
+            f"On {rest.joint} the torque depends on {rest.coordinate} in a way that no known "
+            "effect explains."
+        )
+    if not parts:
+        parts.append(
+            "No effect of the catalogue is missing that this motion could show: what is left is "
+            "noise."
+        )
+    return " ".join(parts)
+
+
+def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> dict[str, object]:
+    effect, step, trial = found.effect, found.step, found.trial
+    parameters: dict[str, object] = {
+        one.name: {"value": float(v), "low": float(low), "high": float(high), "unit": one.unit}
+        for one, v, low, high in zip(
+            effect.parameters, found.parameters, found.low, found.high, strict=True
+        )
+    }
+    rivals = [score.candidate.source.name for score in found.rivals]
+    others = [score.candidate.source.name for score in step.rivals]
+    motion = effect.next_motion
+    told = [effect.look_alikes[name] for name in rivals if name in effect.look_alikes]
+    return {
+        "effect": effect.name,
+        "joints": [found.joint],
+        "verdict": found.verdict if not rivals or found.verdict != AMBIGUOUS
+        else f"ambiguous with {', '.join(rivals)}",
+        "holds_on_unseen": trial.holds,
+        "reason": found.reason,
+        "evidence_gain": step.score.gain,
+        "p_value": step.p_value,
+        "size": step.score.size,
+        "error_before": made.whole_before if made else None,
+        "error_after": made.whole_after if made else None,
+        "blocks": [
+            {"time": float(t), "before": float(b), "after": float(a)}
+            for t, b, a in zip(made.time, made.before, made.after, strict=True)
+        ]
+        if made
+        else [],
+        "parameters": parameters,
+        "shape": dict(found.shape),
+        "formula": effect.formula,
+        "meaning": effect.meaning,
+        "source": effect.source,
+        "ambiguous_with": rivals,
+        "ruled_out_by_unseen": [name for name in others if name not in rivals],
+        "told_apart_by": told,
+        "next_motion": motion,
+        "trial": {
+            "gained": float(np.sum(trial.gained)),
+            "expected": float(np.sum(trial.expected)),
+            "ratio": trial.ratio,
+            "share": trial.share,
+            "p_value": trial.p_value,
+        },
+        "signature": signature(diagnosis, found),
+    }  # fmt: skip
+
+
+def _steps(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[dict[str, object]]:
+    added = [one for one in diagnosis.findings if one in made and one.verdict == CONFIRMED]
+    if not added:
+        return []
+    first = made[added[0]].every_before
+    steps: list[dict[str, object]] = [{"added": None, "error": first}]
+    steps += [
+        {"added": f"{one.effect.name} on {one.joint}", "error": made[one].every_after}
+        for one in added
+    ]
+    return steps
+
+
+def _seconds(diagnosis: Diagnosis) -> float:
+    return float(np.ptp(diagnosis.unseen.time)) if len(diagnosis.unseen) else 0.0
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _and(texts: list[str]) -> str:
+    return ", ".join(texts[:-1]) + (" and " if len(texts) > 1 else "") + texts[-1]

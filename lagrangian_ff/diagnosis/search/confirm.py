@@ -1,0 +1,175 @@
+"""Does what was found hold on motion that the search has not seen, with nothing fitted again?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from lagrangian_ff.diagnosis.ground import Ground, lay
+from lagrangian_ff.diagnosis.ground.ground import Extra
+from lagrangian_ff.diagnosis.ground.tuning import BLOCK_SECONDS, ROWS
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.gain import Score
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.search import evenly
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+
+GROUP_NATS = 2.0
+"""Blocks are put together until the effect should gain this much in a group: less is noise."""
+FEWEST_GROUPS, MOST_GROUPS = 4, 20
+SHARE = 0.75
+LEVEL = 0.01
+RATIO = (0.5, 1.6)
+"""How much larger or smaller than found the effect may be on the other motion."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A frozen effect on motion that was not used to find it.
+
+    Attributes:
+        expected: (G,) nats it should gain in each group of blocks if it is there as found.
+        gained: (G,) nats it does gain.
+        ratio: its size on this motion relative to that found, 1 if it is the same.
+        p_value: of the gains' mean being above zero by chance.
+        reason: why it does not hold; empty if it does.
+        likelihood: (B,) nats gained in each block.
+    """
+
+    expected: Floats
+    gained: Floats
+    ratio: float
+    p_value: float
+    reason: str
+    likelihood: Floats
+
+    @property
+    def holds(self) -> bool:
+        """Whether it helps on most of the motion, by chance almost never, at the size found."""
+        return not self.reason
+
+    @property
+    def share(self) -> float:
+        """The share of groups in which it helps."""
+        return float(np.mean(self.gained > 0.0)) if len(self.gained) else 0.0
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Another motion, whitened as the first was, with all that was found taken away.
+
+    Attributes:
+        ground: its ground; the residual has everything found taken away, frozen.
+        torques: for each found effect, (S,) N·m of it at the samples used.
+    """
+
+    ground: Ground
+    torques: tuple[Floats, ...]
+
+    @classmethod
+    def lay(
+        cls, motion: Motion, found: Ground, model: Basis, taken: Sequence[tuple[Candidate, Floats]]
+    ) -> "Unseen":
+        """Whiten a motion with a prior and effects that come from another.
+
+        Args:
+            motion: not used in the search.
+            found: the last ground of the search.
+            model: the basis that the model had, its shapes tuned; its parameters stay free.
+            taken: what was found, with frozen parameters; (K, 0) parameters leave a dependence
+                without a name free.
+        """
+        inputs = frozen_inputs(motion, found)
+        index = evenly(len(motion), ROWS // len(motion.joints))
+        x = inputs.take(index)
+        tau = motion.tau.copy()
+        torques, extra = [], []
+        for candidate, parameters in taken:
+            if not candidate.named:
+                extra.append(Extra(candidate.joint, candidate.columns(x)))
+                torques.append(np.zeros(len(index)))
+                continue
+            torque = candidate.columns(inputs) @ parameters
+            tau[:, candidate.joint] -= torque
+            torques.append(torque[index])
+        block = motion.blocks(BLOCK_SECONDS)[index]
+        ground = lay(replace(motion, tau=tau), index, block, inputs, found.prior, model, extra)
+        return cls(ground, tuple(torques))
+
+    def trial(self, number: int, joint: int) -> Trial:
+        """The effect of this number, put back and taken away again."""
+        return _trial(self.ground, self.torques[number], joint, taken=True)
+
+    def rival(self, score: Score, instead_of: int) -> Floats:
+        """(B,) nats gained by a rival, frozen, where an effect that was found is put back."""
+        ground, candidate = self.ground, score.candidate
+        joint = candidate.joint
+        back = ground.project(ground.whiten(self.torques[instead_of][:, None], joint))[:, 0]
+        torque = candidate.columns(ground.seen) @ score.coefficients
+        z = ground.project(ground.whiten(torque[:, None], joint))[:, 0]
+        w = ground.residual + back
+        return _by_block(ground, z * (w - 0.5 * z))
+
+
+def frozen_inputs(motion: Motion, found: Ground) -> Inputs:
+    """A motion as effects see it, the load and the torque those of another motion's ground."""
+    x = States.of(motion.q, motion.qd, motion.qdd)
+    seen = found.motion.take(found.index)
+    weights = found.system.weights.reshape(len(found.index), found.joints)
+    centres = States.of(seen.q, seen.qd, seen.qdd)
+    load = found.prior.kernel.apply(x, centres, weights) * found.prior.unit
+    speed = found.basis.sign_speed(found.joints)
+    inputs = Inputs.of(x, motion.time, motion.segment, load, load, speed)
+    coefficients = found.system.coefficients[: found.basis.size]
+    known = found.basis.torque(inputs, coefficients).values()
+    return replace(inputs, torque=load + sum(known, np.zeros_like(load)))
+
+
+def _trial(ground: Ground, torque: Floats, joint: int, *, taken: bool) -> Trial:
+    z = ground.project(ground.whiten(torque[:, None], joint))[:, 0]
+    w = ground.residual + z if taken else ground.residual
+    gained = _by_block(ground, z * (w - 0.5 * z))
+    expected = _by_block(ground, 0.5 * z * z)
+    power = float(z @ z)
+    ratio = float(z @ w) / power if power > 0.0 else 0.0
+    grouped, hoped = _grouped(gained, expected)
+    if len(grouped) < FEWEST_GROUPS:
+        reason = "the unseen motion is too short, or hardly shows the effect, to confirm it"
+        return Trial(hoped, grouped, ratio, 1.0, reason, gained)
+    spread = float(np.std(grouped, ddof=1)) / np.sqrt(len(grouped))
+    p_value = float(student.sf(np.mean(grouped) / max(spread, 1e-12), len(grouped) - 1))
+    share = float(np.mean(grouped > 0.0))
+    reason = ""
+    if share < SHARE or p_value > LEVEL:
+        reason = f"it helps in {share:.0%} of the unseen motion only (p = {p_value:.2g})"
+    elif not RATIO[0] < ratio < RATIO[1]:
+        reason = f"on the unseen motion it is {ratio:.2g} times as large: not the same effect"
+    return Trial(hoped, grouped, ratio, p_value, reason, gained)
+
+
+def _by_block(ground: Ground, values: Floats) -> Floats:
+    starts = np.flatnonzero(np.diff(np.repeat(ground.block, ground.joints), prepend=-1))
+    return np.asarray(np.add.reduceat(values, starts))
+
+
+def _grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
+    """Neighbouring blocks put together until enough is expected of each group."""
+    least = max(GROUP_NATS, float(expected.sum()) / MOST_GROUPS)
+    groups, hoped = [], []
+    sums = np.zeros(2)
+    for one, hope in zip(gained, expected, strict=True):
+        sums += (one, hope)
+        if sums[1] >= least:
+            groups.append(sums[0])
+            hoped.append(sums[1])
+            sums = np.zeros(2)
+    if groups:
+        groups[-1] += sums[0]
+        hoped[-1] += sums[1]
+    return np.array(groups), np.array(hoped)
