@@ -46,7 +46,13 @@ class Guess:
         claim = {"effect": self.effect, "joints": [self.joint], "verdict": "confirmed"}
         return {"verdict": "", "findings": [{**claim, "ambiguous_with": []}]}
 
-    def add(self, model: list[tuple[str, str]], effect: str, joint: str) -> list[tuple[str, str]]:
+    def add(
+        self,
+        model: list[tuple[str, str]],
+        effect: str,
+        joint: str,
+        shape: Mapping[str, float] | None = None,
+    ) -> list[tuple[str, str]]:
         return [*model, (effect, joint)]
 
     def errors(self, model: list[tuple[str, str]], motion: Motion) -> Mapping[str, float]:

@@ -17,6 +17,8 @@ STRANGE = Truth((), ("joint_2",))
 RIGHT = found("ripple", "joint_2")
 CLASS = found("gear_mesh", "joint_2", like=("ripple",))
 ELSEWHERE = found("ripple", "joint_3")
+EITHER = found("ripple", "joint_2", verdict="ambiguous with gear_mesh", like=("gear_mesh",))
+OR_ELSE = found("drift", "joint_2", verdict="ambiguous with offset", like=("offset",))
 OTHER = found("stribeck", "joint_2")
 HINT = found("ripple", "joint_2", verdict="suggested")
 
@@ -28,6 +30,11 @@ HINT = found("ripple", "joint_2", verdict="suggested")
         ([RIPPLE], [CLASS], "class"),
         ([RIPPLE], [CLASS, RIGHT], "right"),
         ([RIPPLE], [RIGHT, CLASS], "right"),
+        ([RIPPLE], [EITHER], "class"),
+        ([RIPPLE], [EITHER, RIGHT], "right"),
+        ([RIPPLE], [OR_ELSE], "wrong"),
+        ([], [OR_ELSE], "wrong"),
+        ([STRANGE], [EITHER], "wrong"),
         ([RIPPLE], [ELSEWHERE], "wrong"),
         ([RIPPLE], [OTHER], "wrong"),
         ([RIPPLE], [OTHER, RIGHT], "right"),
@@ -55,6 +62,7 @@ def test_false_claims_are_named_even_beside_a_right_one() -> None:
     judged = judge([RIPPLE], [RIGHT, OTHER])
     assert judged.outcome == "right"
     assert judged.false == ("stribeck on joint_2",)
+    assert judge([], [OR_ELSE]).false == ("drift or offset on joint_2",)
 
 
 def test_a_suggested_truth_is_told_unless_it_is_also_claimed() -> None:

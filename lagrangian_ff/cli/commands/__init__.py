@@ -17,6 +17,7 @@ from lagrangian_ff.cli.commands import (
     info,
     predict,
     simulate,
+    study,
 )
 
 
@@ -49,4 +50,5 @@ COMMANDS: tuple[Command, ...] = (
     simulate,
     info,
     demo,
+    study,
 )

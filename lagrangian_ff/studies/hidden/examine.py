@@ -1,7 +1,7 @@
 """One case from the plant to the judgement."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,9 @@ from lagrangian_ff.studies.hidden.cases import Case
 from lagrangian_ff.studies.hidden.examined import Examined
 from lagrangian_ff.studies.hidden.plants import Stretches
 from lagrangian_ff.studies.hidden.store import recorded
-from lagrangian_ff.studies.hidden.verdicts import CLAIM, Truth, judge
+from lagrangian_ff.studies.hidden.verdicts import Truth, claims, judge
+
+_Added = tuple[str, str, Mapping[str, float] | None]
 
 
 def examine(
@@ -59,22 +61,19 @@ def _diagnosed(
     clock.lap("identification")
     record = examined.diagnose(model, *motions)
     clock.lap("diagnosis")
-    claims = [
-        (finding["effect"], finding["joints"][0])
+    claimed = [
+        (finding["effect"], finding["joints"][0], finding.get("shape"))
         for finding in record["findings"]
-        if finding["verdict"] == CLAIM
+        if claims(finding)
     ]
     known = [h for h in plant["hidden"] if h["catalogue"]]
-    truth = [(h["catalogue"][0], h["joint"]) for h in known]
+    truth = [(h["catalogue"][0], h["joint"], None) for h in known]
     joints = [h["joint"] for h in plant["hidden"]]
     errors = {"base": examined.errors(model, motions[1])}
-    if len(known) == len(joints) and truth:
+    if truth and len(known) == len(joints):
         errors["true"] = examined.errors(_with(examined, model, truth), motions[1])
-    if claims:
-        same = set(claims) == set(truth) and "true" in errors
-        errors["found"] = (
-            errors["true"] if same else examined.errors(_with(examined, model, claims), motions[1])
-        )
+    if claimed:
+        errors["found"] = examined.errors(_with(examined, model, claimed), motions[1])
     clock.lap("adding")
     return {
         "record": record,
@@ -84,10 +83,10 @@ def _diagnosed(
     }
 
 
-def _with(examined: Examined, model: Any, effects: Sequence[tuple[str, str]]) -> Any:
+def _with(examined: Examined, model: Any, effects: Sequence[_Added]) -> Any:
     """The model with effects added one after the other."""
-    for effect, joint in effects:
-        model = examined.add(model, effect, joint)
+    for effect, joint, shape in effects:
+        model = examined.add(model, effect, joint, shape)
     return model
 
 

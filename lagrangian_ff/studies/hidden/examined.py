@@ -15,8 +15,10 @@ class Examined(Protocol):
     def diagnose(self, model: Any, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
         """The record of what the model lacks; see `lagrangian_ff diagnose --json`."""
 
-    def add(self, model: Any, effect: str, joint: str) -> Any:
-        """The model with an effect on a joint, fitted again."""
+    def add(
+        self, model: Any, effect: str, joint: str, shape: Mapping[str, float] | None = None
+    ) -> Any:
+        """The model with an effect on a joint, fitted again; without a shape it is searched."""
 
     def errors(self, model: Any, motion: Motion) -> Mapping[str, float]:
         """RMS error in N·m by joint on a motion."""

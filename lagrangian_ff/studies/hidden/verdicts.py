@@ -6,8 +6,13 @@ from typing import Any, Literal
 
 Outcome = Literal["right", "class", "part", "wrong", "nothing"]
 OUTCOMES: tuple[Outcome, ...] = ("right", "class", "part", "wrong", "nothing")
-CLAIM = "confirmed"
-"""The verdict by which a finding claims to be true; all others are suggestions."""
+CONFIRMED, AMBIGUOUS = "confirmed", "ambiguous"
+"""How verdicts begin that claim something: this effect is there, or one of these is."""
+
+
+def claims(finding: Mapping[str, Any]) -> bool:
+    """Whether a finding claims that something is there; what is only suggested does not."""
+    return str(finding["verdict"]).startswith((CONFIRMED, AMBIGUOUS))
 
 
 @dataclass(frozen=True)
@@ -28,9 +33,9 @@ class Judgement:
     """What is said of a case.
 
     Attributes:
-        outcome: `right`: every truth is claimed by its name. `class`: every truth is claimed,
-            some only among those that a finding says it cannot be told from. `part`: some truths
-            are claimed and others missed. `wrong`: a claim that it should not have made.
+        outcome: `right`: every truth is confirmed by its name. `class`: every truth is claimed,
+            some only as one of several that the data cannot tell apart. `part`: some truths are
+            claimed and others missed. `wrong`: a claim that holds no truth.
             `nothing`: no claim; right where nothing, or nothing of the catalogue, is hidden.
         false: effect and joints of each claim that matches no truth. A single hidden effect may
             be right beside them: they are counted apart there.
@@ -55,25 +60,30 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
     matches: dict[int, str] = {}
     false = []
     for finding in findings:
-        if finding["verdict"] != CLAIM:
+        if not claims(finding):
             continue
         hits = {k: how for k, t in enumerate(truths) if (how := _match(t, finding))}
         for k, how in hits.items():
             matches[k] = "right" if "right" in (how, matches.get(k)) else how
         if not hits:
-            false.append(f"{finding['effect']} on {', '.join(finding['joints'])}")
-    named = (f for f in findings if f["verdict"] != CLAIM)
+            false.append(_words(finding))
+    named = (f for f in findings if not claims(f))
     suggested = {k for f in named for k, t in enumerate(truths) if _match(t, f)} - set(matches)
     return Judgement(_outcome(truths, matches, bool(false)), tuple(false), tuple(sorted(suggested)))
 
 
 def _match(truth: Truth, finding: Mapping[str, Any]) -> str:
-    """`right` by name, `class` as one that cannot be told from it, or empty."""
+    """`right` by its name alone, `class` as one of several, or empty."""
     if not set(truth.joints) & set(finding["joints"]):
         return ""
     if finding["effect"] in truth.names:
-        return "right"
+        return "class" if str(finding["verdict"]).startswith(AMBIGUOUS) else "right"
     return "class" if set(truth.names) & set(finding.get("ambiguous_with") or ()) else ""
+
+
+def _words(finding: Mapping[str, Any]) -> str:
+    names = [finding["effect"], *(finding.get("ambiguous_with") or ())]
+    return f"{' or '.join(names)} on {', '.join(finding['joints'])}"
 
 
 def _outcome(truths: Sequence[Truth], matches: Mapping[int, str], false: bool) -> Outcome:
