@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from lagrangian_ff.diagnosis import add, compare, diagnose
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording.motion import Motion
@@ -14,7 +15,14 @@ CURVES = ("signature", "blocks")
 
 
 class Diagnosis:
-    """The package's own, on the base model `vrbfs+fri` of the whole first recording."""
+    """The package's own, on the base model `vrbfs+fri` of the whole first recording.
+
+    Args:
+        steps: at most so many missing effects are looked for.
+    """
+
+    def __init__(self, steps: int = MOST_STEPS) -> None:
+        self._steps = steps
 
     def identify(self, motion: Motion) -> Model:
         """See Examined."""
@@ -22,7 +30,8 @@ class Diagnosis:
 
     def diagnose(self, model: Model, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
         """See Examined."""
-        record: dict[str, Any] = diagnose(model, motion, confirm=confirm).record()
+        found = diagnose(model, motion, confirm=confirm, steps=self._steps)
+        record: dict[str, Any] = found.record()
         record["findings"] = [
             {key: value for key, value in finding.items() if key not in CURVES}
             for finding in record["findings"]
