@@ -9,10 +9,13 @@ from argparse import ArgumentParser, Namespace
 from typing import Protocol
 
 from lagrangian_ff.cli.commands import (
+    add,
     compare,
     demo,
+    diagnose,
     effects,
     feedforward,
+    history,
     identify,
     info,
     predict,
@@ -43,9 +46,12 @@ class Command(Protocol):
 
 COMMANDS: tuple[Command, ...] = (
     identify,
-    predict,
     compare,
+    diagnose,
+    add,
+    history,
     effects,
+    predict,
     feedforward,
     simulate,
     info,

@@ -14,6 +14,7 @@ from lagrangian_ff.cli.common.options import (
     conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.compare import next_step, say_where
@@ -58,6 +59,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_topic(parser)
     add_conditioning(parser)
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -66,6 +68,7 @@ def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
     _check_outputs(arguments)
+    load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import locate
     from lagrangian_ff.identification import Model

@@ -1,13 +1,13 @@
 """`effects`: which physical effects there are, and what each looks like."""
 
 from argparse import ArgumentParser, Namespace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.options import add_force, add_json
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
+from lagrangian_ff.cli.common.own_effects import add_effects_file, effect_named, load_own_effects
 from lagrangian_ff.cli.text.effect_page import say_catalogue, say_effect
 from lagrangian_ff.errors import UserError
 
@@ -46,14 +46,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--picture", type=Path, metavar="FILE.png", help="draw the torque of the effect"
     )
-    parser.add_argument(
-        "--effects-file",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="Python that defines effects of your own; may be given several times",
-    )
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -62,18 +55,16 @@ def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
     _check_outputs(arguments)
-    from lagrangian_ff.effects import EFFECTS, load_effects, load_installed
+    load_own_effects(arguments, console)
+    from lagrangian_ff.effects import EFFECTS
 
-    load_installed()
-    for path in arguments.effects_file:
-        load_effects(path)
     if arguments.effect is None:
         records = [effect.record() for effect in EFFECTS.values()]
         say_catalogue(records, console)
         console.say("lagrangian_ff effects EFFECT explains one of them")
         write_record(arguments.json, {"effects": records})
         return 0
-    effect = _named(arguments.effect)
+    effect = effect_named(arguments.effect)
     say_effect(effect.record(), type(effect).__doc__ or "", console)
     write_record(arguments.json, effect.record())
     if arguments.picture is not None:
@@ -92,20 +83,6 @@ def _check_outputs(arguments: Namespace) -> None:
         kept.append(arguments.picture)
     if arguments.json not in (None, "-"):
         check_file(Path(arguments.json), "--json", force=arguments.force, keep=kept)
-
-
-def _named(name: str) -> "Effect":
-    from lagrangian_ff.effects import EFFECTS, GROUPS
-
-    if name in EFFECTS:
-        return EFFECTS[name]
-    if name in GROUPS:
-        raise UserError(
-            f"'{name}' stands for {' and '.join(GROUPS[name])}: name one of them to read on"
-        )
-    near = get_close_matches(name, EFFECTS, 3)
-    hint = f"did you mean {' or '.join(near)}? " if near else ""
-    raise UserError(f"there is no effect '{name}': {hint}lagrangian_ff effects lists all")
 
 
 def _draw(effect: "Effect", path: Path) -> None:

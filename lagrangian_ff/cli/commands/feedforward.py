@@ -8,6 +8,7 @@ from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.leaving import leaving
 from lagrangian_ff.cli.common.options import add_force, add_json, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.text.layout import number, table
 from lagrangian_ff.errors import ModelError, UserError
 
@@ -62,6 +63,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="leave out parts of the torque: gravity, inertia, coriolis, friction (all effects), "
         "or an effect by its name, such as coulomb",
     )
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -74,6 +76,7 @@ def run(arguments: Namespace) -> int:
     if arguments.json not in (None, "-"):
         keep = [*inputs, arguments.output]
         check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)
+    load_own_effects(arguments, console)
     from lagrangian_ff.arm import read_trajectory
     from lagrangian_ff.identification import Model
 

@@ -16,6 +16,7 @@ from lagrangian_ff.cli.common.options import (
     names,
 )
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.sources import (
     Reading,
@@ -55,8 +56,11 @@ what comes out:
 
 models are one kernel and any number of effects, joined by +:
   kernels  vrbfs (the usual), vrbf, srbfs, srbf, svrbfs, svrbf, pol, motor: derive from a
-           Lagrangian, vrbf* and motor couple the joints; rbf, rbfs: assume nothing; none
-  effects  fri = viscous+coulomb+offset, or each by its name
+           Lagrangian, vrbf* and motor couple the joints; chain: a serial arm's rigid-body
+           dynamics, joints given from the base to the tool; rbf, rbfs: assume nothing; none
+  effects  fri = viscous+coulomb+offset, or each by its name; any other of `lagrangian_ff effects`
+           on all joints, or on one: vrbfs+fri+stribeck@joint_2. Which ones are missing is what
+           lagrangian_ff diagnose finds out
 
 Put the sources first: names after --joints or --effort-scale are taken for joints."""
 
@@ -121,6 +125,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "torques derive from one Lagrangian; auto: whichever does better (default: auto)",
     )
     add_conditioning(parser)
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -128,6 +133,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
+    load_own_effects(arguments, console)
     settings = _settings(arguments)
     _check_outputs(arguments)
     conditioning = conditioning_of(arguments)
@@ -189,7 +195,8 @@ def _say(found: "Identification", readings: list[Reading], output: Path, console
         console.say(
             [
                 "next:",
-                f"  lagrangian_ff predict {output} OTHER_RECORDING      how good is it elsewhere?",
+                f"  lagrangian_ff compare {output} OTHER_RECORDING      where does it fail?",
+                f"  lagrangian_ff diagnose {output} OTHER_RECORDING     what is missing in it?",
                 f"  lagrangian_ff feedforward {output} TRAJECTORY.csv --output torque.csv",
             ]
         )

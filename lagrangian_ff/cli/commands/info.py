@@ -7,6 +7,7 @@ from pathlib import Path
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.options import SOURCE_HELP, add_force, add_json, add_topic
 from lagrangian_ff.cli.common.outputs import check_file, write_record
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.sources import read, tell
 from lagrangian_ff.cli.text.model import range_table, say_record
 from lagrangian_ff.errors import RecordingError, UserError
@@ -33,6 +34,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         help=f"{SOURCE_HELP}; or a model file of identify",
     )
     add_topic(parser)
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -45,6 +47,7 @@ def run(arguments: Namespace) -> int:
         raise UserError(f"{path}: no such file or directory")
     if arguments.json not in (None, "-"):
         check_file(Path(arguments.json), "--json", force=arguments.force, keep=[path])
+    load_own_effects(arguments, console)
     record = _model(path, console) if is_model(path) else _recording(arguments, console)
     write_record(arguments.json, record)
     return 0

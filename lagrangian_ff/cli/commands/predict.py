@@ -15,6 +15,7 @@ from lagrangian_ff.cli.common.options import (
     conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
@@ -61,6 +62,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     add_topic(parser)
     add_conditioning(parser)
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -69,6 +71,7 @@ def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
     _check_outputs(arguments)
+    load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Conditioning
@@ -119,7 +122,8 @@ def _columns(model: "Model", comparison: "Comparison", terms: bool) -> "Columns"
     motion = comparison.motion
     parts = {"measured": motion.tau, "predicted": comparison.predicted}
     if terms:
-        found = model.terms(motion.q, motion.qd, motion.qdd)
+        states = motion.q, motion.qd, motion.qdd
+        found = model.terms(*states, time=motion.time, segment=motion.segment)
         parts |= {name: getattr(found, name) for name in ("gravity", "inertia", "coriolis")}
         parts |= found.effects
     columns = {"time": motion.time}

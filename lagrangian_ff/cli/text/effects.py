@@ -80,4 +80,4 @@ def _filled(formula: str, values: Mapping[str, float]) -> str:
         name = match.group()
         return number(values[name]) if name in values else name
 
-    return re.sub(r"[A-Za-z_]\w*", value, formula)
+    return re.sub(r"[A-Za-z_]\w*", value, formula).replace("+ -", "- ")

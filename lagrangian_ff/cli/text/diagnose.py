@@ -1,0 +1,157 @@
+"""What is missing in a model, as text: the verdict first, then the evidence, then what to do."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.text.effects import equations, parameter_table
+from lagrangian_ff.cli.text.layout import number, table
+
+LEGEND = (
+    "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "
+    "it. gain: log evidence won. p: how often chance gives the best of all candidates as much. "
+    "error: rms on that joint, on {unseen}."
+)
+
+
+def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
+    """The verdict, the findings, and what is left.
+
+    Args:
+        record: of diagnose.
+        console: to tell it to.
+    """
+    console.paragraph(record["verdict"])
+    findings = record["findings"]
+    if findings:
+        console.say(["", "what was found"])
+        console.say(finding_table(findings))
+        console.paragraph(LEGEND.format(unseen=record["confirmed_on"]), "  ")
+        console.say(["", "its torque, in N·m with qd in rad/s"])
+        entries = [{**one, "joint": ", ".join(one["joints"])} for one in findings]
+        console.say(equations(entries))
+        console.say(["", "its parameters with 90 % intervals"])
+        console.say(parameter_table(entries))
+        doubts = [text for one in findings if (text := doubt(one))]
+        if doubts:
+            console.say()
+        for text in doubts:
+            console.paragraph(text, "  - ", "    ")
+    if record["unexplained"]:
+        console.say(["", "left unexplained: no effect of the catalogue fits"])
+        for one in record["unexplained"]:
+            console.paragraph(
+                f"{one['joint']}: {one['share']:.1%} of its torque depends on {one['coordinate']}",
+                "  - ",
+                "    ",
+            )
+
+
+def finding_table(findings: Sequence[Mapping[str, Any]]) -> list[str]:
+    """One line a finding."""
+    rows = [
+        [
+            one["effect"],
+            ", ".join(one["joints"]),
+            one["verdict"].split()[0],
+            number(one["evidence_gain"]),
+            chance(one["p_value"]),
+            number(one["error_before"]),
+            number(one["error_after"]),
+        ]
+        for one in findings
+    ]
+    header = ["effect", "joint", "verdict", "gain", "p", "error before [N·m]", "after"]
+    return table(header, rows)
+
+
+def doubt(finding: Mapping[str, Any]) -> str:
+    """Why a finding is no more than it is; empty where it is confirmed."""
+    if finding["verdict"] == "confirmed":
+        return ""
+    text = f"{finding['effect']} on {', '.join(finding['joints'])}"
+    if finding.get("reason"):
+        text += f" is no more than suggested: {finding['reason']}"
+    if finding["ambiguous_with"]:
+        others = " or ".join(finding["ambiguous_with"])
+        text += f"; it may be {others} too: on this motion they look the same"
+        for apart in finding.get("told_apart_by") or []:
+            text += f"; {apart}"
+    return f"{text}. Motion to do: {finding['next_motion']}"
+
+
+def say_not_observable(record: Mapping[str, Any], model: str, console: Console) -> None:
+    """What the motion could not have shown, by effect, and the motion to do.
+
+    Args:
+        record: of diagnose.
+        model: the model file.
+        console: to tell it to.
+    """
+    groups: dict[tuple[str, str], list[str]] = {}
+    never = []
+    for one in record["not_observable"]:
+        if one["joint"] == "all":
+            never.append(one["effect"])
+        else:
+            groups.setdefault((one["effect"], one["next_motion"]), []).append(one["joint"])
+    if groups:
+        console.say(["", "not observable here, neither there nor absent; the motion to do"])
+        for (effect, motion), joints in groups.items():
+            console.paragraph(f"{effect} ({', '.join(joints)}): {motion}", "  - ", "    ")
+        effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
+        console.say(f"  as a trajectory: {excite(effect, joint, model)}")
+    if never:
+        console.say()
+        console.paragraph(
+            f"{', '.join(never)}: no motion of the arm alone shows these; lagrangian_ff effects "
+            "EFFECT says why"
+        )
+
+
+def excite(effect: str, joint: str, model: str) -> str:
+    """The command that makes the motion which shows an effect."""
+    return f"lagrangian_ff excite {effect} --joint {joint} --model {model} --output motion.csv"
+
+
+def chance(p: float | None) -> str:
+    """A probability, as a finite number of draws knows it."""
+    return "-" if p is None else f"{p:.2g}"
+
+
+def next_steps(
+    record: Mapping[str, Any], model: str, sources: Sequence[str], confirm: Sequence[str] = ()
+) -> list[str]:
+    """The commands to type next.
+
+    Args:
+        record: of diagnose.
+        model: the model file.
+        sources, confirm: the recordings, as they were named.
+    """
+    again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
+    sure = [one for one in record["findings"] if one["verdict"] == "confirmed"]
+    if sure:
+        first = sure[0]
+        joints = " ".join(f"--joint {joint}" for joint in first["joints"])
+        return [
+            "next: add what is confirmed",
+            f"  lagrangian_ff add {model} {first['effect']} {joints}",
+            "or all of it, and look again until nothing more is confirmed",
+            f"  lagrangian_ff diagnose {model} {again} --apply --output NEW.npz",
+        ]
+    unsure = record["findings"]
+    if unsure:
+        first = unsure[0]
+        return [
+            "next: record the motion that settles it, and confirm on that",
+            f"  {excite(first['effect'], first['joints'][0], model)}",
+            f"  lagrangian_ff diagnose {model} {' '.join(sources)} --confirm NEW_RECORDING",
+        ]
+    if record["unexplained"]:
+        return [
+            "next: where is it, and do you know of an effect that looks so? Bring it:",
+            f"  lagrangian_ff compare {model} {' '.join(sources)} --report where.html",
+            f"  lagrangian_ff diagnose {model} {again} --effects-file my_effects.py",
+        ]
+    return []
