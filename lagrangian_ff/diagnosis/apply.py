@@ -17,9 +17,10 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
             continue
         step = finding.step
         where = "another recording" if diagnosis.separate else "the end of it, held back"
+        gain, share = f"{step.score.gain:.0f} nats", f"{finding.trial.share:.0%}"
         why = {
-            "why": f"{finding.effect.meaning}; it gains {step.score.gain:.0f} nats of evidence, and "
-            f"with frozen coefficients it helps in {finding.trial.share:.0%} of {where}",
+            "why": f"{finding.effect.meaning}; it gains {gain} of evidence, and with frozen "
+            f"coefficients it helps in {share} of {where}",
             "verdict": finding.verdict,
             "evidence_gain": step.score.gain,
             "p_value": step.p_value,

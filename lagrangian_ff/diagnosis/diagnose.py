@@ -1,7 +1,7 @@
 """From a model and a recording to the physical effects that the model lacks."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, sea
 from lagrangian_ff.diagnosis.search.gain import Score
 from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
 from lagrangian_ff.diagnosis.search.rivals import rivals
-from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, kept
 from lagrangian_ff.identification.basis import Basis
@@ -145,7 +145,7 @@ def diagnose(
         first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
     for part in (first, unseen):
         _require_long(part)
-    ground = tune(first, _inputs(model, first), model.basis, _part(progress, 0.0, 0.3))
+    ground = tune(first, model.inputs_of(first), model.basis, _part(progress, 0.0, 0.3))
     found = search(ground, effects, steps, _part(progress, 0.3, 0.85))
     progress(0.9, "confirming on unseen motion")
     findings = _confirmed(found, unseen, model.joints)
@@ -180,12 +180,6 @@ def _require_long(motion: Motion) -> None:
         )
 
 
-def _inputs(model: Model, motion: Motion) -> Inputs:
-    x = model.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
-    parts = model.basis.torque(x, model.coefficients).values()
-    return replace(x, torque=x.load + sum(parts, np.zeros_like(x.load)))
-
-
 def _part(progress: Progress, low: float, high: float) -> Progress:
     return lambda share, label: progress(low + share * (high - low), label)
 
@@ -212,8 +206,16 @@ def _confirmed(found: Search, motion: Motion, joints: Sequence[str]) -> tuple[Fi
         left = tuple(rivals(step.score, step.rivals, others))
         reason = trial.reason
         rest = free.get(candidate.joint, 0.0)
+        rest += sum(
+            other.score.gain
+            for other in found.steps
+            if not other.named and other.score.candidate.joint == candidate.joint
+        )
         if not reason and rest > LARGE_REST * step.score.gain:
-            reason = f"a free curve still gains {rest:.0f} nats: the form is not right"
+            reason = (
+                f"something without a name on the same joint gains {rest:.0f} nats, this "
+                f"{step.score.gain:.0f}"
+            )
         verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
         parameters, low, high = frozen[number]
         findings.append(

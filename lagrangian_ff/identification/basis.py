@@ -76,6 +76,18 @@ class Basis:
                 speed[term.joint] = term.shape["v0"]
         return speed
 
+    def constant(self, joints: int, b: Floats) -> Floats:
+        """(N,) N·m of the constant torques, for parameters b (B,).
+
+        Gravity over a part of the joints' range cannot be told from a constant torque, so that
+        either may have taken what belongs to the other: both together are the load.
+        """
+        constant = np.zeros(joints)
+        for term, place in self.slices():
+            if term.effect.name == "offset":
+                constant[term.joint] += float(b[place][0])
+        return constant
+
     def torque(self, x: Inputs, b: Floats) -> dict[str, Floats]:
         """(M, N) N·m of each effect by name, for parameters b (B,).
 
@@ -84,7 +96,8 @@ class Basis:
         parts: dict[str, Floats] = {}
         placed = self.slices()
         for follows in (False, True):
-            seen = replace(x, torque=x.load + sum(parts.values(), np.zeros_like(x.q)))
+            others = [part for name, part in parts.items() if name != "offset"]
+            seen = replace(x, torque=x.load + sum(others, np.zeros_like(x.q)))
             for term, place in placed:
                 if ("torque" in term.effect.uses) == follows:
                     part = parts.setdefault(term.effect.name, np.zeros_like(x.q))

@@ -96,10 +96,14 @@ class Model:
 
     def inputs_of_data(self) -> Inputs:
         """All of the data as effects see it."""
-        data = self.data
-        x = self.inputs(data.q, data.qd, data.qdd, time=data.time, segment=data.segment)
-        parts = self.basis.torque(x, self.coefficients).values()
-        return replace(x, torque=x.load + sum(parts, np.zeros_like(x.load)))
+        return self.inputs_of(self.data)
+
+    def inputs_of(self, motion: Motion) -> Inputs:
+        """A motion of the model's joints as effects see it."""
+        x = self.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
+        parts = self.basis.torque(x, self.coefficients)
+        others = [part for name, part in parts.items() if name != "offset"]
+        return replace(x, torque=x.load + sum(others, np.zeros_like(x.load)))
 
     def predict(
         self,
@@ -127,7 +131,7 @@ class Model:
             ModelError: the arrays are not of this model's joints.
         """
         x = self.inputs(q, qd, qdd, progress, time=time, segment=segment)
-        out = x.load.copy()
+        out = x.load - self.basis.constant(len(self.joints), self.coefficients)
         for torque in self.basis.torque(x, self.coefficients).values():
             out += torque
         return out if np.ndim(q) > 1 else out[0]
@@ -153,6 +157,7 @@ class Model:
             part = slice(first, first + CHUNK_SAMPLES)
             load[part] = self._lagrangian(x.take(part))
             progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
+        load += self.basis.constant(len(self.joints), self.coefficients)
         speed = self.basis.sign_speed(len(self.joints))
         return Inputs.of(x, time, segment, load, load, speed)
 
@@ -174,7 +179,8 @@ class Model:
         gravity = self._lagrangian(x.at_rest())
         inertia = self._lagrangian(x.without_velocity()) - gravity
         inputs = self.inputs(q, qd, qdd, time=time, segment=segment)
-        coriolis = inputs.load - gravity - inertia
+        constant = self.basis.constant(len(self.joints), self.coefficients)
+        coriolis = inputs.load - constant - gravity - inertia
         effects = self.basis.torque(inputs, self.coefficients)
         if np.ndim(q) > 1:
             return Terms(gravity, inertia, coriolis, effects)

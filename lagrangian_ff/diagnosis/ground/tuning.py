@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 ROWS = 4800
 """Torques (samples times joints) that a ground is laid on: a factor takes about a second."""
-SEARCH_ROWS, SHAPE_ROWS = 960, 2400
+SEARCH_ROWS, SHAPE_ROWS = 720, 2400
 BLOCK_SECONDS = 2.0
 SWEEPS = 7
 GAIN_WORTH = 100.0
@@ -50,8 +50,7 @@ def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = sile
         prior = _gains(motion, inputs, basis, prior)
     progress(0.8, "factoring")
     ground = _lay(motion, inputs, basis, prior)
-    load = ground.load()
-    inputs = replace(inputs, load=load, torque=load + ground.known())
+    inputs = ground.inputs_of(motion)
     ground = replace(ground, inputs=inputs)
     if any(term.effect.uses for term in basis.terms):
         ground = _lay(motion, inputs, basis, prior)

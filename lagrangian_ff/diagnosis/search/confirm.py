@@ -5,26 +5,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.stats import wilcoxon
 
 from lagrangian_ff.diagnosis.ground import Ground, lay
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.ground.tuning import BLOCK_SECONDS, ROWS
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.gain import Score
-from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.search import evenly
-from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
 
 GROUP_NATS = 2.0
 """Blocks are put together until the effect should gain this much in a group: less is noise."""
-FEWEST_GROUPS, MOST_GROUPS = 4, 20
+FEWEST_GROUPS, MOST_GROUPS = 5, 20
 SHARE = 0.75
-LEVEL = 0.01
+LEVEL = 0.05
 RATIO = (0.5, 1.6)
 """How much larger or smaller than found the effect may be on the other motion."""
 
@@ -37,7 +35,7 @@ class Trial:
         expected: (G,) nats it should gain in each group of blocks if it is there as found.
         gained: (G,) nats it does gain.
         ratio: its size on this motion relative to that found, 1 if it is the same.
-        p_value: of the gains' mean being above zero by chance.
+        p_value: how often the gains lie so far above zero by chance (Wilcoxon's signed ranks).
         reason: why it does not hold; empty if it does.
         likelihood: (B,) nats gained in each block.
     """
@@ -85,7 +83,7 @@ class Unseen:
             taken: what was found, with frozen parameters; (K, 0) parameters leave a dependence
                 without a name free.
         """
-        inputs = frozen_inputs(motion, found)
+        inputs = found.inputs_of(motion)
         index = evenly(len(motion), ROWS // len(motion.joints))
         x = inputs.take(index)
         tau = motion.tau.copy()
@@ -117,20 +115,6 @@ class Unseen:
         return _by_block(ground, z * (w - 0.5 * z))
 
 
-def frozen_inputs(motion: Motion, found: Ground) -> Inputs:
-    """A motion as effects see it, the load and the torque those of another motion's ground."""
-    x = States.of(motion.q, motion.qd, motion.qdd)
-    seen = found.motion.take(found.index)
-    weights = found.system.weights.reshape(len(found.index), found.joints)
-    centres = States.of(seen.q, seen.qd, seen.qdd)
-    load = found.prior.kernel.apply(x, centres, weights) * found.prior.unit
-    speed = found.basis.sign_speed(found.joints)
-    inputs = Inputs.of(x, motion.time, motion.segment, load, load, speed)
-    coefficients = found.system.coefficients[: found.basis.size]
-    known = found.basis.torque(inputs, coefficients).values()
-    return replace(inputs, torque=load + sum(known, np.zeros_like(load)))
-
-
 def _trial(ground: Ground, torque: Floats, joint: int, *, taken: bool) -> Trial:
     z = ground.project(ground.whiten(torque[:, None], joint))[:, 0]
     w = ground.residual + z if taken else ground.residual
@@ -142,12 +126,11 @@ def _trial(ground: Ground, torque: Floats, joint: int, *, taken: bool) -> Trial:
     if len(grouped) < FEWEST_GROUPS:
         reason = "the unseen motion is too short, or hardly shows the effect, to confirm it"
         return Trial(hoped, grouped, ratio, 1.0, reason, gained)
-    spread = float(np.std(grouped, ddof=1)) / np.sqrt(len(grouped))
-    p_value = float(student.sf(np.mean(grouped) / max(spread, 1e-12), len(grouped) - 1))
+    p_value = float(wilcoxon(grouped, alternative="greater").pvalue)
     share = float(np.mean(grouped > 0.0))
     reason = ""
     if share < SHARE or p_value > LEVEL:
-        reason = f"it helps in {share:.0%} of the unseen motion only (p = {p_value:.2g})"
+        reason = f"it helps in {share:.0%} of the unseen motion (p = {p_value:.2g}), too little"
     elif not RATIO[0] < ratio < RATIO[1]:
         reason = f"on the unseen motion it is {ratio:.2g} times as large: not the same effect"
     return Trial(hoped, grouped, ratio, p_value, reason, gained)

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from lagrangian_ff.diagnosis.ground import Ground, Prior, lay, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
@@ -17,10 +19,16 @@ from lagrangian_ff.progress import Progress, silent
 MOST_STEPS = 6
 FLOOR = 8.0
 """Nats below which nothing is claimed, whatever chance says."""
+EVENT_FLOOR = 20.0
+"""The same for what happens once only: signs of blocks cannot tell it from an outlier."""
 LEAST_SIZE = 0.005
 """Share of a joint's torque below which an effect is not worth a name."""
 NAME_SHARE = 0.7
 """A name must explain this share of what a free curve over one coordinate does."""
+NEAR = 0.2
+"""A name or a curve is looked at closely if at first it gains this share of the best."""
+REFINED = 8
+"""Names whose shapes are refined."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +98,8 @@ def search(
     while True:
         share = len(taken) / (steps + 1)
         progress(share, f"looking at every effect, step {len(taken) + 1}")
-        found = list(scores(ground, _candidates(ground, range(ground.joints), effects)))
+        candidates = _candidates(ground, range(ground.joints), effects)
+        found = list(scores(ground, candidates, coarse=True))
         looks.append((found, best_of_each(found), Chance.of(found)))
         _, best, chance = looks[-1]
         eligible = [score for score in best if _stands_out(score, chance, ground)]
@@ -99,7 +108,7 @@ def search(
         progress(
             share + 0.5 / (steps + 1), f"looking closer at {eligible[0].candidate.source.name}"
         )
-        step, prior = _judge(ground, eligible[0], chance, effects)
+        step, prior = _judge(ground, eligible[0], best, chance, effects)
         if step is None:
             break
         taken.append(step)
@@ -118,28 +127,84 @@ def _candidates(
 
 
 def _stands_out(score: Score, chance: Chance, ground: Ground) -> bool:
-    large = score.size > LEAST_SIZE * ground.spread[score.candidate.joint]
-    return large and score.gain > max(FLOOR, chance.threshold)
+    candidate = score.candidate
+    large = score.size > LEAST_SIZE * ground.spread[candidate.joint]
+    event = candidate.named and candidate.effect.kind == "event"
+    return large and score.gain > max(EVENT_FLOOR if event else FLOOR, chance.threshold)
 
 
 def _judge(
-    ground: Ground, first: Score, chance: Chance, effects: Mapping[str, Effect] | None
+    ground: Ground,
+    first: Score,
+    best: Sequence[Score],
+    chance: Chance,
+    effects: Mapping[str, Effect] | None,
 ) -> tuple[Step | None, Prior]:
-    """Look again at one joint, with the noise that is left once the best is taken in."""
-    prior = sharpen(ground, *_with(ground, first.candidate))
-    again = _relaid(ground, prior, ground.basis, ground.extra)
-    joints = [first.candidate.joint]
-    best = best_of_each(scores(again, _candidates(again, joints, effects)))
-    names = [refined(again, one) for one in best if one.candidate.named and one.gain > 0.0][:8]
-    names.sort(key=lambda score: -score.gain)
-    free = next((one for one in best if not one.candidate.named and one.gain > 0.0), None)
-    if not names and free is None:
-        return None, prior
-    chosen, left = names[0] if names else None, tuple(rivals(names[0], names[1:])) if names else ()
-    if chosen is None or (free is not None and chosen.gain < NAME_SHARE * free.gain):
-        assert free is not None
-        chosen, left = free, ()
-    return Step(chosen, left, first.gain, chance.p_value(first.gain), free), prior
+    """Look again at one joint, with the noise that is left once the best is taken in.
+
+    The best name and the best free curve are each judged with the noise that suits them: with
+    that of the other they would look worse than they are.
+    """
+    joint = first.candidate.joint
+    here = [score for score in best if score.candidate.joint == joint and score.gain > 0.0]
+    name = next((score for score in here if score.candidate.named), None)
+    free = next((score for score in here if not score.candidate.named), None)
+    leaders = [
+        score
+        for score in (name, free)
+        if score is not None and (score is first or score.gain > NEAR * first.gain)
+    ]
+    views = [_View.of(ground, leader, effects) for leader in leaders]
+    named_view = max(views, key=lambda view: view.total(view.name), default=None)
+    free_view = max(views, key=lambda view: view.total(view.free), default=None)
+    if named_view is None or free_view is None:
+        return None, ground.prior
+    chosen, curve = named_view.name, free_view.free
+    start = max(view.base for view in views if view.leader is first)
+    worth = named_view.total(chosen) - start
+    rival_worth = free_view.total(curve) - start
+    p_value = chance.p_value(first.gain)
+    if chosen is not None and (curve is None or worth > NAME_SHARE * rival_worth):
+        left = tuple(rivals(chosen, named_view.others))
+        return Step(chosen, left, first.gain, p_value, curve), named_view.ground.prior
+    if curve is None:
+        return None, ground.prior
+    return Step(curve, (), first.gain, p_value, curve), free_view.ground.prior
+
+
+@dataclass(frozen=True)
+class _View:
+    """One joint seen with the noise that one candidate leaves.
+
+    Attributes:
+        leader: that candidate.
+        ground: without it, but with that noise.
+        base: log evidence of the ground.
+        name, others: the best name at its best shape, and the other names.
+        free: the best free curve.
+    """
+
+    leader: Score
+    ground: Ground
+    base: float
+    name: Score | None
+    others: tuple[Score, ...]
+    free: Score | None
+
+    @classmethod
+    def of(cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None) -> "_View":
+        prior = sharpen(ground, *_with(ground, leader.candidate))
+        again = _relaid(ground, prior, ground.basis, ground.extra)
+        found = best_of_each(scores(again, _candidates(again, [leader.candidate.joint], effects)))
+        names = [refined(again, one) for one in found if one.candidate.named and one.gain > 0.0]
+        names = sorted(names[:REFINED], key=lambda score: -score.gain)
+        free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
+        first = names[0] if names else None
+        return cls(leader, again, again.system.log_evidence, first, tuple(names[1:]), free)
+
+    def total(self, score: Score | None) -> float:
+        """Log evidence with a candidate: what can be compared between views."""
+        return -np.inf if score is None else self.base + score.gain
 
 
 def _with(ground: Ground, candidate: Candidate) -> tuple[Basis, tuple[Extra, ...]]:

@@ -38,7 +38,8 @@ class Score:
         survival: the share of its whitened columns that what is known leaves over, 0 to 1.
         coefficients: (P,) its parameters, in their units.
         size: N·m, root mean square of its torque on the samples used.
-        blocks: (B, P) sums over blocks of scaled columns times residual.
+        blocks: (B, P) sums over blocks of scaled columns times what is left of the residual once
+            the candidate is taken away: noise, as far as one knows.
         information: (P, P) A without f.
         likelihood: (B,) nats that each block gains with these parameters, not tempered.
     """
@@ -66,8 +67,16 @@ def tempered_gain(sums: Floats, information: Floats, inflation: float) -> Floats
     return np.asarray(0.5 * np.sum(c * half, axis=1) - 0.5 * np.linalg.slogdet(matrix)[1])
 
 
-def scores(ground: Ground, candidates: Sequence[Candidate]) -> Iterator[Score]:
-    """Hold candidates against the residual of a ground; one triangular solve a column."""
+def scores(
+    ground: Ground, candidates: Sequence[Candidate], *, coarse: bool = False
+) -> Iterator[Score]:
+    """Hold candidates against the residual of a ground; one triangular solve a column.
+
+    Args:
+        ground: of the motion.
+        candidates: which; in any order.
+        coarse: in single precision, for a first look at many.
+    """
     x = ground.seen
     starts = np.flatnonzero(np.diff(np.repeat(ground.block, ground.joints), prepend=-1))
     for joint in range(ground.joints):
@@ -78,19 +87,23 @@ def scores(ground: Ground, candidates: Sequence[Candidate]) -> Iterator[Score]:
             waiting.append((candidate, columns))
             width += columns.shape[1]
             if width >= COLUMNS_AT_ONCE:
-                yield from _scored(ground, joint, waiting, starts)
+                yield from _scored(ground, joint, waiting, starts, coarse)
                 waiting, width = [], 0
         if waiting:
-            yield from _scored(ground, joint, waiting, starts)
+            yield from _scored(ground, joint, waiting, starts, coarse)
 
 
 def _scored(
-    ground: Ground, joint: int, waiting: Sequence[tuple[Candidate, Floats]], starts: Ints
+    ground: Ground,
+    joint: int,
+    waiting: Sequence[tuple[Candidate, Floats]],
+    starts: Ints,
+    coarse: bool,
 ) -> Iterator[Score]:
     raw = np.hstack([columns for _, columns in waiting])
     rms = np.sqrt(np.mean(raw**2, axis=0))
     scale = PRIOR_SHARE * ground.spread[joint] / np.where(rms > 0.0, rms, np.inf)
-    whitened = ground.whiten(raw * scale, joint)
+    whitened = ground.whiten(raw * scale, joint, coarse=coarse)
     before = np.sum(whitened**2, axis=0)
     left = ground.project(whitened)
     after = np.sum(left**2, axis=0)
@@ -102,7 +115,9 @@ def _scored(
         first = last
         z, own = left[:, part], scale[part]
         # What the known columns explain but for rounding is not there.
-        z = np.where(after[part] > 1e-10 * np.maximum(before[part], 1e-300), z, 0.0)
+        z = np.where(
+            after[part] > (1e-7 if coarse else 1e-10) * np.maximum(before[part], 1e-300), z, 0.0
+        )
         information = z.T @ z
         sums = z.T @ w
         found = np.linalg.solve(information + np.eye(len(sums)), sums)
@@ -117,7 +132,7 @@ def _scored(
             float(np.sqrt(after[part].sum() / max(before[part].sum(), 1e-300))),
             found * own,
             float(np.sqrt(np.mean((columns @ (found * own)) ** 2))),
-            np.add.reduceat(z * w[:, None], starts, axis=0),
+            rest,
             information,
             np.add.reduceat(fitted * (w - 0.5 * fitted), starts),
         )
