@@ -3,6 +3,8 @@
     ros2 launch lagrangian_ff record.launch.py joint_states:=/joint_states
 
 Then call identify/start, move the robot, call identify/stop, identify/identify, identify/save.
+Later, with model_file: start and stop once more, then identify/compare, identify/diagnose and
+identify/add.
 """
 
 from launch import LaunchContext, LaunchDescription
@@ -63,7 +65,8 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "model_file",
                 default_value="",
-                description="where identify/save puts the model; empty = what params_file says",
+                description="the model to compare and diagnose, and where identify/save puts the "
+                "last one; empty = what params_file says",
             ),
             DeclareLaunchArgument(
                 "joint_states",
@@ -73,7 +76,8 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 "output_directory",
                 default_value="",
-                description="where bags and models are written; empty = what params_file says",
+                description="where bags, models and findings are written; empty = what "
+                "params_file says",
             ),
             OpaqueFunction(function=nodes),
         ]

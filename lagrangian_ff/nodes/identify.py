@@ -1,16 +1,20 @@
-"""Records joint states and identifies the inverse dynamics from them.
+"""Records joint states, identifies the inverse dynamics from them, and finds what the model lacks.
 
 Topics
     joint_states   in   sensor_msgs/JointState; best effort, so that every publisher matches
-    /diagnostics   out  progress while identifying, then the held-out error of each joint
+    /diagnostics   out  progress, the held-out error of each joint, and what was found
 
-Services (std_srvs/Trigger)
+Services (std_srvs/Trigger); those of the second half begin the work and answer at once, progress
+and end are on /diagnostics and in the log
     ~/start      begin a recording: a bag in `output_directory`, on disk as it comes
     ~/stop       end it; start and stop again to add another
-    ~/identify   begin to identify from all recordings since ~/clear; answers at once, progress
-                 and end are on /diagnostics and in the log
     ~/save       copy the last model to `model_file`
-    ~/clear      forget recordings and model, cancel an identification; files stay
+    ~/clear      forget recordings and model, cancel what is under way; files stay
+
+    ~/identify   a model from all recordings since ~/clear
+    ~/compare    where the model fails on the last recording
+    ~/diagnose   which effects the model lacks; the last recording confirms what the others suggest
+    ~/add        the effect `add.effect`, or what was confirmed, into a new model beside the old one
 """
 
 import os
@@ -18,7 +22,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from datetime import datetime
-from pathlib import Path
+from functools import partial
 
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState
@@ -33,11 +37,13 @@ from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import RECORDING
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.common.summary import held_out, lines
+from lagrangian_ff.nodes.identify_parameters import declare, declare_joints
+from lagrangian_ff.nodes.recorder.findings import finding_statuses, lines, work_status
 from lagrangian_ff.nodes.recorder.intake import Intake
-from lagrangian_ff.nodes.recorder.job import Job, Outcome
-from lagrangian_ff.nodes.recorder.order import Order
-from lagrangian_ff.nodes.recorder.session import Result, Session, State, new_path, stamped
+from lagrangian_ff.nodes.recorder.job import Job
+from lagrangian_ff.nodes.recorder.order import Task
+from lagrangian_ff.nodes.recorder.ordering import directory_of, make_order, saved_model, summary
+from lagrangian_ff.nodes.recorder.session import BUSY, Session, State, new_path, stamped
 
 
 class IdentifyNode(ClosingNode):
@@ -46,7 +52,7 @@ class IdentifyNode(ClosingNode):
     def __init__(self) -> None:
         super().__init__("identify")
         self._settings = Parameters(self)
-        self._declare()
+        declare(self._settings)
         self._session = Session()
         self._job: Job | None = None
         self._complaints = Complaints(self.get_logger().warning)
@@ -55,54 +61,28 @@ class IdentifyNode(ClosingNode):
         )
         self._intake = Intake(self._subscription.take, self._complaints.add)
         self._meter, self._seen = RateMeter(), 0
-        for action, do in (
-            ("start", self._start), ("stop", self._stop), ("identify", self._identify),
-            ("save", self._save), ("clear", self._clear),
-        ):  # fmt: skip
+        services: dict[str, Callable[[], str]] = {
+            "start": self._start, "stop": self._stop, "save": self._save, "clear": self._clear,
+            **{task.value: partial(self._begin, task) for task in Task},
+        }  # fmt: skip
+        for action, do in services.items():
             self.create_service(Trigger, f"~/{action}", self._answer(action, do))
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(0.1, self._look_after_the_job, clock=steady)
         self._diagnostics = Diagnostics(
             self, "joint state recorder",
-            {"input": self._input_status, "identification": self._identification_status},
-            self._once_a_second,
+            {"input": self._input_status}, self._once_a_second, self._work_statuses,
         )  # fmt: skip
+        directory = directory_of(self._settings.value)
         self.get_logger().info(
-            f"ready to record {self._subscription.topic} into {self._directory()}; call ~/start"
+            f"ready to record {self._subscription.topic} into {directory}; call ~/start"
         )
 
-    def _declare(self) -> None:
-        declare = self._settings.declare
-        declare("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
-        declare("model", "vrbfs+fri", "model to identify, a sum of kernels and bases")
-        declare(
-            "train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
-            low=0.01, high=1.0,
-        )  # fmt: skip
-        declare("samples", 500, "samples to train on", low=10, high=20_000)
-        declare("bandwidth", 25.0, "Hz of the low-pass on position and effort", low=0.5, high=500.0)
-        declare("output_directory", ".", "where bags and models are written")
-        declare("bag_prefix", "recording", "how the names of bags begin")
-        declare(
-            "model_file", "",
-            "where ~/save puts the model; empty = model.npz in output_directory",
-        )  # fmt: skip
-        declare("identify_on_stop", False, "whether ~/stop begins the identification, too")
-
-    def _declare_joints(self) -> tuple[str, ...]:
+    def _joints(self) -> tuple[str, ...]:
         """The joints known by now, each with its own parameters."""
         joints = self._settings.strings("joints") or self._intake.tally.joints
-        for joint in joints:
-            self._settings.declare(
-                f"effort_scale.{joint}", 1.0, "N·m per unit of effort", low=-1e6, high=1e6
-            )
-            self._settings.declare(
-                f"effort_offset.{joint}", 0.0, "N·m added after scaling", low=-1e6, high=1e6
-            )
+        declare_joints(self._settings, joints)
         return joints
-
-    def _directory(self) -> Path:
-        return Path(self._settings.value("output_directory")).expanduser().absolute()
 
     def _answer(
         self, action: str, do: Callable[[], str]
@@ -127,7 +107,7 @@ class IdentifyNode(ClosingNode):
         return answer
 
     def _start(self) -> str:
-        directory = self._directory()
+        directory = directory_of(self._settings.value)
         path = new_path(directory, stamped(self._settings.value("bag_prefix"), datetime.now()))
         self._intake.open(path, self._subscription.topic)
         self._session.current, self._session.state = path, State.RECORDING
@@ -151,33 +131,22 @@ class IdentifyNode(ClosingNode):
         if self._intake.failure:
             said += f"; it ended early: {self._intake.failure}"
         if self._settings.value("identify_on_stop"):
-            said += f"; {self._identify()}"
+            said += f"; {self._begin(Task.IDENTIFY)}"
         return said
 
-    def _identify(self) -> str:
-        bags, value = self._session.bags, self._settings.value
-        joints = self._declare_joints()
-        order = Order(
-            bags=tuple(map(str, bags)),
-            output=str(new_path(self._directory(), f"{bags[-1].name}_model", ".npz")),
-            topic=self._subscription.topic,
-            joints=self._settings.strings("joints"),
-            model=value("model"),
-            train=value("train"),
-            samples=value("samples"),
-            bandwidth=value("bandwidth"),
-            effort_scale={joint: value(f"effort_scale.{joint}") for joint in joints},
-            effort_offset={joint: value(f"effort_offset.{joint}") for joint in joints},
+    def _begin(self, task: Task) -> str:
+        """Hand a task to a process of its own."""
+        order = make_order(
+            task, self._session, self._settings.value, self._subscription.topic, self._joints()
         )
         self._job = Job(order)
-        self._session.state = State.IDENTIFYING
-        return f"started to identify {order.model} from {', '.join(bag.name for bag in bags)}"
+        self._session.state = BUSY[task]
+        return summary(order)
 
     def _save(self) -> str:
         result = self._session.result
         assert result is not None
-        wanted = self._settings.value("model_file")
-        path = Path(wanted).expanduser().absolute() if wanted else self._directory() / "model.npz"
+        path = saved_model(self._settings.value)
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_name(f"{path.name}.part")
         shutil.copyfile(result.model, part)
@@ -195,28 +164,23 @@ class IdentifyNode(ClosingNode):
             return ""
         self._job.cancel()
         self._job = None
-        return ", cancelled the identification"
+        return f", stopped {self._session.state.value}"
 
     def _look_after_the_job(self) -> None:
         outcome = self._job.outcome() if self._job else None
         if self._job is None or outcome is None:
             return
-        output, self._job = self._job.output, None
-        self._session.state = State.IDLE
-        self._finish(outcome, output)
-        self._diagnostics.publish()
-
-    def _finish(self, outcome: Outcome, output: Path) -> None:
-        self._session.failure = outcome.error
+        order, self._job = self._job.order, None
+        self._session.finish(order, outcome.record, outcome.error)
         if outcome.record is None:
-            self.get_logger().error(f"no model was identified: {outcome.error}")
-            return
-        self._session.result = Result(output, outcome.record)
-        self.get_logger().info("\n".join([*lines(outcome.record), f"  model file: {output}"]))
+            self.get_logger().error(f"~/{order.task.value} failed: {outcome.error}")
+        else:
+            self.get_logger().info("\n".join(lines(order, outcome.record)))
+        self._diagnostics.publish()
 
     def _once_a_second(self) -> None:
         self._complaints.flush()
-        self._declare_joints()
+        self._joints()
 
     def _input_status(self) -> Status:
         received, self._seen = self._intake.received - self._seen, self._intake.received
@@ -238,30 +202,17 @@ class IdentifyNode(ClosingNode):
         }
         return Status(level, message, values)
 
-    def _identification_status(self) -> Status:
-        if self._job is not None:
-            return Status(
-                Level.OK,
-                f"identifying: {self._job.label}",
-                {"state": "identifying", "progress": self._job.fraction, "label": self._job.label},
-            )
-        session = self._session
-        values: dict[str, object] = {"state": session.state.value, "recordings": len(session.bags)}
-        if session.result is not None:
-            record = session.result.record
-            values |= {
-                "model file": session.result.model,
-                "model": record["model"],
-                "held-out RMSE [N·m]": record["rmse"],
-                "held-out nMSE": record["nmse"],
-                **held_out(record),
-            }
-        if session.failure:
-            return Status(Level.ERROR, f"identification failed: {session.failure}", values)
-        return Status(Level.OK, "identified" if session.result else "no model yet", values)
+    def _work_statuses(self) -> dict[str, Status]:
+        """How each kind of work stands, and what was found out about the model."""
+        found = {
+            name: status
+            for task in Task
+            for name, status in work_status(task, self._session, self._job).items()
+        }
+        return found | finding_statuses(self._session)
 
     def close(self) -> None:
-        """End the bag properly and the identification at once."""
+        """End the bag properly and the work at once."""
         self._cancel()
         self._intake.stop()
 

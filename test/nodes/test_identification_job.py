@@ -1,4 +1,4 @@
-"""The identification in its own process: the order, the work, and what the node sees of it."""
+"""Work in a process of its own: the order, the protocol, and an identification by it."""
 
 import sys
 import time
@@ -12,11 +12,14 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.nodes.common.summary import lines
 from lagrangian_ff.nodes.recorder.job import Job, Outcome
-from lagrangian_ff.nodes.recorder.order import Order
-from lagrangian_ff.nodes.recorder.work import identify_bags
+from lagrangian_ff.nodes.recorder.order import Addition, Order, Task
+from lagrangian_ff.nodes.recorder.tasks.identifying import identify_bags
 from lagrangian_ff.recording import Recording, write_bag
 
-ORDER = Order(bags=("bag",), output="model.npz", joints=("a",), effort_scale={"a": 2.0})
+ORDER = Order(
+    Task.IDENTIFY, "model.npz", bags=("bag",), joints=("a",), effort_scale={"a": 2.0},
+    additions=(Addition("stribeck", "a", {"v_s": 0.1}, {"verdict": "confirmed"}),),
+)  # fmt: skip
 
 
 def finished(job: Job) -> Outcome:
@@ -86,7 +89,7 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_from_bags_to_a_model_in_newton_metres(bag: Path, tmp_path: Path) -> None:
     told: list[float] = []
     order = Order(
-        bags=(str(bag),), output=str(tmp_path / "model.npz"), samples=60, train=0.6,
+        Task.IDENTIFY, str(tmp_path / "model.npz"), bags=(str(bag),), samples=60, train=0.6,
         effort_scale={"a": 2.0, "b": 2.0},
     )  # fmt: skip
     record = identify_bags(order, lambda fraction, label: told.append(fraction))
@@ -99,7 +102,7 @@ def test_from_bags_to_a_model_in_newton_metres(bag: Path, tmp_path: Path) -> Non
 
 
 def test_what_cannot_be_identified_is_a_mistake_in_words(bag: Path, tmp_path: Path) -> None:
-    order = Order(bags=(str(bag),), output=str(tmp_path / "model.npz"))
+    order = Order(Task.IDENTIFY, str(tmp_path / "model.npz"), bags=(str(bag),))
     for change, expected in (
         ({"joints": ("c",)}, "no joint c"),
         ({"model": "nonsense"}, "nonsense"),

@@ -67,7 +67,10 @@ def test_each_service_says_what_to_do_first(bench: Bench, identify: Process) -> 
     for action, expected in (
         ("stop", "call ~/start first"),
         ("identify", "nothing recorded: call ~/start"),
+        ("compare", "nothing recorded: call ~/start"),
+        ("diagnose", "nothing recorded: call ~/start"),
         ("save", "call ~/identify first"),
+        ("add", "no model: call ~/identify first"),
     ):
         success, message = ask(bench, action)
         assert not success
@@ -118,7 +121,7 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
     assert "wait for the end" in message
 
     def found() -> dict[str, str]:
-        assert "no model was identified" not in identify.output, identify.output
+        assert "~/identify failed" not in identify.output, identify.output
         values = bench.values("identify: identification")
         return values if "model file" in values else {}
 
@@ -147,14 +150,14 @@ def test_an_identification_that_is_impossible_is_told(
     bench.until(lambda: 100 < samples(bench) < 3000, "some joint states")
     assert ask(bench, "stop")[0]
     assert ask(bench, "identify")[0]
-    bench.until(lambda: "no model was identified: " in identify.output, "the reason")
+    bench.until(lambda: "~/identify failed: " in identify.output, "the reason")
     success, message = ask(bench, "save")
     assert not success
     assert "the last identification failed" in message
     assert ask(bench, "identify")[0]
     success, message = ask(bench, "clear")
     assert success
-    assert "cancelled the identification" in message
+    assert "stopped identifying" in message
 
 
 def test_a_flood_of_bad_messages_is_counted_and_survived(

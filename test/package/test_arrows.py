@@ -25,7 +25,7 @@ ARROWS: dict[str, set[str]] = {
     # Not the effects: the plant's physics must not share code with what is to find it.
     "arm": LOW,
     "report": UNDERSTOOD,
-    "nodes": {"arm", *UNDERSTOOD},
+    "nodes": {"arm", "report", *UNDERSTOOD},
     "studies": {"arm", "report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
     "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},

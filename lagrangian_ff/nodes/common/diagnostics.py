@@ -21,6 +21,7 @@ class Diagnostics:
         hardware_id: which machine it is about.
         tasks: name of the task to a function that tells its status.
         each: called first, once a second, for housekeeping.
+        more: tasks that come and go, with their status.
     """
 
     def __init__(
@@ -29,12 +30,14 @@ class Diagnostics:
         hardware_id: str,
         tasks: Mapping[str, Callable[[], Status]],
         each: Callable[[], None] = lambda: None,
+        more: Callable[[], Mapping[str, Status]] = dict,
     ) -> None:
         self._node = node
         self._name = node.get_fully_qualified_name().lstrip("/")
         self._hardware_id = hardware_id
         self._tasks = tasks
         self._each = each
+        self._more = more
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._timer = node.create_timer(
             PERIOD, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -45,7 +48,9 @@ class Diagnostics:
         self._each()
         message = DiagnosticArray()
         message.header.stamp = self._node.get_clock().now().to_msg()
-        message.status = [self._status(task, tell()) for task, tell in self._tasks.items()]
+        told = {task: tell() for task, tell in self._tasks.items()}
+        told.update(self._more())
+        message.status = [self._status(task, status) for task, status in told.items()]
         self._publisher.publish(message)
 
     def _status(self, task: str, status: Status) -> DiagnosticStatus:

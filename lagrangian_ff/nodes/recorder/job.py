@@ -1,11 +1,10 @@
-"""The identification under way, seen from the node."""
+"""The work under way, seen from the node."""
 
 import json
 import subprocess
 import sys
 import threading
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.nodes.recorder.order import Order
@@ -30,6 +29,7 @@ class Job:
             `work`.
 
     Attributes:
+        order: what it does.
         fraction: done so far, 0 to 1.
         label: what it does now.
     """
@@ -37,7 +37,7 @@ class Job:
     def __init__(
         self, order: Order, command: tuple[str, ...] = (sys.executable, "-m", MODULE)
     ) -> None:
-        self.output = Path(order.output)
+        self.order = order
         self.fraction = 0.0
         self.label = "starting"
         self._outcome: Outcome | None = None
@@ -85,5 +85,5 @@ class Job:
         self._process.stdin.close()
         self._process.stdout.close()
         self._outcome = outcome or Outcome(
-            None, f"the identification ended without a result (exit code {code})"
+            None, f"the process ended without a result (exit code {code})"
         )

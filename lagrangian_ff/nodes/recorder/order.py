@@ -1,28 +1,68 @@
-"""What is to be identified, as handed from the node to the process that does it."""
+"""What is to be done with recordings, as handed from the node to the process that does it."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from enum import Enum
+
+
+class Task(Enum):
+    """What the process can do; the values are the names of the services."""
+
+    IDENTIFY = "identify"
+    COMPARE = "compare"
+    DIAGNOSE = "diagnose"
+    ADD = "add"
+
+
+@dataclass(frozen=True)
+class Addition:
+    """An effect to add to a model.
+
+    Attributes:
+        effect: a name of the catalogue.  joint: where it acts.
+        shape: its nonlinear parameters; None searches them.
+        why: what the model's history shall tell of the reason.
+    """
+
+    effect: str
+    joint: str
+    shape: Mapping[str, float] | None = None
+    why: Mapping[str, object] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return f"{self.effect} on {self.joint}"
 
 
 @dataclass(frozen=True)
 class Order:
-    """One identification.
+    """One piece of work; what its task has no use for stays empty.
 
     Attributes:
+        task: what to do.
+        output: the file to write, a model or the findings as JSON; a page of the same name with
+            the ending .html comes beside it.
         bags: recordings used together.
+        confirm: recordings that confirm a diagnosis; empty for the end of `bags`.
         topic: of the joint states in them.
-        joints: which, in which order; empty for all that were recorded.
-        model: name of the model, such as "vrbfs+fri".
+        model_file: the model to compare, diagnose or add to.
+        effects_file: Python that defines effects of the user's own; empty for none.
+        joints: which to identify, in which order; empty for all that were recorded.
+        model: name of the model to identify, such as "vrbfs+fri".
         train: fraction of the motion to train on.
         samples: how many samples to train on.
         bandwidth: Hz of the low-pass.
         effort_scale, effort_offset: by joint, N·m per unit of effort and N·m.
-        output: the model file to write.
+        additions: what to add.
     """
 
-    bags: tuple[str, ...]
+    task: Task
     output: str
+    bags: tuple[str, ...] = ()
+    confirm: tuple[str, ...] = ()
     topic: str = "joint_states"
+    model_file: str = ""
+    effects_file: str = ""
     joints: tuple[str, ...] = ()
     model: str = "vrbfs+fri"
     train: float = 2.0 / 3.0
@@ -30,13 +70,17 @@ class Order:
     bandwidth: float = 25.0
     effort_scale: dict[str, float] = field(default_factory=dict)
     effort_offset: dict[str, float] = field(default_factory=dict)
+    additions: tuple[Addition, ...] = ()
 
     def to_json(self) -> str:
         """One line of JSON."""
-        return json.dumps(asdict(self))
+        return json.dumps({**asdict(self), "task": self.task.value})
 
     @staticmethod
     def from_json(text: str) -> "Order":
         """The order that `to_json` wrote."""
         fields = json.loads(text)
-        return Order(**{**fields, "bags": tuple(fields["bags"]), "joints": tuple(fields["joints"])})
+        for name in ("bags", "confirm", "joints"):
+            fields[name] = tuple(fields[name])
+        fields["additions"] = tuple(Addition(**each) for each in fields["additions"])
+        return Order(**{**fields, "task": Task(fields["task"])})

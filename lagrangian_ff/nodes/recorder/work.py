@@ -1,4 +1,4 @@
-"""The process that identifies: `python -m lagrangian_ff.nodes.recorder.work ORDER`.
+"""The process that computes: `python -m lagrangian_ff.nodes.recorder.work ORDER`.
 
 A process of its own, because compiled code that holds the interpreter would hold up the
 recording, and because whatever happens to it the node lives on. It writes one JSON object a
@@ -11,41 +11,31 @@ import os
 import sys
 import threading
 import traceback
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.identification import Settings, identify
-from lagrangian_ff.nodes.recorder.order import Order
+from lagrangian_ff.nodes.recorder.order import Order, Task
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording import Conditioning, condition, load
-
-PREPARATION = 0.1  # share of the progress that reading takes
 
 
-def identify_bags(order: Order, progress: Progress) -> dict[str, Any]:
-    """From bags to a model file, by the code the command line uses; the record.
+def program(task: Task) -> Callable[[Order, Progress], dict[str, Any]]:
+    """What carries a task out; imported only now, because an identification needs no page."""
+    if task is Task.IDENTIFY:
+        from lagrangian_ff.nodes.recorder.tasks.identifying import identify_bags
 
-    Raises:
-        UserError: a recording or a setting cannot be used.
-    """
-    conditioning = Conditioning(
-        bandwidth=order.bandwidth,
-        effort_scale=order.effort_scale,
-        effort_offset=order.effort_offset,
-    )
-    motions = []
-    for number, bag in enumerate(order.bags):
-        progress(PREPARATION * number / len(order.bags), f"reading {Path(bag).name}")
-        recording = load(bag, topic=order.topic, joints=order.joints or None)
-        motions.append(condition(recording, conditioning))
-    found = identify(
-        motions,
-        Settings(model=order.model, train=order.train, samples=order.samples),
-        lambda fraction, label: progress(PREPARATION + (1 - PREPARATION) * fraction, label),
-    )
-    found.model.save(Path(order.output))
-    return dict(found.record)
+        return identify_bags
+    if task is Task.COMPARE:
+        from lagrangian_ff.nodes.recorder.tasks.comparing import compare_bags
+
+        return compare_bags
+    if task is Task.DIAGNOSE:
+        from lagrangian_ff.nodes.recorder.tasks.diagnosing import diagnose_bags
+
+        return diagnose_bags
+    from lagrangian_ff.nodes.recorder.tasks.adding import add_to_model
+
+    return add_to_model
 
 
 def main() -> int:
@@ -54,10 +44,10 @@ def main() -> int:
     order = Order.from_json(sys.argv[1])
     threading.Thread(target=_end_with_the_node, daemon=True).start()
     try:
-        record = identify_bags(
+        record = program(order.task)(
             order, lambda fraction, label: _tell({"progress": fraction, "label": label})
         )
-    except UserError as error:
+    except (UserError, OSError) as error:
         _tell({"error": str(error)})
         return 2
     except Exception as error:
