@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.ground import Ground, tune
+from lagrangian_ff.diagnosis.search.change import Change, change_of, joints_of
 from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
 from lagrangian_ff.diagnosis.search.gain import Score
@@ -66,6 +67,24 @@ class Finding:
 
 
 @dataclass(frozen=True)
+class TakenUp:
+    """A load that the arm took up on the way.
+
+    Attributes:
+        change: when, and what knowing it is worth.
+        joints: that feel it, the most affected first.
+        again: where the unseen motion takes one up; None: nowhere.
+        verdict, reason: as of a finding.
+    """
+
+    change: Change
+    joints: tuple[str, ...]
+    again: Change | None
+    verdict: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Unexplained:
     """Something is left that no known effect fits.
 
@@ -91,6 +110,7 @@ class Diagnosis:
         separate: whether `unseen` is another recording, not the end of the same.
         search: all of the search.
         findings: effects, best first.  unexplained: dependences without a name.
+        taken_up: a load taken up on the way, if there was one.
         not_observable: effects that this motion could not show.
     """
 
@@ -101,6 +121,7 @@ class Diagnosis:
     search: Search
     findings: tuple[Finding, ...]
     unexplained: tuple[Unexplained, ...]
+    taken_up: TakenUp | None
     not_observable: tuple[NotObservable, ...]
 
     @property
@@ -148,7 +169,8 @@ def diagnose(
     ground = tune(first, model.inputs_of(first), model.basis, _part(progress, 0.0, 0.3))
     found = search(ground, effects, steps, _part(progress, 0.3, 0.85))
     progress(0.9, "confirming on unseen motion")
-    findings = _confirmed(found, unseen, model.joints)
+    taken_up = _taken_up(found, unseen, model.joints, separate)
+    findings = _confirmed(found, unseen, model.joints, taken_up)
     progress(1.0, "diagnosing")
     return Diagnosis(
         model,
@@ -159,6 +181,7 @@ def diagnose(
         findings,
         tuple(_unexplained(step, found.ground, model.joints) for step in found.steps
               if not step.named),
+        taken_up,
         not_observable(found, model.joints),
     )  # fmt: skip
 
@@ -184,12 +207,35 @@ def _part(progress: Progress, low: float, high: float) -> Progress:
     return lambda share, label: progress(low + share * (high - low), label)
 
 
-def _confirmed(found: Search, motion: Motion, joints: Sequence[str]) -> tuple[Finding, ...]:
+def _taken_up(
+    found: Search, motion: Motion, joints: Sequence[str], separate: bool
+) -> TakenUp | None:
+    """The load taken up on the first motion, and whether the unseen one takes one up as well."""
+    if found.change is None:
+        return None
+    felt, _ = joints_of(found.ground)
+    names = tuple(joints[n] for n in felt)
+    if not separate:
+        reason = "one recording takes a load up once only; a second one can confirm it"
+        return TakenUp(found.change, names, None, SUGGESTED, reason)
+    own = len(found.first.basis.terms)
+    frozen = _frozen(found)
+    taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
+    unseen = Unseen.lay(motion, found.ground, Basis(found.ground.basis.terms[:own]), taken)
+    again = change_of(unseen.ground)
+    reason = "" if again else "the unseen recording takes up no load"
+    return TakenUp(found.change, names, again, SUGGESTED if reason else CONFIRMED, reason)
+
+
+def _confirmed(
+    found: Search, motion: Motion, joints: Sequence[str], taken_up: TakenUp | None
+) -> tuple[Finding, ...]:
     own = len(found.first.basis.terms)
     basis = Basis(found.ground.basis.terms[:own])
     frozen = _frozen(found)
     taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
-    unseen = Unseen.lay(motion, found.ground, basis, taken)
+    again = taken_up.again if taken_up else None
+    unseen = Unseen.lay(motion, found.ground, basis, taken, again)
     free = {
         score.candidate.joint: score.gain
         for score in reversed(found.last)

@@ -2,6 +2,6 @@
 
 from lagrangian_ff.diagnosis.ground.ground import Ground, lay
 from lagrangian_ff.diagnosis.ground.prior import Prior
-from lagrangian_ff.diagnosis.ground.tuning import sharpen, tune
+from lagrangian_ff.diagnosis.ground.tuning import evidence_of, sharpen, tune
 
-__all__ = ["Ground", "Prior", "lay", "sharpen", "tune"]
+__all__ = ["Ground", "Prior", "evidence_of", "lay", "sharpen", "tune"]

@@ -49,6 +49,7 @@ class Ground:
         index: (S,) the samples used.
         block: (S,) the block of time each lies in.
         inputs: the whole motion as effects see it.
+        seen: the samples used, as effects see them.
         prior: of rigid-body torque and noise.
         basis: the effects already in the model, each free on this motion.
         extra: what else is explained away.
@@ -61,6 +62,7 @@ class Ground:
     index: Ints
     block: Ints
     inputs: Inputs
+    seen: Inputs
     prior: Prior
     basis: Basis
     extra: tuple[Extra, ...]
@@ -72,11 +74,6 @@ class Ground:
     def joints(self) -> int:
         """The number of joints N."""
         return len(self.motion.joints)
-
-    @property
-    def seen(self) -> Inputs:
-        """The inputs at the samples used."""
-        return self.inputs.take(self.index)
 
     @property
     def amplitude(self) -> float:
@@ -125,18 +122,39 @@ class Ground:
         torques are counted in, which over a part of the range are gravity.
         """
         x = States.of(motion.q, motion.qd, motion.qdd)
-        seen = self.motion.take(self.index)
         weights = self.system.weights.reshape(len(self.index), self.joints)
-        kernel = self.prior.kernel.replace(rotor=np.zeros(1))
-        centres = States.of(seen.q, seen.qd, seen.qdd)
         coefficients = self.system.coefficients[: self.basis.size]
-        load = kernel.apply(x, centres, weights) * self.prior.unit
-        load += self.basis.constant(self.joints, coefficients)
         speed = self.basis.sign_speed(self.joints)
-        inputs = Inputs.of(x, motion.time, motion.segment, load, load, speed)
+        inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
+        load = self.prior.torque(inputs, self.seen, weights)
+        load += self.basis.constant(self.joints, coefficients)
+        inputs = replace(inputs, load=load, torque=load)
         parts = self.basis.torque(inputs, coefficients)
         others = [part for name, part in parts.items() if name != "offset"]
         return replace(inputs, torque=load + sum(others, np.zeros_like(load)))
+
+    def unseen_inputs(self) -> Inputs:
+        """The samples used as effects see them, the load predicted without their own block.
+
+        A load that was fitted to the very torque it is to explain would hold the answer.
+        """
+        groups = [np.flatnonzero(self.block == number) for number in np.unique(self.block)]
+        width = np.arange(self.joints)
+        rows = [(group[:, None] * self.joints + width).ravel() for group in groups]
+        left = np.empty(len(self.index) * self.joints)
+        for one in self.system.left_out(rows):
+            left[one.rows] = one.residual
+        predicted = self.motion.tau[self.index]
+        predicted = predicted - left.reshape(predicted.shape) * self.prior.unit
+        x = self.inputs.take(self.index)
+        weights = self.system.weights.reshape(len(self.index), self.joints)
+        rotors = self.prior.rotors(x, x, weights)
+        coefficients = self.system.coefficients[: self.basis.size]
+        parts = self.basis.torque(x, coefficients)
+        known = sum(
+            (part for name, part in parts.items() if name != "offset"), np.zeros_like(predicted)
+        )
+        return replace(x, load=predicted - known - rotors, torque=predicted - rotors)
 
 
 def lay(
@@ -147,20 +165,24 @@ def lay(
     prior: Prior,
     basis: Basis,
     extra: Sequence[Extra] = (),
+    seen: Inputs | None = None,
 ) -> Ground:
     """Factor and whiten a motion; the tangents of the basis' shapes are explained away too.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
-    tangents = [*extra, *_tangents(basis, inputs.take(index))]
-    system = factored(motion.tau[index], inputs.take(index), prior, basis, tangents)
+    seen = seen or inputs.take(index)
+    tangents = [*extra, *_tangents(basis, seen)]
+    system = factored(motion.tau[index], seen, prior, basis, tangents)
     span, triangle = np.linalg.qr(system.white_design)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
     span = span[:, ~weak]
     white = system.white_target - span @ (span.T @ system.white_target)
     residual = white / np.sqrt(system.amplitude)
-    return Ground(motion, index, block, inputs, prior, basis, tuple(extra), system, residual, span)
+    return Ground(
+        motion, index, block, inputs, seen, prior, basis, tuple(extra), system, residual, span
+    )
 
 
 def factored(
@@ -176,7 +198,7 @@ def factored(
         design = np.concatenate([design, *more], axis=2)
     design /= prior.unit[None, :, None]
     return System.factor(
-        prior.kernel.gram(States(x.q, x.qd, x.qdd)),
+        prior.gram(x),
         np.tile(prior.noise, samples),
         design.reshape(samples * joints, -1),
         (tau / prior.unit).ravel(),

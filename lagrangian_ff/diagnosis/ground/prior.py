@@ -1,10 +1,12 @@
 """What is assumed of the rigid-body part and of the noise before the torques are seen."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.chain import Chain
 
 Floats = NDArray[np.float64]
@@ -18,11 +20,43 @@ class Prior:
         kernel: of the rigid-body torques, in units of `unit`.
         noise: (N,) variance of the noise, in the same units.
         unit: (N,) N·m that count as one; they differ between joints only by `gain`.
+        change: a moment, in s, from which on the arm has another Lagrangian added to its own, as
+            with a load at the hand, and its variance in parts of the first; None: no such moment.
     """
 
     kernel: Chain
     noise: Floats
     unit: Floats
+    change: tuple[float, float] | None = None
+
+    def gram(self, x: Inputs) -> Floats:
+        """(S N, S N) of the rigid-body torques, in units of `unit`."""
+        gram = self.kernel.gram(States(x.q, x.qd, x.qdd))
+        if self.change is not None:
+            later = np.repeat(x.time >= self.change[0], x.joints)
+            rows = np.flatnonzero(later)
+            if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
+                part = slice(rows[0], rows[-1] + 1)
+                gram[part, part] *= 1.0 + self.change[1]
+            elif len(rows):
+                gram[np.ix_(rows, rows)] *= 1.0 + self.change[1]
+        return gram
+
+    def torque(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
+        """(M, N) N·m of the rigid-body part without the rotors, for weights (S, N)."""
+        kernel = self.kernel.replace(rotor=np.zeros(1))
+        at, of = States(x.q, x.qd, x.qdd), States(centres.q, centres.qd, centres.qdd)
+        torque = kernel.apply(at, of, weights)
+        if self.change is not None:
+            since, share = self.change
+            later = kernel.apply(at, of, share * weights * (centres.time >= since)[:, None])
+            torque += later * (x.time >= since)[:, None]
+        return np.asarray(torque * self.unit)
+
+    def rotors(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
+        """(M, N) N·m of the rotors, for weights (S, N)."""
+        own = float(self.kernel.rotor[0]) * self.kernel.inertia**2
+        return np.asarray(x.qdd * (own * np.sum(centres.qdd * weights, axis=0)) * self.unit)
 
     @classmethod
     def start(cls, tau: Floats) -> "Prior":
@@ -60,8 +94,8 @@ class Prior:
             wave=np.minimum(values[joints + 1 : joints + 2], 1.0),
             rotor=values[joints + 2 : joints + 3],
         )
-        return Prior(kernel, values[joints + 3 :], self.unit)
+        return replace(self, kernel=kernel, noise=values[joints + 3 :])
 
     def with_gain(self, gain: Floats) -> "Prior":
         """The prior with the units of the joints at these ratios."""
-        return Prior(self.kernel, self.noise, self.unit[0] * gain)
+        return replace(self, unit=self.unit[0] * gain)

@@ -54,7 +54,9 @@ def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = sile
     ground = replace(ground, inputs=inputs)
     if any(term.effect.uses for term in basis.terms):
         ground = _lay(motion, inputs, basis, prior)
-    progress(1.0, "factoring")
+    progress(0.9, "predicting the load")
+    ground = replace(ground, seen=ground.unseen_inputs())
+    progress(1.0, "predicting the load")
     return ground
 
 
@@ -76,7 +78,7 @@ def _part(progress: Progress, low: float, high: float) -> Progress:
     return lambda share, label: progress(low + share * (high - low), label)
 
 
-def _evidence(
+def evidence_of(
     motion: Motion, inputs: Inputs, basis: Basis, rows: int, extra: tuple[Extra, ...] = (),
     ground: Ground | None = None,
 ) -> Callable[[Prior], float]:  # fmt: skip
@@ -88,7 +90,8 @@ def _evidence(
         chosen = evenly(len(ground.index), count)
         index = ground.index[chosen]
         extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
-    tau, x = motion.tau[index], inputs.take(index)
+    x = inputs.take(index) if ground is None else ground.seen.take(chosen)
+    tau = motion.tau[index]
 
     def evidence(prior: Prior) -> float:
         try:
@@ -105,7 +108,7 @@ def _search(
     progress: Progress, extra: tuple[Extra, ...] = (), ground: Ground | None = None,
 ) -> Prior:  # fmt: skip
     """Coordinate by coordinate uphill: cheaper than a simplex where the numbers are many."""
-    evidence = _evidence(motion, inputs, basis, SEARCH_ROWS, extra, ground)
+    evidence = evidence_of(motion, inputs, basis, SEARCH_ROWS, extra, ground)
     point = prior.vector()
     best = evidence(prior)
     steps = np.full(len(point), step)
@@ -127,7 +130,7 @@ def _search(
 
 def _gains(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Prior:
     """Units of effort that differ between joints, where the evidence for that is strong."""
-    evidence = _evidence(motion, inputs, basis, SEARCH_ROWS)
+    evidence = evidence_of(motion, inputs, basis, SEARCH_ROWS)
     first = evidence(prior)
     best, gain = first, prior.gain
     steps = np.full(len(gain), 0.25)

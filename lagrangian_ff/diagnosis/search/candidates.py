@@ -14,7 +14,8 @@ Floats = NDArray[np.float64]
 
 
 HIDDEN_BY_DESIGN = frozenset({"torque_gain", "rotor_inertia", "asymmetric_coulomb", "payload"})
-"""No motion of the arm alone can show these over a free rigid-body part and free friction."""
+"""No motion of the arm alone shows the first three over a free rigid-body part and free friction;
+a payload is asked for on all joints at once, see `change`."""
 
 
 @dataclass(frozen=True)

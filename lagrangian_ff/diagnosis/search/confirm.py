@@ -11,6 +11,7 @@ from lagrangian_ff.diagnosis.ground import Ground, lay
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.ground.tuning import BLOCK_SECONDS, ROWS
 from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.change import Change
 from lagrangian_ff.diagnosis.search.gain import Score
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.search import evenly
@@ -72,7 +73,12 @@ class Unseen:
 
     @classmethod
     def lay(
-        cls, motion: Motion, found: Ground, model: Basis, taken: Sequence[tuple[Candidate, Floats]]
+        cls,
+        motion: Motion,
+        found: Ground,
+        model: Basis,
+        taken: Sequence[tuple[Candidate, Floats]],
+        change: Change | None = None,
     ) -> "Unseen":
         """Whiten a motion with a prior and effects that come from another.
 
@@ -82,10 +88,14 @@ class Unseen:
             model: the basis that the model had, its shapes tuned; its parameters stay free.
             taken: what was found, with frozen parameters; (K, 0) parameters leave a dependence
                 without a name free.
+            change: where this motion takes up a load, if the first one did.
         """
         inputs = found.inputs_of(motion)
         index = evenly(len(motion), ROWS // len(motion.joints))
         x = inputs.take(index)
+        prior = found.prior
+        if prior.change is not None:
+            prior = replace(prior, change=(change.since, change.share) if change else None)
         tau = motion.tau.copy()
         torques, extra = [], []
         for candidate, parameters in taken:
@@ -97,7 +107,7 @@ class Unseen:
             tau[:, candidate.joint] -= torque
             torques.append(torque[index])
         block = motion.blocks(BLOCK_SECONDS)[index]
-        ground = lay(replace(motion, tau=tau), index, block, inputs, found.prior, model, extra)
+        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra)
         return cls(ground, tuple(torques))
 
     def trial(self, number: int, joint: int) -> Trial:

@@ -1,7 +1,7 @@
 """One effect at a time: find the best, take it in, choose the noise anew, look again."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from lagrangian_ff.diagnosis.ground import Ground, Prior, lay, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
+from lagrangian_ff.diagnosis.search.change import Change, change_of
 from lagrangian_ff.diagnosis.search.gain import Score, scores
 from lagrangian_ff.diagnosis.search.refine import refined
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
@@ -65,6 +66,7 @@ class Search:
         ranking: of the first look, each candidate at its best shape, best first.
         last: the same of the last look, when nothing stood out any more.
         chance: of the first look.
+        change: a load that was taken up on the way, if any.
         ground: the last one, with all steps taken in.
         first: the ground of the first look.
     """
@@ -74,6 +76,7 @@ class Search:
     ranking: tuple[Score, ...]
     last: tuple[Score, ...]
     chance: Chance
+    change: Change | None
     ground: Ground
     first: Ground
 
@@ -94,6 +97,8 @@ def search(
     """
     first = ground
     taken: list[Step] = []
+    change: Change | None = None
+    may_change = effects is None or "payload" in effects
     looks: list[tuple[list[Score], list[Score], Chance]] = []
     while True:
         share = len(taken) / (steps + 1)
@@ -103,6 +108,15 @@ def search(
         looks.append((found, best_of_each(found), Chance.of(found)))
         _, best, chance = looks[-1]
         eligible = [score for score in best if _stands_out(score, chance, ground)]
+        if change is None and may_change:
+            change = change_of(ground)
+            if change is not None and (not eligible or change.gain > eligible[0].gain):
+                prior = replace(ground.prior, change=(change.since, change.share))
+                ground = _relaid(ground, prior, ground.basis, ground.extra)
+                ground = _relaid(ground, sharpen(ground, ground.basis, ground.extra),
+                                 ground.basis, ground.extra)  # fmt: skip
+                continue
+            change = None
         if not eligible or len(taken) == steps:
             break
         progress(
@@ -115,8 +129,9 @@ def search(
         ground = _relaid(ground, prior, *_with(ground, step.score.candidate))
     every, ranking, chance = looks[0]
     return Search(
-        tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, ground, first
-    )
+        tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, change, ground,
+        first,
+    )  # fmt: skip
 
 
 def _candidates(
@@ -216,4 +231,6 @@ def _with(ground: Ground, candidate: Candidate) -> tuple[Basis, tuple[Extra, ...
 
 
 def _relaid(ground: Ground, prior: Prior, basis: Basis, extra: tuple[Extra, ...]) -> Ground:
-    return lay(ground.motion, ground.index, ground.block, ground.inputs, prior, basis, extra)
+    return lay(
+        ground.motion, ground.index, ground.block, ground.inputs, prior, basis, extra, ground.seen
+    )
