@@ -1,0 +1,137 @@
+"""What the checks look at, and what they find."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+
+THIN = 100.0
+"""Hz, at which the model is asked: it knows nothing faster than its filter lets through."""
+CLEAR = 0.85
+"""Correlation of measured and predicted torque from which on the two are compared."""
+_STILL = 1e-9  # N·m, a torque that does not change
+
+
+@dataclass(frozen=True)
+class Check:
+    """What one check found.
+
+    Attributes:
+        check: its name.
+        joint: whom it concerns; None for all.
+        finding: what was found, for people.
+        serious: whether it must be mended before any effect is believed.
+        advice: what to do; empty where nothing is to do.
+        values: the numbers behind it, by name; s, rad, N·m.
+    """
+
+    check: str
+    joint: str | None
+    finding: str
+    serious: bool = False
+    advice: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "check": self.check,
+            "joint": self.joint,
+            "finding": self.finding,
+            "serious": self.serious,
+            "advice": self.advice,
+            "values": {name: float(value) for name, value in self.values.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Case:
+    """A model and a measured motion, side by side.
+
+    Attributes:
+        model: the model.
+        motion: the recording, its joints in the model's order.
+        others: further recordings, likewise.
+        thin: the motion at about `THIN`.
+        predicted: (M, N) N·m at the samples of `thin`.
+        correlation: (N,) of measured and predicted torque.
+        slope: (N,) measured per predicted torque, with its sign: the ratio of their spreads.
+    """
+
+    model: Model
+    motion: Motion
+    others: tuple[Motion, ...]
+    thin: Motion
+    predicted: Floats
+    correlation: Floats
+    slope: Floats
+
+    @classmethod
+    def of(cls, model: Model, motion: Motion, others: Sequence[Motion] = ()) -> "Case":
+        """Ask the model.
+
+        Raises:
+            ModelError: a recording lacks a joint of the model; names both lists.
+        """
+        motion, *rest = (_of_model(model, one) for one in (motion, *others))
+        thin = thinned(motion)
+        predicted = model.predict(thin.q, thin.qd, thin.qdd, time=thin.time, segment=thin.segment)
+        measured = thin.tau - thin.tau.mean(axis=0)
+        expected = predicted - predicted.mean(axis=0)
+        size = np.sqrt((measured**2).mean(axis=0)), np.sqrt((expected**2).mean(axis=0))
+        known = (size[0] > _STILL) & (size[1] > _STILL)
+        correlation, slope = np.zeros(len(known)), np.ones(len(known))
+        common = (measured * expected).mean(axis=0)
+        correlation[known] = common[known] / (size[0] * size[1])[known]
+        slope[known] = np.copysign(size[0][known] / size[1][known], common[known])
+        return cls(model, motion, tuple(rest), thin, predicted, correlation, slope)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Their names."""
+        return self.model.joints
+
+    @property
+    def clear(self) -> NDArray[np.bool_]:
+        """(N,) whether measured torque follows the model closely enough to compare the two."""
+        return np.abs(self.correlation) >= CLEAR
+
+    @property
+    def residual(self) -> Floats:
+        """(M, N) N·m at `thin`, measured less predicted."""
+        return self.thin.tau - self.predicted
+
+
+def rate_of(motion: Motion) -> float:
+    """Hz."""
+    within = np.diff(motion.segment) == 0
+    steps = np.diff(motion.time)[within]
+    return float(1.0 / np.median(steps)) if steps.size else 0.0
+
+
+def thinned(motion: Motion, rate: float = THIN) -> Motion:
+    """Every so many-th sample, so that about `rate` Hz are left."""
+    return motion.take(slice(None, None, max(1, round(rate_of(motion) / rate))))
+
+
+def duration_of(motion: Motion) -> float:
+    """s that were measured, gaps left out."""
+    within = np.diff(motion.segment) == 0
+    return float(np.diff(motion.time)[within].sum())
+
+
+def _of_model(model: Model, motion: Motion) -> Motion:
+    missing = [name for name in model.joints if name not in motion.joints]
+    if missing:
+        raise ModelError(
+            f"the model is of the joints {', '.join(model.joints)}; {motion.source} holds "
+            f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
+        )
+    return motion.select(model.joints)

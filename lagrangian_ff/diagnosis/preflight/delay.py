@@ -1,0 +1,100 @@
+"""Does the torque come late against the position?"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
+
+Floats = NDArray[np.float64]
+
+WINDOW = 3.0
+"""s, over which spectra are taken, half overlapping."""
+BAND = (0.7, 10.0)
+"""Hz"""
+COHERENT = 0.7
+"""Coherence from which on the phase of a frequency counts."""
+CLEAR = 3.0
+"""Times its error, from which on the delay of one joint is believed."""
+TOGETHER, TOGETHER_CLEAR = 0.004, 4.0
+"""s and times its error, from which on a delay of all joints is believed."""
+_FLOOR = 0.0015  # s: what the model's own error makes of a delay on joints that have none
+_FEWEST = 5  # windows, and frequencies
+
+
+def check_delay(case: Case) -> list[Check]:
+    """By how much the measured torque lags behind the model's.
+
+    A delay d turns the phase of their cross-spectrum by -2 pi f d, whatever the gain; friction
+    and masses that are a little wrong turn it too, but not in proportion to the frequency. How
+    far the phases depart from that line is therefore the error of d.
+    """
+    found: dict[int, tuple[float, float]] = {}
+    for n in range(len(case.joints)):
+        one = _delay(case, n)
+        if one is not None:
+            found[n] = one
+    if not found:
+        return []
+    delay, error = (np.array(values) for values in zip(*found.values(), strict=True))
+    weight = error**-2.0
+    common, scatter = float(weight @ delay / weight.sum()), float(weight.sum() ** -0.5)
+    agree = np.mean(delay * np.sign(common) > 0.5 * TOGETHER) > 0.5
+    if len(found) > 1 and agree and abs(common) > max(TOGETHER, TOGETHER_CLEAR * scatter):
+        return [_told(None, common, scatter)]
+    late = [_told(case.joints[n], *one) for n, one in found.items() if abs(one[0]) > CLEAR * one[1]]
+    return late or [
+        Check(
+            "delay",
+            None,
+            f"no clear delay between torque and position ({1e3 * common:.1f} ± "
+            f"{1e3 * scatter:.1f} ms over the joints)",
+            values={"delay": common, "error": scatter},
+        )
+    ]
+
+
+def _told(joint: str | None, delay: float, error: float) -> Check:
+    which, other = ("torque", "position") if delay > 0 else ("position", "torque")
+    return Check(
+        "delay",
+        joint,
+        f"the {which} of {joint or 'every joint'} comes {1e3 * abs(delay):.1f} "
+        f"± {1e3 * error:.1f} ms later than its {other}",
+        True,
+        "Look for a filter or a bus that only one of the two passes, and stamp both when they "
+        "are measured; or add the effect delay",
+        {"delay": delay, "error": error},
+    )
+
+
+def _delay(case: Case, n: int) -> tuple[float, float] | None:
+    """s of one joint, and its error; None where too little is coherent."""
+    rate = rate_of(case.thin)
+    size = round(WINDOW * rate)
+    frequency = np.fft.rfftfreq(size, 1.0 / rate)
+    expected = _spectra(case.predicted[:, n], case.thin.segment, size)
+    measured = _spectra(np.sign(case.slope[n]) * case.thin.tau[:, n], case.thin.segment, size)
+    if len(expected) < _FEWEST:
+        return None
+    cross = (measured * expected.conj()).sum(axis=0)
+    power = (np.abs(expected) ** 2).sum(axis=0) * (np.abs(measured) ** 2).sum(axis=0)
+    coherence = np.abs(cross) ** 2 / np.maximum(power, 1e-300) - 1.0 / len(expected)
+    used = (frequency >= BAND[0]) & (frequency <= BAND[1]) & (coherence > COHERENT)
+    if used.sum() < _FEWEST:
+        return None
+    omega, phase = 2 * np.pi * frequency[used], np.angle(cross[used])
+    weight = coherence[used] / np.maximum(1.0 - coherence[used], 0.01)
+    power_of = float(weight @ omega**2)
+    delay = -float(weight @ (omega * phase)) / power_of
+    off = float(np.sqrt(weight @ (phase + omega * delay) ** 2 / power_of))
+    return delay, float(np.hypot(off, _FLOOR))
+
+
+def _spectra(values: Floats, segment: NDArray[np.int64], size: int) -> NDArray[np.complex128]:
+    """(K, F) spectra of windows that lie within a segment, half overlapping."""
+    window, step = np.hanning(size), max(1, size // 2)
+    starts = [
+        k for k in range(0, len(values) - size + 1, step) if segment[k] == segment[k + size - 1]
+    ]
+    cut = [values[k : k + size] - values[k : k + size].mean() for k in starts]
+    return np.asarray([np.fft.rfft(window * one) for one in cut], dtype=np.complex128)
