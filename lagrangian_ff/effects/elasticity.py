@@ -6,6 +6,8 @@ from typing import ClassVar
 from lagrangian_ff.effects.base import Effect, Floats, Parameter
 from lagrangian_ff.effects.inputs import Inputs
 
+SMOOTHING = 0.1  # s: a second rate is made of noise where the load is not smooth
+
 
 class Elasticity(Effect):
     """The gear winds up by load / k, and what it winds up accelerates an inertia.
@@ -13,6 +15,8 @@ class Elasticity(Effect):
     First order in the compliance. With the encoder on the link the motor's inertia J moves by
     load / k more than is measured, and the parameter is J / k; with the encoder on the motor it is
     the link's that moves by as much less, and the parameter is minus the link's inertia over k.
+    The load is smoothed over 0.1 s first: slower than this the parameter is right, faster motion
+    gives too large a one.
     """
 
     name = "elasticity"
@@ -38,4 +42,4 @@ class Elasticity(Effect):
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
-        return x.rate(x.rate(x.load[:, [joint]]))
+        return x.rate(x.rate(x.smoothed(x.load[:, [joint]], SMOOTHING)))

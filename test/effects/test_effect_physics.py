@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.effects.memory import lag, stop
+from lagrangian_ff.effects.memory import stop
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import States
 
@@ -130,14 +130,6 @@ def test_stop_operator_begins_anew_in_every_stretch() -> None:
     np.testing.assert_allclose(stop(q, segment, start, 1.0), [0.0, 1.0, 1.0, -0.5, 0.0])
 
 
-def test_lag_of_a_step_is_exponential() -> None:
-    time = np.linspace(0.0, 1.0, 101)
-    values = np.where(time < 0.2, 0.0, 1.0)
-    out = lag(values, time, np.zeros(101, dtype=np.int64), 0.1)
-    expected = np.where(time < 0.2, 0.0, 1.0 - np.exp(-(time - 0.2) / 0.1))
-    np.testing.assert_allclose(out, expected, atol=1e-12)
-
-
 def test_hysteresis_lives_within_the_distance_after_a_reversal() -> None:
     """Beyond twice the width it has slid, and nothing is left; before, it lags behind."""
     time = np.linspace(0.0, 2.0, 2001)
@@ -164,13 +156,17 @@ def test_a_closed_loop_of_presliding_takes_energy_out() -> None:
     assert torque[second][1:] @ np.diff(q[second, 0]) > 0.0
 
 
-def test_backlash_strikes_when_the_load_reverses(x: Inputs) -> None:
+def test_backlash_takes_the_sudden_inertia_away_where_the_load_reverses(x: Inputs) -> None:
+    """The motor jumps three times, once where the load turns its sign."""
     load = np.where(x.time < 3.0, -4.0, 4.0)[:, None] * np.ones(3)
-    columns = EFFECTS["backlash"].columns(replace(x, load=load), 0, {"T": 0.05})
-    np.testing.assert_allclose(columns[x.time < 3.0], 0.0)
-    passed = x.time[x.time >= 3.0] - 3.0
-    np.testing.assert_allclose(columns[x.time >= 3.0, 0], np.exp(-passed / 0.05), atol=1e-12)
-    assert 0.0 < passed[columns[x.time >= 3.0, 1].argmax()] < 0.1
+    jumps = sum(np.where(np.abs(x.time - t) < 0.006, 10.0, 0.0) for t in (1.0, 3.0, 8.0))
+    qdd = np.sin(x.time) + jumps
+    jumping = replace(x, load=load, qdd=np.stack([qdd] * 3, axis=1))
+    column = EFFECTS["backlash"].columns(jumping, 0, {"T": 0.1})[:, 0]
+    near = np.abs(x.time - 3.0) < 0.02
+    assert np.abs(column[near]).max() > 3.0
+    assert column[np.abs(x.time - 3.0) < 0.003].max() < 0.0
+    assert np.abs(column[np.abs(x.time - 3.0) > 0.5]).max() == pytest.approx(0.0, abs=1e-12)
 
 
 def test_delay_is_torque_of_a_moment_before(x: Inputs) -> None:
@@ -182,10 +178,20 @@ def test_delay_is_torque_of_a_moment_before(x: Inputs) -> None:
     np.testing.assert_allclose(late * column[1:-1], true[1:-1], atol=1e-4)
 
 
-def test_elasticity_is_second_rate_of_the_load(x: Inputs) -> None:
+def test_elasticity_is_second_rate_of_the_smoothed_load(x: Inputs) -> None:
     load = np.sin(3.0 * x.time)[:, None] * np.ones(3)
     column = EFFECTS["elasticity"].columns(replace(x, load=load), 1, {})[:, 0]
-    np.testing.assert_allclose(column[2:-2], -9.0 * load[2:-2, 1], atol=0.02)
+    kept = np.exp(-0.5 * (3.0 * 0.1) ** 2)  # of this frequency, by a Gaussian of 0.1 s
+    np.testing.assert_allclose(column[35:-35], -9.0 * kept * load[35:-35, 1], atol=0.03)
+
+
+def test_smoothing_keeps_to_its_stretch_and_to_constants(x: Inputs) -> None:
+    torn = replace(x, segment=(np.arange(len(x)) >= 400).astype(np.int64))
+    step = torn.segment.astype(np.float64)
+    np.testing.assert_allclose(torn.smoothed(step, 0.2), step)
+    assert 0.4 < x.smoothed(step, 0.2)[400] < 0.6
+    still = replace(x, time=np.full(len(x), np.inf))
+    np.testing.assert_array_equal(still.smoothed(step, 0.2), step)
 
 
 def test_saturation_gives_the_limit(x: Inputs) -> None:

@@ -61,7 +61,7 @@ def test_ten_lines_take_part_in_everything(tmp_path: Path) -> None:
     (pit,) = load_effects(file)
     assert pit.source == "user"
     assert EFFECTS["pit"] is pit
-    assert parse("vrbfs+fri+pit").effects[-1] is pit
+    assert parse("vrbfs+fri+pit@elbow").further == ((pit, "elbow"),)
     assert [f.name for f in tmp_path.iterdir()] == ["mine.py"]
 
 

@@ -28,6 +28,8 @@ SOON = 0.6
 HIGHEST_ORDER = 14
 SPEEDS = (0.5, 1.1, 1.9)
 """rad/s, the pace of each joint."""
+PLAY = {"backlash": 0.02}
+"""rad, by which the motor runs ahead of the link where an effect is not seen without."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
     """
     if shape is None:
         shape = {s.name: s.start for s in effect.shapes}
-    x = motion()
+    x = motion(PLAY.get(effect.name, 0.0))
     columns = effect.columns(x, JOINT, shape)
     parameters = _parameters(columns)
     torque = columns @ parameters
@@ -76,8 +78,12 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
     return figure
 
 
-def motion() -> Inputs:
-    """A swing through the whole turn that creeps first and is fast then, under load."""
+def motion(play: float = 0.0) -> Inputs:
+    """A swing through the whole turn that creeps first and is fast then, under load.
+
+    Args:
+        play: rad, by which the motor that is measured runs ahead of the link as its load turns.
+    """
     time = np.arange(round(SECONDS * RATE)) / RATE
     rise = 1.0 / (1.0 + np.exp(-(time - 9.0) / 0.5))
     phase = (0.12 * time + 0.88 * 0.5 * np.logaddexp(0.0, (time - 9.0) / 0.5))[:, None]
@@ -91,6 +97,10 @@ def motion() -> Inputs:
         bend -= size * omega**2 * np.sin(omega * phase + begin)
     qd, qdd = slope * pace, bend * pace**2 + slope * change
     load = 1.5 * qdd + 11.0 * np.sin(q + 0.4)
+    if play:
+        q = q + 0.5 * play * np.tanh(load)
+        qd = np.gradient(q, time, axis=0)
+        qdd = np.gradient(qd, time, axis=0)
     torque = load + 1.0 * qd + 2.0 * np.tanh(qd / 0.02)
     return Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=torque)
 
