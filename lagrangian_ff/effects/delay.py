@@ -23,7 +23,7 @@ class Delay(Effect):
         "stribeck": "slow motion without reversals does not show it",
         "hysteresis": "its length is a time, not a distance: reverse at two speeds",
         "backlash": "it is there wherever the torque changes, not only where the load reverses",
-        "elasticity": "it grows in proportion to frequency, not with its square",
+        "elasticity": "it is a quarter of a period out of step with the acceleration",
         "coupled": "it comes where the torque changes, whatever two joints' speeds add up to",
     }
     motion = "chirp"

@@ -31,6 +31,7 @@ class Hysteresis(Effect):
         "coulomb": "it turns over within a distance, not at once",
         "stribeck": "it comes after a reversal only, not with every slow motion",
         "backlash": "it follows reversals of the motion, not of the load torque",
+        "elasticity": "it comes after a reversal only, however slow",
         "delay": "its length is a distance, not a time: reverse at two speeds",
     }
     motion = "reversals"

@@ -19,7 +19,7 @@ class RotorInertia(Effect):
     coordinate = "acceleration"
     shows_as = "a straight line over the joint's own acceleration"
     look_alikes: ClassVar[Mapping[str, str]] = {
-        "elasticity": "it follows the acceleration itself, not the rate at which the load changes",
+        "elasticity": "it grows with the square of frequency, not with the fourth power",
         "torque_gain": "it follows the acceleration, and not gravity",
     }
     motion = "exciting"

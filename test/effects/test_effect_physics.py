@@ -178,11 +178,27 @@ def test_delay_is_torque_of_a_moment_before(x: Inputs) -> None:
     np.testing.assert_allclose(late * column[1:-1], true[1:-1], atol=1e-4)
 
 
-def test_elasticity_is_second_rate_of_the_smoothed_load(x: Inputs) -> None:
-    load = np.sin(3.0 * x.time)[:, None] * np.ones(3)
-    column = EFFECTS["elasticity"].columns(replace(x, load=load), 1, {})[:, 0]
-    kept = np.exp(-0.5 * (3.0 * 0.1) ** 2)  # of this frequency, by a Gaussian of 0.1 s
-    np.testing.assert_allclose(column[35:-35], -9.0 * kept * load[35:-35, 1], atol=0.03)
+def test_elasticity_is_what_no_rigid_arm_explains(x: Inputs) -> None:
+    """Inertia M behind a gear of stiffness k, in a field of gravity that is linear in position.
+
+    The motor moves as sin(w t); the torque it takes is exact, and to first order in 1/k a rigid
+    arm's, with other inertia and gravity, plus the effect with the parameter -M²/k.
+    """
+    mass, gravity, k = 2.0, 5.0, 4000.0
+    orders = np.array([0.5, 1.0, 2.0])
+    dynamic = gravity - mass * orders**2
+    exact = dynamic * k / (k + dynamic)
+    waves = np.sin(np.outer(x.time, orders))
+    moving = replace(
+        x, q=np.stack([waves.sum(axis=1)] * 3, axis=1),
+        qdd=np.stack([-(waves @ orders**2)] * 3, axis=1),
+    )  # fmt: skip
+    kept = np.exp(-0.5 * (orders * 0.1) ** 2)  # of each wave, by a Gaussian of 0.1 s
+    column = EFFECTS["elasticity"].columns(moving, 1, {})[:, 0]
+    np.testing.assert_allclose(column[35:-35], (waves @ (kept * orders**4))[35:-35], atol=0.03)
+    rigid = np.stack([np.ones(3), -(orders**2), orders**4], axis=1)
+    found = np.linalg.solve(rigid, exact)
+    assert found[2] == pytest.approx(-(mass**2) / k, rel=0.02)
 
 
 def test_smoothing_keeps_to_its_stretch_and_to_constants(x: Inputs) -> None:
