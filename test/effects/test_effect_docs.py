@@ -1,0 +1,32 @@
+"""The page on effects says what the effects themselves say."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from lagrangian_ff.effects import EFFECTS, load_effects, user
+
+
+@pytest.fixture
+def page(root: Path) -> str:
+    """Return the page's text."""
+    return (root / "docs" / "effects.md").read_text()
+
+
+def test_the_table_holds_every_effect_as_it_is(page: str) -> None:
+    rows = re.findall(r"^\| `(\w+)` \| `(.+?)` \| (.+) \|$", page, re.MULTILINE)
+    said = {name: (formula.replace("\\|", "|"), shows) for name, formula, shows in rows}
+    assert said == {name: (e.formula, e.shows_as) for name, e in EFFECTS.items()}
+
+
+def test_the_example_works(page: str, tmp_path: Path) -> None:
+    example = re.search(r"```python\n(.*?)```", page, re.DOTALL)
+    assert example
+    file = tmp_path / "mine.py"
+    file.write_text(example.group(1))
+    (pit,) = load_effects(file)
+    try:
+        assert pit.name == "pit"
+    finally:
+        del EFFECTS["pit"], user._origin["pit"]
