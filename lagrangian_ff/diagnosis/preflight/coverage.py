@@ -9,7 +9,7 @@ SHORT = 20.0
 """s"""
 STILL = 1e-3
 """rad"""
-OUTSIDE = 0.1
+OUTSIDE = 0.25
 """Share of the samples outside what the model knows from which on its error tells of that."""
 SLOW, SLOW_SHARE = 0.05, 0.01
 """rad/s, and the share of the time that creeping must have."""

@@ -24,9 +24,9 @@ _FEWEST = 5  # windows, and frequencies
 def check_delay(case: Case) -> list[Check]:
     """By how much the measured torque lags behind the model's.
 
-    A delay d turns the phase of their cross-spectrum by -2 pi f d, whatever the gain; friction
-    and masses that are a little wrong turn it too, but not in proportion to the frequency. How
-    far the phases depart from that line is therefore the error of d.
+    A delay d turns the phase of their cross-spectrum by -2 pi f d, whatever the gain. Friction
+    and masses that are a little wrong turn it too, but not along a line through zero: how much
+    the slope changes when the line need not go through zero is the error of d.
     """
     found: dict[int, tuple[float, float]] = {}
     for n in range(len(case.joints)):
@@ -84,10 +84,16 @@ def _delay(case: Case, n: int) -> tuple[float, float] | None:
         return None
     omega, phase = 2 * np.pi * frequency[used], np.angle(cross[used])
     weight = coherence[used] / np.maximum(1.0 - coherence[used], 0.01)
-    power_of = float(weight @ omega**2)
-    delay = -float(weight @ (omega * phase)) / power_of
-    off = float(np.sqrt(weight @ (phase + omega * delay) ** 2 / power_of))
-    return delay, float(np.hypot(off, _FLOOR))
+    delay = -_slope(omega, phase, weight)
+    with_offset = -_slope(omega, phase, weight, offset=True)
+    return delay, float(np.hypot(delay - with_offset, _FLOOR))
+
+
+def _slope(omega: Floats, phase: Floats, weight: Floats, offset: bool = False) -> float:
+    """Of the line through the phases, and through zero where no offset is allowed."""
+    if offset:
+        omega = omega - weight @ omega / weight.sum()
+    return float(weight @ (omega * phase) / (weight @ omega**2))
 
 
 def _spectra(values: Floats, segment: NDArray[np.int64], size: int) -> NDArray[np.complex128]:

@@ -1,0 +1,293 @@
+"""`excite`: the motion to record next."""
+
+from argparse import ArgumentParser, Namespace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.options import add_force, add_json, assignments
+from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
+from lagrangian_ff.cli.common.own_effects import (
+    add_effects_file,
+    effect_named,
+    load_own_effects,
+)
+from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.errors import UserError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lagrangian_ff.arm import Trajectory
+
+    Floats = NDArray[np.float64]
+
+NAME = "excite"
+SUMMARY = "make the motion that shows an effect, or tells it from its look-alikes"
+USAGE = "EFFECT|MOTION [--joint J] (--model MODEL | --arm) --output FILE.csv|FILE.yaml [options]"
+DESCRIPTION = """\
+Makes the motion to record next, as a trajectory: by the name of an effect that is to be shown, or
+by its own name. It is smooth, begins and ends at rest, and stays within the range that a model was
+identified on, or within the limits of the simulated arm, clear of itself and the floor."""
+EPILOG = """\
+examples:
+  lagrangian_ff excite stribeck --joint joint_2 --model model.npz --output creep.csv
+  lagrangian_ff excite speeds --joint joint_3 --arm --output speeds.csv
+  lagrangian_ff simulate --trajectory speeds.csv --output speeds_bag
+  lagrangian_ff excite "one by one" --model model.npz --output pairs.yaml
+  ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\
+      trajectory_msgs/msg/JointTrajectory "$(cat pairs.yaml)"
+
+the motions:
+  exciting     all joints through their ranges at once, slow and fast
+  speeds       constant speeds from creeping to the limit, both ways
+  slow sweep   the whole range slowly both ways, then creeping
+  reversals    strokes of 0.1 mrad to 0.2 rad at two speeds
+  chirp        small and faster and faster
+  one by one   each joint alone, then pairs with and against each other
+  warm-up      the same short motion for minutes
+  payloads     one motion to be done with and without a load
+
+On a real arm: bring it to the start pose first, and see to it that the way is clear. A model knows
+how far each joint went, not which poses touch."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """See `Command`."""
+    parser.add_argument(
+        "what", metavar="EFFECT|MOTION", help="an effect to be shown, or a motion by its name"
+    )
+    parser.add_argument(
+        "--joint", metavar="J", help="the joint to look at (default: all, one after the other)"
+    )
+    group = parser.add_argument_group("where it may go").add_mutually_exclusive_group(required=True)
+    group.add_argument(
+        "--model",
+        type=Path,
+        metavar="MODEL.npz",
+        help="no farther and faster than this model knows",
+    )
+    group.add_argument(
+        "--arm", action="store_true", help="what the simulated arm can do without contact"
+    )
+    parser.add_argument(
+        "--output",
+        required=True,
+        type=Path,
+        metavar="FILE",
+        help="a .csv for simulate and feedforward, or a .yaml (trajectory_msgs/JointTrajectory)",
+    )
+    parser.add_argument(
+        "--start",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="JOINT=RAD",
+        help="where it begins, and holds the other joints (default: a pose that loads the joint)",
+    )
+    parser.add_argument("--duration", type=float, metavar="SECONDS", help="about how long")
+    parser.add_argument(
+        "--reach",
+        type=float,
+        default=1.0,
+        metavar="SHARE",
+        help="of the way from the start to the limits, 0 to 1 (default: 1)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of what is random (default: 0)")
+    add_effects_file(parser)
+    add_json(parser)
+    add_force(parser)
+
+
+def run(arguments: Namespace) -> int:
+    """See `Command`."""
+    console = Console(arguments.json)
+    _check_arguments(arguments)
+    load_own_effects(arguments, console)
+    motion = _motion_of(arguments.what)
+    trajectory = _of_arm(arguments, motion) if arguments.arm else _of_model(arguments, motion)
+    title = f"{motion}, {arguments.joint or 'all joints'}, {trajectory.duration:.0f} s"
+    size = _write(arguments.output, trajectory, f"lagrangian_ff excite: {title}")
+    record = _record(arguments, motion, trajectory)
+    write_record(arguments.json, record)
+    _say(arguments, record, size, console)
+    return 0
+
+
+def _check_arguments(arguments: Namespace) -> None:
+    if arguments.output.suffix not in (".csv", ".yaml"):
+        raise UserError(f"--output {arguments.output}: expected a name that ends in .csv or .yaml")
+    kept = [*arguments.effects_file, *([arguments.model] if arguments.model else [])]
+    check_file(arguments.output, "--output", force=arguments.force, keep=kept)
+    if arguments.json not in (None, "-"):
+        keep = [*kept, arguments.output]
+        check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)
+    if not 0.0 < arguments.reach <= 1.0:
+        raise UserError(f"--reach {arguments.reach:g}: expected more than 0, and 1 at most")
+    if arguments.seed < 0:
+        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
+    if arguments.arm and find_spec("pybullet") is None:
+        raise UserError("the simulated arm needs PyBullet: pip install pybullet")
+
+
+def _motion_of(name: str) -> str:
+    """The motion that goes by this name, or that shows this effect.
+
+    Raises:
+        UserError: there is neither.
+    """
+    from lagrangian_ff.diagnosis.excite import NEXT_MOTIONS
+
+    plain = {motion.replace(" ", "-"): motion for motion in NEXT_MOTIONS}
+    asked = name.strip().lower().replace(" ", "-").replace("_", "-")
+    if asked in plain:
+        return plain[asked]
+    try:
+        return effect_named(name).motion
+    except UserError as error:
+        raise UserError(f"{error}; the motions are {', '.join(NEXT_MOTIONS)}") from error
+
+
+def _of_arm(arguments: Namespace, motion: str) -> "Trajectory":
+    import numpy as np
+
+    from lagrangian_ff.arm import HOME, JOINTS
+    from lagrangian_ff.cli.common.arm_motion import clear_motion
+
+    _check_joint(arguments.joint, JOINTS, "the simulated arm")
+    start = _start(arguments.start, JOINTS, np.array(HOME)) if arguments.start else None
+    with progress_bar("finding a motion within limits and free of contact") as progress:
+        return clear_motion(
+            motion,
+            arguments.joint,
+            start,
+            arguments.duration,
+            arguments.reach,
+            arguments.seed,
+            progress,
+        )
+
+
+def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
+    from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.diagnosis.excite import Limits, excite, seen_pose
+    from lagrangian_ff.identification import Model
+
+    model: Model = Model.load(arguments.model)
+    _check_joint(arguments.joint, model.joints, str(arguments.model))
+    limits = Limits.within(model.range, model.joints)
+    start = _start(arguments.start, model.joints, seen_pose(model, arguments.joint, limits))
+    found = excite(
+        motion,
+        model.joints,
+        limits.around(start, arguments.reach),
+        joint=arguments.joint,
+        start=start,
+        duration=arguments.duration,
+        seed=arguments.seed,
+    )
+    return Trajectory(found.time, found.q, found.qd, found.qdd, model.joints)
+
+
+def _check_joint(joint: str | None, joints: "Sequence[str]", whose: str) -> None:
+    if joint is not None and joint not in joints:
+        raise UserError(f"--joint {joint}: {whose} has the joints {', '.join(joints)}")
+
+
+def _start(texts: "list[str]", joints: "Sequence[str]", usual: "Floats") -> "Floats":
+    """(N,) rad, the usual pose with what the user gives."""
+    given = assignments("--start", texts)
+    unknown = [name for name in given if name not in joints]
+    if unknown:
+        raise UserError(f"--start: no joint {', '.join(unknown)}; there are {', '.join(joints)}")
+    pose = usual.copy()
+    for name, value in given.items():
+        pose[list(joints).index(name)] = value
+    return pose
+
+
+def _write(path: Path, trajectory: "Trajectory", title: str) -> int:
+    """Write the file; its bytes."""
+    from lagrangian_ff.arm import write_trajectory
+    from lagrangian_ff.cli.common.trajectory_yaml import joint_trajectory_yaml
+
+    with whole(path) as made:
+        if path.suffix == ".csv":
+            write_trajectory(made, trajectory)
+        else:
+            made.write_text(joint_trajectory_yaml(trajectory, title), encoding="utf-8")
+        return made.stat().st_size
+
+
+def _record(arguments: Namespace, motion: str, trajectory: "Trajectory") -> dict[str, Any]:
+    from lagrangian_ff.diagnosis.excite import NEXT_MOTIONS
+
+    chosen = NEXT_MOTIONS[motion]
+    q, speed = trajectory.q, abs(trajectory.qd)
+    return {
+        "asked": arguments.what,
+        "motion": motion,
+        "joint": arguments.joint,
+        "seconds": trajectory.duration,
+        "meaning": chosen.meaning,
+        "by_hand": chosen.by_hand,
+        "joints": {
+            name: {
+                "start": float(q[0, n]),
+                "low": float(q[:, n].min()),
+                "high": float(q[:, n].max()),
+                "fastest": float(speed[:, n].max()),
+                "hardest": float(abs(trajectory.qdd[:, n]).max()),
+            }
+            for n, name in enumerate(trajectory.joints)
+        },
+        "output": str(arguments.output),
+    }
+
+
+def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Console) -> None:
+    asked = "" if record["motion"] == record["asked"] else f", for {record['asked']}"
+    who = record["joint"] or "all joints"
+    console.say(f"{record['motion']}{asked}: {who}, {record['seconds']:.0f} s")
+    console.paragraph(record["meaning"], "  ", "  ")
+    console.paragraph(f"you: {record['by_hand']}", "  ", "       ")
+    rows = [
+        [name, *(number(one[key]) for key in ("start", "low", "high", "fastest"))]
+        for name, one in record["joints"].items()
+    ]
+    console.say(
+        table(["joint", "start [rad]", "lowest [rad]", "highest [rad]", "fastest [rad/s]"], rows)
+    )
+    console.say(f"saved: {arguments.output}")
+    if not arguments.arm:
+        console.note(
+            "each joint stays where the model has seen it; whether the arm then touches itself or "
+            "what is near, the model cannot know. Begin at the start pose, and slowly",
+            "",
+        )
+    if arguments.output.suffix == ".csv":
+        if arguments.arm:
+            console.say(
+                f"next: lagrangian_ff simulate --trajectory {arguments.output} --output BAG"
+            )
+        return
+    _say_publish(arguments.output, size, console)
+
+
+def _say_publish(path: Path, size: int, console: Console) -> None:
+    from lagrangian_ff.cli.common.trajectory_yaml import LONGEST_ARGUMENT
+
+    how = f'"$(cat {path})"' if size < LONGEST_ARGUMENT else f"--yaml-file {path}"
+    console.say("next: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\")
+    console.say(f"        trajectory_msgs/msg/JointTrajectory {how}")
+    if size >= LONGEST_ARGUMENT:
+        console.note(
+            "the message is too long for an argument of the shell, and older ros2 topic pub have "
+            "no --yaml-file: --duration makes it shorter",
+            "",
+        )

@@ -1,0 +1,149 @@
+"""A motion of the simulated arm that keeps clear of itself, the floor and its torque limits."""
+
+from typing import TYPE_CHECKING
+
+from lagrangian_ff.errors import ArmError
+from lagrangian_ff.progress import Progress, silent
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.diagnosis.excite import Limits
+
+    Floats = NDArray[np.float64]
+
+REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
+"""Shares of the way to the limits that are tried."""
+TEMPOS = (1.0, 0.8, 0.6, 0.4)
+"""Factors of speed that are tried."""
+USED_EFFORT = 0.85
+"""Of the torque limits."""
+UNTIL_FAST = 0.3
+"""s in which a joint may come to its highest speed: the URDF gives no acceleration."""
+_DRAWN, _TRIED = 40, 5  # poses
+_REACH = 0.5  # of the range, that poses are drawn from
+
+
+def clear_motion(
+    motion: str,
+    joint: str | None,
+    start: "Floats | None" = None,
+    duration: float | None = None,
+    reach: float = 1.0,
+    seed: int = 0,
+    progress: Progress = silent,
+) -> "Trajectory":
+    """The widest motion, from poses that load the joint first, that the arm can follow.
+
+    Args:
+        motion: its name.
+        joint: the one to look at; None for all.
+        start: (6,) rad, where it begins and ends, and the other joints are held; None for home,
+            and poses that load the joint.
+        duration: s, about.
+        reach: no more of the way to the limits is used.
+        seed: of what is random.
+        progress: told the share of what is tried.
+
+    Raises:
+        ArmError: none was found that is free of contact and within the torque limits.
+        ModelError: see `excite`.
+    """
+    import numpy as np
+
+    from lagrangian_ff.arm import HOME, JOINTS, check_limits
+
+    home = np.array(HOME) if start is None else start
+    poses = [home] if start is not None or joint is None else _poses(joint)
+    bounds = _limits()
+    tries = [(share, pose) for share in REACHES for pose in poses]
+    reason = ""
+    for number, (share, pose) in enumerate(tries):
+        progress(number / len(tries), "looking for a motion free of contact")
+        limits = bounds.around(pose, reach * share)
+        begin = np.clip(home, limits.q_low, limits.q_high) if start is None else home
+        for tempo in TEMPOS:
+            trajectory = _made(motion, joint, limits.gentler(tempo), begin, pose, duration, seed)
+            if not _too_hard(trajectory):
+                break
+        else:
+            reason = f"its torque exceeds {USED_EFFORT:.0%} of the limits"
+            continue
+        check_limits(trajectory)
+        try:
+            _check_clear(trajectory, loaded=motion == "payloads")
+        except ArmError as error:
+            reason = str(error)
+            continue
+        progress(1.0, "looking for a motion free of contact")
+        return trajectory
+    raise ArmError(
+        f"no motion '{motion}' of {joint or ', '.join(JOINTS)} was found that the arm can follow "
+        f"from this pose: {reason}; name another start or a smaller --reach"
+    )
+
+
+def _limits() -> "Limits":
+    from lagrangian_ff.arm import JOINTS, limits
+    from lagrangian_ff.diagnosis.excite import Limits
+
+    arm = limits()
+    whole = Limits(arm.lower, arm.upper, arm.velocity, arm.velocity / UNTIL_FAST)
+    return Limits.within(whole, JOINTS)
+
+
+def _poses(joint: str) -> "list[Floats]":
+    """Poses, (6,) rad each, in which gravity loads the joint most; home at last."""
+    import numpy as np
+
+    from lagrangian_ff.arm import HOME, JOINTS, limits, true_torque
+
+    bounds = limits()
+    share = np.random.default_rng(0).uniform(-_REACH, _REACH, (_DRAWN, len(JOINTS)))
+    drawn = np.where(share < 0.0, -share * bounds.lower, share * bounds.upper)
+    still = np.zeros_like(drawn)
+    load = np.abs(true_torque(drawn, still, still, friction=False)[:, JOINTS.index(joint)])
+    heaviest = np.argsort(-load, kind="stable")[:_TRIED]
+    return [*drawn[heaviest], np.array(HOME)]
+
+
+def _made(
+    motion: str,
+    joint: str | None,
+    limits: "Limits",
+    start: "Floats",
+    pose: "Floats",
+    duration: float | None,
+    seed: int,
+) -> "Trajectory":
+    from lagrangian_ff.arm import JOINTS, Trajectory
+    from lagrangian_ff.diagnosis.excite import excite
+
+    found = excite(
+        motion, JOINTS, limits, joint=joint, start=start, pose=pose, duration=duration, seed=seed
+    )
+    return Trajectory(found.time, found.q, found.qd, found.qdd, JOINTS)
+
+
+def _too_hard(trajectory: "Trajectory") -> bool:
+    import numpy as np
+
+    from lagrangian_ff.arm import limits, true_torque
+
+    torque = true_torque(trajectory.q[::2], trajectory.qd[::2], trajectory.qdd[::2])
+    return bool(np.any(np.abs(torque) > USED_EFFORT * limits().effort))
+
+
+def _check_clear(trajectory: "Trajectory", loaded: bool) -> None:
+    """Whether it is free of contact, with the paper's loads too where it is to carry one.
+
+    Raises:
+        ArmError: it is not.
+    """
+    from lagrangian_ff.arm import PAPER_LOADS, check_clearance
+
+    check_clearance(trajectory)
+    if loaded:
+        check_clearance(trajectory, PAPER_LOADS)

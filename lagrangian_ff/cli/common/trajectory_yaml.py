@@ -1,0 +1,78 @@
+"""A trajectory_msgs/JointTrajectory as YAML, with as few points as its quintics need."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lagrangian_ff.arm import Trajectory
+
+    Ints = NDArray[np.int64]
+
+CLOSE = 5e-6
+"""rad, how far the quintics between the points may be off."""
+LONGEST_ARGUMENT = 128 * 1024
+"""Bytes a shell takes as one argument."""
+_DIGITS = 7
+
+
+def joint_trajectory_yaml(trajectory: "Trajectory", title: str) -> str:
+    """The message, as `ros2 topic pub` takes it; the title becomes a comment.
+
+    Controllers that get positions, velocities and accelerations follow quintics between the
+    points, so that long smooth parts need few.
+    """
+    lines = [f"# {title}", f"joint_names: [{', '.join(trajectory.joints)}]", "points:"]
+    for k in _points(trajectory).tolist():
+        nanoseconds = round((trajectory.time[k] - trajectory.time[0]) * 1e9)
+        seconds, rest = divmod(nanoseconds, 1_000_000_000)
+        for mark, label, values in (
+            ("-", "positions", trajectory.q[k]),
+            (" ", "velocities", trajectory.qd[k]),
+            (" ", "accelerations", trajectory.qdd[k]),
+        ):
+            lines.append(f"{mark} {label}: [{', '.join(map(_number, values.tolist()))}]")
+        lines.append(f"  time_from_start: {{sec: {seconds}, nanosec: {rest}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.{_DIGITS}g}" if abs(value) > 1e-9 else "0.0"
+    # ROS takes 1 for a whole number and refuses it; YAML takes 1e-05 for a text.
+    if "e" in text:
+        text = f"{value:.12f}".rstrip("0")
+    return text if "." in text else f"{text}.0"
+
+
+def _points(trajectory: "Trajectory") -> "Ints":
+    """(P,) the points to keep: halves of the motion are halved until the quintics fit."""
+    import numpy as np
+
+    kept = [0]
+    waiting = [(0, len(trajectory) - 1)] if len(trajectory) > 1 else []
+    while waiting:
+        first, last = waiting.pop()
+        if last - first > 1 and not _fits(trajectory, first, last):
+            middle = (first + last) // 2
+            waiting += [(middle, last), (first, middle)]
+        else:
+            kept.append(last)
+    return np.array(kept, dtype=np.int64)
+
+
+def _fits(trajectory: "Trajectory", first: int, last: int) -> bool:
+    import numpy as np
+
+    from lagrangian_ff.arm import Trajectory
+
+    ends, inner = [first, last], slice(first, last + 1)
+    quintic = Trajectory(
+        trajectory.time[ends],
+        trajectory.q[ends],
+        trajectory.qd[ends],
+        trajectory.qdd[ends],
+        trajectory.joints,
+    )
+    q, _, _ = quintic.sample(trajectory.time[inner])
+    return bool(np.abs(q - trajectory.q[inner]).max() <= CLOSE)
