@@ -69,6 +69,7 @@ setup(
             "lagrangian_ff = lagrangian_ff.cli.main:main",
             "identify = lagrangian_ff.nodes.identify:main",
             "feedforward = lagrangian_ff.nodes.feedforward:main",
+            "monitor = lagrangian_ff.nodes.monitor:main",
             "arm = lagrangian_ff.nodes.arm:main",
         ],
     },

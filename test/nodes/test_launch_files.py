@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-FILES = ("demo.launch.py", "record.launch.py")
+FILES = ("demo.launch.py", "monitor.launch.py", "record.launch.py")
 
 
 class Given:
@@ -85,7 +85,7 @@ def test_executables_and_parameter_files_exist(
 ) -> None:
     _, nodes = run(root / "launch" / name, monkeypatch, namespace="left")
     known = executables(root)
-    assert known == {"identify", "feedforward", "arm"}
+    assert known == {"identify", "feedforward", "monitor", "arm"}
     for node in nodes:
         assert node.named["executable"] in known
         assert node.named["namespace"] == "left"

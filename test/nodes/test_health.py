@@ -1,0 +1,95 @@
+"""When the monitor warns: by the error of then, only where the model was asked fairly."""
+
+import numpy as np
+import pytest
+from fake_model import FakeRange
+
+from lagrangian_ff.nodes.common.status import Level, Status
+from lagrangian_ff.nodes.watching.health import FEWEST, Health, Limits
+from lagrangian_ff.nodes.watching.live import Judged
+from lagrangian_ff.nodes.watching.states import State
+
+LIMITS = Limits(window=5.0, still=0.01, margin=0.05, warn=2.0, error=4.0)
+JOINTS = ("joint_1", "joint_3")
+RECORD = {"joints": {"joint_1": {"rmse": 1.0}, "joint_3": {"rmse": 0.5}}}
+
+
+def judged(
+    seconds: float, error: tuple[float, float], speed: float = 1.0, q: float = 0.0
+) -> Judged:
+    tau = np.array(error)
+    where = np.full(2, q)
+    state = State(round(seconds * 1e9), 1, where, np.full(2, speed), np.zeros(2), tau)
+    return Judged(state, np.zeros(2))
+
+
+def status(*given: Judged, record: object = RECORD) -> Status:
+    health = Health.of(JOINTS, record, FakeRange())  # type: ignore[arg-type]
+    for each in given:
+        health.add(each, LIMITS)
+    return health.status(LIMITS, {"more": 1})
+
+
+def run(error: tuple[float, float], count: int = 100, **more: float) -> list[Judged]:
+    return [judged(0.05 * k, error, **more) for k in range(count)]
+
+
+@pytest.mark.parametrize(
+    ("error", "level", "message"),
+    [
+        ((1.2, 0.5), Level.OK, "as when identified: at most 1.2 times the error of then (joint_1)"),
+        ((1.0, 1.55), Level.WARN, "residual of joint_3 is 3.1 times what it was when identified"),
+        ((2.5, 2.5), Level.ERROR, "residual of joint_3 is 5.0 times what it was when identified; "
+         "residual of joint_1 is 2.5 times what it was when identified"),
+    ],
+)  # fmt: skip
+def test_the_status_names_the_worst(error: tuple[float, float], level: Level, message: str) -> None:
+    found = status(*run(error))
+    assert (found.level, found.message) == (level, message)
+    assert found.values["more"] == 1
+
+
+def test_only_the_last_seconds_count() -> None:
+    bad = run((9.0, 9.0), 100)
+    good = [judged(5.0 + 0.05 * k, (1.0, 0.5)) for k in range(110)]
+    assert status(*bad).level is Level.ERROR
+    assert status(*bad, *good).level is Level.OK
+
+
+def test_a_joint_at_rest_is_not_judged() -> None:
+    found = status(*run((9.0, 9.0), speed=0.001))
+    assert found.level is Level.OK
+    assert "no joint moves enough" in found.message
+    assert found.values["joint_1"] == "hardly moves: not judged"
+    assert status(*run((9.0, 9.0), FEWEST - 1)).level is Level.OK
+
+
+def test_outside_the_identified_range_the_model_is_not_blamed() -> None:
+    found = status(*run((9.0, 9.0), q=3.0))
+    assert found.level is Level.WARN
+    assert "100% of the last 5 s lie outside the range the model was identified on" in found.message
+    half = [judged(0.05 * k, (9.0 * (k % 2), 0.4), q=3.0 * (k % 2)) for k in range(100)]
+    found = status(*half)
+    assert found.level is Level.WARN
+    assert "50% of the last" in found.message
+
+
+def test_a_clock_set_back_forgets() -> None:
+    found = status(*run((9.0, 9.0)), *[judged(-50.0 + 0.05 * k, (1.0, 0.5)) for k in range(50)])
+    assert found.level is Level.OK
+
+
+@pytest.mark.parametrize("error", [0.0, float("nan")])
+def test_a_record_without_an_error_leaves_a_thousandth_of_the_torque(error: float) -> None:
+    record = {"joints": {"joint_1": {"rmse": error}}}
+    # The largest torque identified is 50 N·m.
+    assert status(*run((0.06, 0.06)), record=record).level is Level.OK
+    assert status(*run((0.15, 0.0)), record=record).level is Level.WARN
+
+
+def test_nothing_seen_is_stale() -> None:
+    assert status().level is Level.STALE
+    health = Health.of(JOINTS, RECORD, FakeRange())
+    health.add(judged(0.0, (1.0, 1.0)), LIMITS)
+    health.forget()
+    assert health.status(LIMITS, {}).level is Level.STALE
