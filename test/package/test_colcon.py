@@ -16,6 +16,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 NODES = ("identify", "feedforward", "arm")
+"""Those that start without a model."""
+EXECUTABLES = {"lagrangian_ff", "monitor", *NODES}
 COLCON = Path(sys.executable).parent / "colcon"
 
 pytestmark = [
@@ -99,7 +101,7 @@ def test_the_ament_index_finds_the_package(index: None, workspace: Workspace) ->
 def test_executables_lie_where_ros2_run_looks(index: None, workspace: Workspace) -> None:
     ament = pytest.importorskip("ament_index_python")
     folder = Path(ament.get_package_prefix("lagrangian_ff")) / "lib" / "lagrangian_ff"
-    assert {file.name for file in folder.iterdir()} == {"lagrangian_ff", *NODES}
+    assert {file.name for file in folder.iterdir()} == EXECUTABLES
     for file in folder.iterdir():
         assert os.access(file, os.X_OK)
         interpreter = file.read_text().splitlines()[0].removeprefix("#!").strip()
@@ -122,7 +124,7 @@ def test_entry_points_load_from_the_workspace(workspace: Workspace) -> None:
         "    print(point.name, inspect.getfile(point.load()))"
     )
     files = dict(line.split(" ", 1) for line in place.splitlines())
-    assert set(files) == {"lagrangian_ff", *NODES}
+    assert set(files) == EXECUTABLES
     assert all(Path(file).is_relative_to(workspace.prefix) for file in files.values())
 
 
@@ -182,4 +184,4 @@ def test_a_symlinked_build_runs_the_sources_themselves(tmp_path: Path) -> None:
     place = Path(built.python("import lagrangian_ff; print(lagrangian_ff.__file__)"))
     assert place.resolve() == (built.source / "lagrangian_ff" / "__init__.py").resolve()
     folder = built.prefix / "lib" / "lagrangian_ff"
-    assert {"lagrangian_ff", *NODES} <= {file.name for file in folder.iterdir()}
+    assert EXECUTABLES <= {file.name for file in folder.iterdir()}
