@@ -216,14 +216,16 @@ def _taken_up(
     felt, _ = joints_of(found.ground)
     names = tuple(joints[n] for n in felt)
     if not separate:
-        reason = "one recording takes a load up once only; a second one can confirm it"
+        reason = "it happens once in a recording; a second one can confirm it"
         return TakenUp(found.change, names, None, SUGGESTED, reason)
     own = len(found.first.basis.terms)
     frozen = _frozen(found)
     taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
     unseen = Unseen.lay(motion, found.ground, Basis(found.ground.basis.terms[:own]), taken)
     again = change_of(unseen.ground)
-    reason = "" if again else "the unseen recording takes up no load"
+    reason = "" if again else "the unseen recording shows nothing of the kind"
+    if again and again.name != found.change.name:
+        reason = f"in the unseen recording it is a {again.name}"
     return TakenUp(found.change, names, again, SUGGESTED if reason else CONFIRMED, reason)
 
 

@@ -128,10 +128,11 @@ class Ground:
         inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
         load = self.prior.torque(inputs, self.seen, weights)
         load += self.basis.constant(self.joints, coefficients)
+        rotors = self.prior.rotors(inputs, self.seen, weights)
         inputs = replace(inputs, load=load, torque=load)
         parts = self.basis.torque(inputs, coefficients)
         others = [part for name, part in parts.items() if name != "offset"]
-        return replace(inputs, torque=load + sum(others, np.zeros_like(load)))
+        return replace(inputs, torque=load + rotors + sum(others, np.zeros_like(load)))
 
     def unseen_inputs(self) -> Inputs:
         """The samples used as effects see them, the load predicted without their own block.
@@ -154,7 +155,7 @@ class Ground:
         known = sum(
             (part for name, part in parts.items() if name != "offset"), np.zeros_like(predicted)
         )
-        return replace(x, load=predicted - known - rotors, torque=predicted - rotors)
+        return replace(x, load=predicted - known - rotors, torque=predicted)
 
 
 def lay(

@@ -20,26 +20,25 @@ class Prior:
         kernel: of the rigid-body torques, in units of `unit`.
         noise: (N,) variance of the noise, in the same units.
         unit: (N,) N·m that count as one; they differ between joints only by `gain`.
-        change: a moment, in s, from which on the arm has another Lagrangian added to its own, as
-            with a load at the hand, and its variance in parts of the first; None: no such moment.
+        change: an interval of time, in s, in which another Lagrangian is added to the arm's own, as
+            with a load at the hand, and its variance in parts of the first; None: there is none.
     """
 
     kernel: Chain
     noise: Floats
     unit: Floats
-    change: tuple[float, float] | None = None
+    change: tuple[float, float, float] | None = None
 
     def gram(self, x: Inputs) -> Floats:
         """(S N, S N) of the rigid-body torques, in units of `unit`."""
         gram = self.kernel.gram(States(x.q, x.qd, x.qdd))
         if self.change is not None:
-            later = np.repeat(x.time >= self.change[0], x.joints)
-            rows = np.flatnonzero(later)
+            rows = np.flatnonzero(np.repeat(self._within(x), x.joints))
             if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
                 part = slice(rows[0], rows[-1] + 1)
-                gram[part, part] *= 1.0 + self.change[1]
+                gram[part, part] *= 1.0 + self.change[2]
             elif len(rows):
-                gram[np.ix_(rows, rows)] *= 1.0 + self.change[1]
+                gram[np.ix_(rows, rows)] *= 1.0 + self.change[2]
         return gram
 
     def torque(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
@@ -48,10 +47,15 @@ class Prior:
         at, of = States(x.q, x.qd, x.qdd), States(centres.q, centres.qd, centres.qdd)
         torque = kernel.apply(at, of, weights)
         if self.change is not None:
-            since, share = self.change
-            later = kernel.apply(at, of, share * weights * (centres.time >= since)[:, None])
-            torque += later * (x.time >= since)[:, None]
+            inside = weights * self._within(centres)[:, None]
+            torque += self.change[2] * kernel.apply(at, of, inside) * self._within(x)[:, None]
         return np.asarray(torque * self.unit)
+
+    def _within(self, x: Inputs) -> NDArray[np.bool_]:
+        """(M,) which samples lie in the interval of the change."""
+        assert self.change is not None
+        since, until, _ = self.change
+        return (x.time >= since) & (x.time < until)
 
     def rotors(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
         """(M, N) N·m of the rotors, for weights (S, N)."""

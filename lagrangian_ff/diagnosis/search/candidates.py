@@ -13,8 +13,10 @@ from lagrangian_ff.identification.basis import Basis, Term
 Floats = NDArray[np.float64]
 
 
-HIDDEN_BY_DESIGN = frozenset({"torque_gain", "rotor_inertia", "asymmetric_coulomb", "payload"})
-"""No motion of the arm alone shows the first three over a free rigid-body part and free friction;
+HIDDEN_BY_DESIGN = frozenset(
+    {"torque_gain", "rotor_inertia", "asymmetric_coulomb", "eccentricity", "payload"}
+)
+"""No motion of the arm alone shows the first four over a free rigid-body part and free friction;
 a payload is asked for on all joints at once, see `change`."""
 
 

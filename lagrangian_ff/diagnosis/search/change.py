@@ -1,8 +1,9 @@
-"""Did the arm take up a load on the way? A second Lagrangian that begins at some moment.
+"""Did something take hold of the arm? A second Lagrangian within an interval of time.
 
 A load at the hand changes masses, and with them the torque of every joint before it, in a pattern
-that no curve over one joint's coordinate follows. What it adds is again a Lagrangian's torque, so
-that the evidence is asked whether the rigid-body part has a second part from some moment on.
+that no curve over one joint's coordinate follows. What it adds is again a Lagrangian's torque, and
+so is what a force on the hand adds, the transpose of the Jacobian times the force: the evidence is
+asked whether the rigid-body part has a second part, from some moment on or for a while.
 """
 
 from collections.abc import Callable
@@ -19,6 +20,7 @@ Floats = NDArray[np.float64]
 ROWS = 1200
 STEP, MARGIN = 5.0, 6.0
 """s between the moments tried, and from the ends of a motion."""
+LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
 WORTH = 20.0
@@ -30,50 +32,68 @@ FELT = 0.02
 
 @dataclass(frozen=True)
 class Change:
-    """A load taken up.
+    """A load taken up, or a contact.
 
     Attributes:
-        since: s, from when on.
+        since, until: s; it lasts to the end where `until` is infinite.
         share: variance of what is added, in parts of that of the rigid-body torque.
         gain: nats of log evidence.
     """
 
     since: float
+    until: float
     share: float
     gain: float
 
+    @property
+    def name(self) -> str:
+        """What it is called in the catalogue."""
+        return "contact" if np.isfinite(self.until) else "payload"
+
+    @property
+    def prior(self) -> tuple[float, float, float]:
+        """As a prior takes it."""
+        return self.since, self.until, self.share
+
 
 def change_of(ground: Ground, progress: Progress = silent) -> Change | None:
-    """The moment at which the evidence gains most from a second Lagrangian.
+    """The interval in which the evidence gains most from a second Lagrangian.
 
     Few samples tell whether and roughly when, all of them how much. None where even the best
-    moment is not worth it.
+    interval is not worth it.
     """
     time = ground.seen.time
     if not np.isfinite(time).all() or float(np.ptp(time)) < 2.5 * MARGIN:
         return None
-    first, last = float(time.min()) + MARGIN, float(time.max()) - MARGIN
+    start, end = float(time.min()), float(time.max())
     coarse = _gains(ground, ROWS)
-    best = Change(first, SHARE, -np.inf)
-    moments = np.arange(first, last, STEP)
+
+    def tried(best: Change, since: float, until: float, share: float) -> Change:
+        if until > end - 1.0:
+            until = np.inf
+        if until - since < 1.0 or not start + 1.0 < since < end - 1.0:
+            return best
+        change = Change(since, until, share, 0.0)
+        gain = coarse(change)
+        return replace(change, gain=gain) if gain > best.gain else best
+
+    best = Change(start, np.inf, SHARE, -np.inf)
+    moments = np.arange(start + MARGIN, end - MARGIN, STEP).tolist()
     for number, since in enumerate(moments):
         progress(number / len(moments), "asking whether a load was taken up")
-        gain = coarse(float(since), SHARE)
-        if gain > best.gain:
-            best = Change(float(since), SHARE, gain)
+        for length in LENGTHS:
+            best = tried(best, since, since + length, SHARE)
     if best.gain < PROMISING:
         return None
     for step in (STEP / 2.0, STEP / 4.0, STEP / 8.0):
-        for since in (best.since - step, best.since + step):
-            gain = coarse(since, best.share)
-            if gain > best.gain:
-                best = Change(since, best.share, gain)
+        for shift in (-step, step):
+            best = tried(best, best.since + shift, best.until, best.share)
+        for shift in (-step, step):
+            best = tried(best, best.since, best.until + shift, best.share)
     for share in FINE:
-        gain = coarse(best.since, share)
-        if gain > best.gain:
-            best = Change(best.since, share, gain)
-    whole = _gains(ground, len(ground.index) * ground.joints)
-    best = replace(best, gain=whole(best.since, best.share))
+        best = tried(best, best.since, best.until, share)
+    best = tried(best, best.since, np.inf, best.share)
+    best = replace(best, gain=_gains(ground, len(ground.index) * ground.joints)(best))
     return best if best.gain > WORTH else None
 
 
@@ -93,7 +113,7 @@ def joints_of(ground: Ground) -> tuple[tuple[int, ...], Floats]:
     return tuple(order or [int(np.argmax(share))]), share
 
 
-def _gains(ground: Ground, rows: int) -> Callable[[float, float], float]:
+def _gains(ground: Ground, rows: int) -> Callable[[Change], float]:
     evidence = evidence_of(ground.motion, ground.inputs, ground.basis, rows, ground.extra, ground)
     plain = evidence(replace(ground.prior, change=None))
-    return lambda since, share: evidence(replace(ground.prior, change=(since, share))) - plain
+    return lambda change: float(evidence(replace(ground.prior, change=change.prior)) - plain)

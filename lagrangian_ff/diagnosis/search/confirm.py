@@ -19,9 +19,10 @@ from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
 
-GROUP_NATS = 2.0
-"""Blocks are put together until the effect should gain this much in a group: less is noise."""
-FEWEST_GROUPS, MOST_GROUPS = 5, 20
+GROUP_NATS = (2.0, 4.0)
+"""Blocks are put together until the effect should gain so much in a group: less is noise, and
+more makes the groups too few."""
+FEWEST_GROUPS, GROUPS, MOST_GROUPS = 5, 6, 20
 SHARE = 0.75
 LEVEL = 0.05
 RATIO = (0.5, 1.6)
@@ -90,24 +91,26 @@ class Unseen:
                 without a name free.
             change: where this motion takes up a load, if the first one did.
         """
-        inputs = found.inputs_of(motion)
-        index = evenly(len(motion), ROWS // len(motion.joints))
-        x = inputs.take(index)
         prior = found.prior
         if prior.change is not None:
-            prior = replace(prior, change=(change.since, change.share) if change else None)
+            prior = replace(prior, change=change.prior if change else None)
+        index = evenly(len(motion), ROWS // len(motion.joints))
+        block = motion.blocks(BLOCK_SECONDS)[index]
+        whole = Basis((*model.terms, *(c.term() for c, _ in taken if c.named)))
+        ground = lay(motion, index, block, found.inputs_of(motion), prior, whole)
+        inputs = ground.inputs_of(motion)
+        x = replace(ground, inputs=inputs).unseen_inputs()
         tau = motion.tau.copy()
         torques, extra = [], []
         for candidate, parameters in taken:
+            columns = candidate.columns(x)
             if not candidate.named:
-                extra.append(Extra(candidate.joint, candidate.columns(x)))
+                extra.append(Extra(candidate.joint, columns))
                 torques.append(np.zeros(len(index)))
                 continue
-            torque = candidate.columns(inputs) @ parameters
-            tau[:, candidate.joint] -= torque
-            torques.append(torque[index])
-        block = motion.blocks(BLOCK_SECONDS)[index]
-        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra)
+            torques.append(columns @ parameters)
+            tau[index, candidate.joint] -= torques[-1]
+        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x)
         return cls(ground, tuple(torques))
 
     def trial(self, number: int, joint: int) -> Trial:
@@ -153,7 +156,8 @@ def _by_block(ground: Ground, values: Floats) -> Floats:
 
 def _grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
     """Neighbouring blocks put together until enough is expected of each group."""
-    least = max(GROUP_NATS, float(expected.sum()) / MOST_GROUPS)
+    total = float(expected.sum())
+    least = max(float(np.clip(total / GROUPS, *GROUP_NATS)), total / MOST_GROUPS)
     groups, hoped = [], []
     sums = np.zeros(2)
     for one, hope in zip(gained, expected, strict=True):

@@ -20,7 +20,7 @@ from lagrangian_ff.progress import Progress, silent
 MOST_STEPS = 6
 FLOOR = 8.0
 """Nats below which nothing is claimed, whatever chance says."""
-EVENT_FLOOR = 20.0
+EVENT_FLOOR = 25.0
 """The same for what happens once only: signs of blocks cannot tell it from an outlier."""
 LEAST_SIZE = 0.005
 """Share of a joint's torque below which an effect is not worth a name."""
@@ -105,13 +105,15 @@ def search(
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = _candidates(ground, range(ground.joints), effects)
         found = list(scores(ground, candidates, coarse=True))
-        looks.append((found, best_of_each(found), Chance.of(found)))
+        looks.append(
+            (found, best_of_each(found), Chance.of([score for score in found if not score.once]))
+        )
         _, best, chance = looks[-1]
         eligible = [score for score in best if _stands_out(score, chance, ground)]
         if change is None and may_change:
             change = change_of(ground)
             if change is not None and (not eligible or change.gain > eligible[0].gain):
-                prior = replace(ground.prior, change=(change.since, change.share))
+                prior = replace(ground.prior, change=change.prior)
                 ground = _relaid(ground, prior, ground.basis, ground.extra)
                 ground = _relaid(ground, sharpen(ground, ground.basis, ground.extra),
                                  ground.basis, ground.extra)  # fmt: skip
@@ -144,8 +146,8 @@ def _candidates(
 def _stands_out(score: Score, chance: Chance, ground: Ground) -> bool:
     candidate = score.candidate
     large = score.size > LEAST_SIZE * ground.spread[candidate.joint]
-    event = candidate.named and candidate.effect.kind == "event"
-    return large and score.gain > max(EVENT_FLOOR if event else FLOOR, chance.threshold)
+    least = EVENT_FLOOR if score.once else max(FLOOR, chance.threshold)
+    return large and score.gain > least
 
 
 def _judge(

@@ -38,8 +38,7 @@ class Score:
         survival: the share of its whitened columns that what is known leaves over, 0 to 1.
         coefficients: (P,) its parameters, in their units.
         size: N·m, root mean square of its torque on the samples used.
-        blocks: (B, P) sums over blocks of scaled columns times what is left of the residual once
-            the candidate is taken away: noise, as far as one knows.
+        blocks: (B, P) sums over blocks of scaled columns times residual.
         information: (P, P) A without f.
         likelihood: (B,) nats that each block gains with these parameters, not tempered.
     """
@@ -53,6 +52,11 @@ class Score:
     blocks: Floats
     information: Floats
     likelihood: Floats
+
+    @property
+    def once(self) -> bool:
+        """Whether it is an event: something that happens once, in a few blocks."""
+        return self.candidate.named and self.candidate.effect.kind == "event"
 
     def gain_of(self, sums: Floats) -> Floats:
         """(R,) the gain for other sums (R, P) of scaled columns times residual."""
@@ -132,7 +136,7 @@ def _scored(
             float(np.sqrt(after[part].sum() / max(before[part].sum(), 1e-300))),
             found * own,
             float(np.sqrt(np.mean((columns @ (found * own)) ** 2))),
-            rest,
+            np.add.reduceat(z * w[:, None], starts, axis=0),
             information,
             np.add.reduceat(fitted * (w - 0.5 * fitted), starts),
         )

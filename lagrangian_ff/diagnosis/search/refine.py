@@ -16,16 +16,19 @@ def refined(ground: Ground, best: Score) -> Score:
     if not best.candidate.named:
         return best
     effect = best.candidate.effect
+    grid = effect.candidates(ground.seen, best.candidate.joint)
     for shape in effect.shapes:
         value = best.candidate.shape.get(shape.name, 0.0)
-        if shape.whole or not value > 0.0 or shape.steps < 2:
+        if shape.whole or not value > 0.0:
             continue
-        reach = (shape.high / shape.low) ** (1.0 / (shape.steps - 1))
+        tried_first = [one[shape.name] for one in grid if shape.name in one]
+        low, high = min(tried_first), max(tried_first)
+        if not high > low > 0.0:
+            continue
+        reach = (high / low) ** (1.0 / max(len(set(tried_first)) - 1, 1))
         for _ in range(ROUNDS):
             value = best.candidate.shape[shape.name]
-            around = np.clip(
-                value * reach ** np.linspace(-0.75, 0.75, POINTS), shape.low, shape.high
-            )
+            around = np.clip(value * reach ** np.linspace(-0.75, 0.75, POINTS), low, high)
             tried = [
                 replace(best.candidate, shape={**best.candidate.shape, shape.name: float(v)})
                 for v in around
