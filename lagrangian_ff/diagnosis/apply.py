@@ -10,6 +10,7 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     """The model with everything confirmed, one step after the other, each with its reason.
 
     Nothing is added on less than `confirmed`; without such findings the model comes back as it is.
+    A load or a contact is of the recording, not of the arm: it is told, and not added.
     """
     model = diagnosis.model
     for finding in diagnosis.findings:

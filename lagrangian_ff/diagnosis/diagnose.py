@@ -83,6 +83,13 @@ class TakenUp:
     verdict: str
     reason: str
 
+    @property
+    def shape(self) -> dict[str, float]:
+        """When it happens, as the effect of the catalogue takes it."""
+        if self.change.name == "payload":
+            return {"t0": self.change.since}
+        return {"t0": self.change.since, "length": self.change.until - self.change.since}
+
 
 @dataclass(frozen=True)
 class Unexplained:

@@ -4,9 +4,20 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.consequence import Consequence, consequences
-from lagrangian_ff.diagnosis.diagnose import AMBIGUOUS, CONFIRMED, Diagnosis, Finding
+from lagrangian_ff.diagnosis.consequence import (
+    Consequence,
+    consequences,
+)
+from lagrangian_ff.diagnosis.diagnose import (
+    AMBIGUOUS,
+    CONFIRMED,
+    SUGGESTED,
+    Diagnosis,
+    Finding,
+    TakenUp,
+)
 from lagrangian_ff.diagnosis.signature import signature
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.progress import Progress, silent
 
 RANKED = 15
@@ -34,7 +45,7 @@ def diagnosis_record(
         "confirmed_on": diagnosis.unseen.source if diagnosis.separate
         else f"the last {_seconds(diagnosis):.0f} s, held back",
         "verdict": verdict(diagnosis, made),
-        "findings": [_finding(diagnosis, one, made.get(one)) for one in diagnosis.findings],
+        "findings": _findings(diagnosis, made),
         "unexplained": [
             {
                 "joint": one.joint,
@@ -71,10 +82,20 @@ def diagnosis_record(
 
 def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
     """One or two sentences for a person."""
+    taken_up = diagnosis.taken_up
     sure = [one for one in diagnosis.findings if one.verdict == CONFIRMED]
     unsure = [one for one in diagnosis.findings if one.verdict == AMBIGUOUS]
     maybe = len(diagnosis.findings) - len(sure) - len(unsure)
     parts = []
+    if taken_up is not None:
+        when = f"{taken_up.change.since:.1f} s"
+        felt = _and(list(taken_up.joints))
+        what = (
+            f"From {when} on the arm carries a load that the model does not know"
+            if taken_up.change.name == "payload"
+            else f"Something touches the arm from {when} to {taken_up.change.until:.1f} s"
+        )
+        parts.append(f"{what}: {taken_up.verdict}, felt by {felt}.")
     if sure:
         names = _and([f"{_words(one.effect.name)} on {one.joint}" for one in sure])
         falls = [
@@ -112,6 +133,55 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
     return " ".join(parts)
 
 
+def _findings(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[dict[str, object]]:
+    """All findings, those that hold first, the largest gain first among these."""
+    found = [_finding(diagnosis, one, made.get(one)) for one in diagnosis.findings]
+    if diagnosis.taken_up is not None:
+        found.append(_event(diagnosis, diagnosis.taken_up))
+    order = {CONFIRMED: 0, SUGGESTED: 2}
+    found.sort(
+        key=lambda one: (order.get(str(one["verdict"]), 1), -float(str(one["evidence_gain"])))
+    )
+    return found
+
+
+def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
+    """A load or a contact: of the recording and not of the arm, so that nothing is added."""
+    effect, change = EFFECTS[taken_up.change.name], taken_up.change
+    return {
+        "effect": effect.name,
+        "joints": list(taken_up.joints),
+        "verdict": taken_up.verdict,
+        "holds_on_unseen": taken_up.verdict == CONFIRMED,
+        "reason": taken_up.reason,
+        "evidence_gain": change.gain,
+        "p_value": None,
+        "error_before": None,
+        "error_after": None,
+        "blocks": [],
+        "parameters": {
+            name: {"value": value, "low": value - 1.0, "high": value + 1.0, "unit": "s"}
+            for name, value in taken_up.shape.items()
+        },
+        "shape": taken_up.shape,
+        "formula": effect.formula,
+        "meaning": effect.meaning,
+        "source": effect.source,
+        "ambiguous_with": [],
+        "told_apart_by": [],
+        "next_motion": effect.next_motion,
+    }
+
+
+def _blocks(made: Consequence | None) -> list[dict[str, float]]:
+    if made is None:
+        return []
+    return [
+        {"time": float(t), "before": float(b), "after": float(a)}
+        for t, b, a in zip(made.time, made.before, made.after, strict=True)
+    ]
+
+
 def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> dict[str, object]:
     effect, step, trial = found.effect, found.step, found.trial
     parameters: dict[str, object] = {
@@ -136,12 +206,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         "size": step.score.size,
         "error_before": made.whole_before if made else None,
         "error_after": made.whole_after if made else None,
-        "blocks": [
-            {"time": float(t), "before": float(b), "after": float(a)}
-            for t, b, a in zip(made.time, made.before, made.after, strict=True)
-        ]
-        if made
-        else [],
+        "blocks": _blocks(made),
         "parameters": parameters,
         "shape": dict(found.shape),
         "formula": effect.formula,
