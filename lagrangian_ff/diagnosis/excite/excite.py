@@ -55,8 +55,14 @@ def excite(
         raise ModelError(f"there is no joint {joint}; there are {', '.join(joints)}")
     if duration is not None and not SHORTEST <= duration <= LONGEST:
         raise ModelError(f"a duration of {duration:g} s: expected {SHORTEST:g} to {LONGEST:g} s")
-    held = pose if pose is not None else start if start is not None else limits.middle
-    first = _inside("start", held if start is None else start, joints, limits)
+    held = start if pose is None else pose
+    held = _inside(
+        "start" if pose is None else "pose",
+        limits.middle if held is None else held,
+        joints,
+        limits,
+    )
+    first = held if start is None else _inside("start", start, joints, limits)
     path = Path(first, limits)
     number = None if joint is None else list(joints).index(joint)
     free = movable(path)
@@ -67,7 +73,7 @@ def excite(
         )
     chosen = NEXT_MOTIONS[motion]
     path.rest()
-    path.move(_inside("pose", held, joints, limits))
+    path.move(held)
     path.rest()
     chosen.make(path, number, duration or chosen.usual(len(free) if number is None else 1), seed)
     path.move(first)

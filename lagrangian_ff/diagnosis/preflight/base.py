@@ -1,7 +1,7 @@
 """What the checks look at, and what they find."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,4 +134,16 @@ def _of_model(model: Model, motion: Motion) -> Motion:
             f"the model is of the joints {', '.join(model.joints)}; {motion.source} holds "
             f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
         )
-    return motion.select(model.joints)
+    return _on_one_clock(motion.select(model.joints))
+
+
+def _on_one_clock(motion: Motion) -> Motion:
+    """The motion with later segments later: several recordings may each begin at 0."""
+    step = np.diff(motion.time)
+    back = np.flatnonzero(step <= 0.0)
+    if not back.size:
+        return motion
+    shift = np.zeros(len(motion))
+    for k in back.tolist():
+        shift[k + 1 :] += 1.0 / rate_of(motion) - step[k]
+    return replace(motion, time=motion.time + shift)

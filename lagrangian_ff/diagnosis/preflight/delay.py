@@ -14,7 +14,9 @@ BAND = (0.7, 10.0)
 COHERENT = 0.7
 """Coherence from which on the phase of a frequency counts."""
 CLEAR = 3.0
-"""Times its error, from which on the delay of one joint is believed."""
+"""Times its error, from which on a late torque of one joint is believed."""
+CLEAR_EARLY = 6.0
+"""The same of an early one, which friction that falls with speed and ripple resemble."""
 TOGETHER, TOGETHER_CLEAR = 0.004, 4.0
 """s and times its error, from which on a delay of all joints is believed."""
 _FLOOR = 0.0015  # s: what the model's own error makes of a delay on joints that have none
@@ -41,7 +43,7 @@ def check_delay(case: Case) -> list[Check]:
     agree = np.mean(delay * np.sign(common) > 0.5 * TOGETHER) > 0.5
     if len(found) > 1 and agree and abs(common) > max(TOGETHER, TOGETHER_CLEAR * scatter):
         return [_told(None, common, scatter)]
-    late = [_told(case.joints[n], *one) for n, one in found.items() if abs(one[0]) > CLEAR * one[1]]
+    late = [_told(case.joints[n], *one) for n, one in found.items() if _is_clear(*one)]
     return late or [
         Check(
             "delay",
@@ -51,6 +53,10 @@ def check_delay(case: Case) -> list[Check]:
             values={"delay": common, "error": scatter},
         )
     ]
+
+
+def _is_clear(delay: float, error: float) -> bool:
+    return delay > CLEAR * error or -delay > CLEAR_EARLY * error
 
 
 def _told(joint: str | None, delay: float, error: float) -> Check:

@@ -71,17 +71,16 @@ def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[flo
     moving: NDArray[np.bool_] = np.any(np.abs(a.qd) > _MOVING * spread[1], axis=1)
     same &= moving[:, None]
     i, j = np.nonzero(same)
+    offset = np.round((b.time[j] - a.time[i]) * rate).astype(np.int64)
     if one is other:
-        apart = j - i > _APART * rate
-        i, j = i[apart], j[apart]
-    if not i.size:
+        offset = offset[offset > _APART * rate]
+    if not offset.size:
         return None
-    offsets, counts = np.unique(j - i, return_counts=True)
+    offsets, counts = np.unique(offset, return_counts=True)
     k = int(np.argmax(counts))
     if counts[k] < LEAST * rate:
         return None
-    start = float(other.time[0] - one.time[0])
-    return start + float(offsets[k]) / rate, float(counts[k]) / rate
+    return float(offsets[k]) / rate, float(counts[k]) / rate
 
 
 def _floor(
