@@ -19,7 +19,7 @@ def declare(parameters: Parameters) -> None:
         low=1.0, high=1000.0)  # fmt: skip
     add("still_speed", 0.01, "rad/s; a joint that is slower is not judged, as friction may hold it "
         "at any torque", low=0.0, high=10.0)  # fmt: skip
-    add("range_margin", 0.05, "how far outside the identified range still counts as inside, as a "
+    add("range_margin", 0.25, "how far outside the identified range still counts as inside, as a "
         "fraction of the range", low=0.0, high=10.0)  # fmt: skip
 
 

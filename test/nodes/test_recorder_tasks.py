@@ -70,6 +70,7 @@ def test_diagnose_then_add_what_it_confirmed(folder: Path, monkeypatch: pytest.M
     session, record = done(order(folder, Task.DIAGNOSE, "missing.json"))
     written = json.loads((folder / "missing.json").read_text())
     assert written["findings"][0]["effect"] == "quadratic_drag"
+    assert {"check", "finding", "serious"} <= set(written["preflight"][0])
     assert "<html" in Path(record["page"]).read_text()
     statuses = finding_statuses(session)
     status = statuses["quadratic_drag on b"]

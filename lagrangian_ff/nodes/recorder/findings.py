@@ -110,20 +110,24 @@ def comparison_status(record: Mapping[str, Any]) -> Status:
 
 
 def diagnosis_status(record: Mapping[str, Any]) -> Status:
-    """The verdict; a warning where something is missing in the model."""
+    """The verdict; a warning where something is missing in the model, or wrong with the
+    measurement: that looks like missing physics and is to be mended first."""
     missing = record["findings"] or record["unexplained"]
+    serious = [_check(one) for one in record["preflight"] if one["serious"]]
     values: dict[str, object] = {
         "model": record["model"],
         "recordings": ", ".join([*record["sources"], *record["confirm"]]),
         "confirmed on": record["confirmed_on"],
         "findings": len(record["findings"]),
         "unexplained": len(record["unexplained"]),
+        **{f"mend first {number}": text for number, text in enumerate(serious, 1)},
         "not observable": ", ".join(
             f"{one['effect']} on {one['joint']}" for one in record["not_observable"]
         ),
         **_files(record),
     }
-    return Status(Level.WARN if missing else Level.OK, record["verdict"], values)
+    message = " ".join([*(f"Mend first: {text}" for text in serious), record["verdict"]])
+    return Status(Level.WARN if missing or serious else Level.OK, message, values)
 
 
 def finding_statuses(session: Session) -> dict[str, Status]:
@@ -142,13 +146,24 @@ def finding_statuses(session: Session) -> dict[str, Status]:
 
 
 def addition_status(record: Mapping[str, Any]) -> Status:
-    """What was added, and what that did to the error on held-out motion."""
+    """What was added, and what that did to the error on held-out motion.
+
+    A model is refitted from the data that it keeps: what came into the arm later is not in them.
+    """
     steps = record["steps"][-len(record["added"]) :]
     before, after = steps[0]["error_before"], steps[-1]["error_after"]
+    message = (
+        f"added {' and '.join(record['added'])}: error {before:.4g} to {after:.4g} N·m on "
+        f"{steps[-1]['judged_on']}"
+    )
+    if not after < before:
+        message += (
+            "; it did not fall, the data that the model keeps do not show the effect: if it came "
+            "later, identify again from the new recordings and add it then"
+        )
     return Status(
         Level.OK if after < before else Level.WARN,
-        f"added {' and '.join(record['added'])}: error {before:.4g} to {after:.4g} N·m on "
-        f"{steps[-1]['judged_on']}",
+        message,
         {
             **{
                 f"step {number}": f"{step['added']}: {step['error_after']:.4g} N·m"
@@ -196,6 +211,11 @@ def _finding(one: Mapping[str, Any]) -> Status:
         message += f"; error {one['error_before']:.3g} to {one['error_after']:.3g} N·m when added"
     suggested = one["verdict"] == "suggested"
     return Status(Level.OK if suggested else Level.WARN, message, values)
+
+
+def _check(one: Mapping[str, Any]) -> str:
+    where = f"{one['joint']}: " if one["joint"] else ""
+    return f"{where}{one['finding']}. {one['advice']}".strip()
 
 
 def _name(one: Mapping[str, Any]) -> str:
