@@ -1,0 +1,106 @@
+"""The ground: what is left is white, of the size of the noise, and blind to what is known."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import two_rods
+
+from lagrangian_ff.diagnosis.ground import Ground, tune, tuning
+from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _small() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tuning, "ROWS", 1600)
+        yield
+
+
+def basis(width: float = 0.05) -> Basis:
+    """Friction on both joints, its step too wide."""
+    return Basis(
+        tuple(
+            Term(EFFECTS[name], joint, {"v0": width} if name == "coulomb" else {})
+            for joint in range(2)
+            for name in ("viscous", "coulomb", "offset")
+        )
+    )
+
+
+def lay(motion: Motion) -> Ground:
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    return tune(motion, x, basis())
+
+
+@pytest.fixture(scope="module")
+def ground() -> Ground:
+    """Return the ground of a motion in which nothing is hidden."""
+    return lay(two_rods.motion(1))
+
+
+def test_what_is_left_is_white_and_of_the_size_of_the_noise(ground: Ground) -> None:
+    left = ground.residual.reshape(-1, 2)
+    np.testing.assert_allclose(np.mean(left**2, axis=0), 1.0, atol=0.15)
+    following = np.mean(left[1:] * left[:-1], axis=0) / np.mean(left**2, axis=0)
+    assert np.abs(following).max() < 0.15
+    np.testing.assert_allclose(ground.noise, two_rods.NOISE, rtol=0.25)
+
+
+def test_the_width_of_the_coulomb_step_is_found(ground: Ground) -> None:
+    np.testing.assert_allclose(ground.basis.sign_speed(2), two_rods.WIDTH, rtol=0.15)
+
+
+def test_what_the_model_has_leaves_nothing(ground: Ground) -> None:
+    for term in ground.basis.terms:
+        white = ground.whiten(term.columns(ground.seen), term.joint)
+        left = ground.project(white)
+        assert np.linalg.norm(left) < 1e-6 * np.linalg.norm(white)
+
+
+def test_single_precision_is_exact_enough_to_choose_by(ground: Ground) -> None:
+    columns = np.sin(3.0 * ground.seen.q)
+    exact = ground.whiten(columns, 0)
+    np.testing.assert_allclose(
+        ground.whiten(columns, 0, coarse=True), exact, atol=1e-3 * np.abs(exact).max()
+    )
+
+
+def test_the_load_is_predicted_without_its_own_block(ground: Ground) -> None:
+    """Spoiling the torque of one block does not change the load seen there."""
+    spoilt = ground.motion.tau.copy()
+    rows = ground.index[ground.block == 5]
+    spoilt[rows] += 50.0
+    motion = Motion(**{**ground.motion.__dict__, "tau": spoilt})
+    from lagrangian_ff.diagnosis.ground import lay as lay_again
+
+    other = lay_again(
+        motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
+    ).unseen_inputs()
+    inside = ground.block == 5
+    scale = np.abs(ground.motion.tau).max()
+    same = lay_again(
+        ground.motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
+    ).unseen_inputs()
+    total, before = other.torque[inside], same.torque[inside]
+    np.testing.assert_allclose(total, before, atol=1e-6 * scale)
+
+
+def test_the_load_is_that_of_the_rods(ground: Ground) -> None:
+    motion = two_rods.motion(2)
+    load = ground.inputs_of(motion).load
+    rotors = motion.qdd * np.array([0.3, 0.05])
+    true = two_rods.rods(motion.q, motion.qd, motion.qdd) - rotors
+    error = load - true
+    # Which part of the inertia is the rotor's, motion hardly tells: gravity is most of the load.
+    assert (error.std(axis=0) / true.std(axis=0)).max() < 0.25
+
+
+def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
+    motion = two_rods.motion(3)
+    scaled = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 2.0])})
+    gain = lay(scaled).prior.gain
+    assert gain[1] / gain[0] == pytest.approx(2.0, rel=0.15)

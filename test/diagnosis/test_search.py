@@ -1,0 +1,123 @@
+"""The gain in evidence is what it says it is, and chance is as rare as it says."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import two_rods
+from scipy.stats import multivariate_normal
+
+from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
+from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
+from lagrangian_ff.diagnosis.search.chance import Chance
+from lagrangian_ff.diagnosis.search.change import change_of
+from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, scores, tempered_gain
+from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
+from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.kernels import States
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _small() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tuning, "ROWS", 1000)
+        yield
+
+
+def friction() -> Basis:
+    return Basis(
+        tuple(
+            Term(EFFECTS[name], joint, {"v0": 0.02} if name == "coulomb" else {})
+            for joint in range(2)
+            for name in ("viscous", "coulomb", "offset")
+        )
+    )
+
+
+def ground_of(seed: int, hidden: two_rods.Hidden | None = None) -> Ground:
+    motion = two_rods.motion(seed, 30.0, hidden)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    return tune(motion, x, friction())
+
+
+@pytest.fixture(scope="module")
+def clean() -> Ground:
+    """Return the ground of a motion in which nothing is hidden."""
+    return ground_of(1)
+
+
+def test_the_gain_is_the_difference_of_log_evidence(clean: Ground) -> None:
+    """Against the definition, with dense matrices, on a few samples and without a basis."""
+    few = clean.index[:40]
+    small = lay(clean.motion, few, clean.block[:40], clean.inputs, clean.prior, Basis(()))
+    candidate = Candidate(EFFECTS["quadratic_drag"], 1)
+    (score,) = scores(small, [candidate])
+    columns = candidate.columns(small.seen)
+    scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2))
+    full = np.zeros((40, 2))
+    full[:, 1] = columns[:, 0] * scale / small.prior.unit[1]
+    gram = small.prior.gram(small.seen)
+    gram = np.tril(gram) + np.tril(gram, -1).T + np.diag(np.tile(small.prior.noise, 40))
+    gram *= small.amplitude**2
+    y = (clean.motion.tau[few] / small.prior.unit).ravel()
+    with_it = multivariate_normal.logpdf(y, cov=gram + np.outer(full, full))
+    expected = with_it - multivariate_normal.logpdf(y, cov=gram)
+    whole = score.blocks.sum(axis=0, keepdims=True)
+    untempered = tempered_gain(whole, score.information, 1.0)[0]
+    assert untempered == pytest.approx(expected, abs=1e-6)
+
+
+def test_what_the_model_has_gains_nothing(clean: Ground) -> None:
+    twins = [Candidate(EFFECTS[name], joint) for name in ("viscous", "offset") for joint in (0, 1)]
+    twins.append(Candidate(EFFECTS["asymmetric_coulomb"], 0))
+    for score in scores(clean, twins):
+        assert score.gain <= 1e-6
+        assert score.survival < 1e-4
+
+
+def test_clean_motion_gives_no_candidate_more_than_chance(clean: Ground) -> None:
+    found = [
+        *scores(clean, [*named(clean.seen, clean.basis, (0, 1)), *unnamed(clean.seen, (0, 1))])
+    ]
+    lasting = [score for score in found if not score.once]
+    chance = Chance.of(lasting)
+    best = max(lasting, key=lambda score: score.gain)
+    assert best.gain < max(8.0, chance.threshold)
+    assert 0.0 < chance.p_value(chance.threshold) < 0.1
+    assert chance.p_value(1e9) < 0.01
+
+
+def test_chance_is_reproducible_from_its_seed(clean: Ground) -> None:
+    found = list(scores(clean, named(clean.seen, clean.basis, (0,))))
+    np.testing.assert_array_equal(Chance.of(found, 3).largest, Chance.of(found, 3).largest)
+
+
+def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
+    ground = ground_of(2, two_rods.stick)
+    found = best_of_each(scores(ground, named(ground.seen, ground.basis, (0, 1))))
+    assert found[0].candidate.key == ("stribeck", 1)
+    assert found[0].gain > 30.0
+    assert found[0].candidate.shape["v_s"] == pytest.approx(0.15, rel=0.5)
+
+
+def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:
+    ground = ground_of(2, two_rods.stick)
+    found = best_of_each(scores(ground, named(ground.seen, ground.basis, (1,))))
+    names = [score.candidate.source.name for score in rivals(found[0], found[1:])]
+    assert "ripple" not in names
+    assert "drift" not in names
+
+
+def test_nothing_takes_hold_of_a_clean_arm(clean: Ground) -> None:
+    assert change_of(clean) is None
+
+
+def test_a_load_taken_up_is_dated() -> None:
+    motion = two_rods.motion(4, 30.0, load_since=14.0)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    change = change_of(tune(motion, x, friction()))
+    assert change is not None
+    assert change.name == "payload"
+    assert change.since == pytest.approx(14.0, abs=1.5)
+    assert change.gain > 50.0
