@@ -1,4 +1,4 @@
-"""One effect at a time: find the best, take it in, choose the noise anew, look again."""
+"""One effect at a time: find the best, take it in, choose the noise anew, look again; then back."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -129,11 +129,38 @@ def search(
             break
         taken.append(step)
         ground = _relaid(ground, prior, *_with(ground, step.score.candidate))
+    taken, ground = _backward(taken, ground, len(first.basis.terms))
     every, ranking, chance = looks[0]
     return Search(
         tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, change, ground,
         first,
     )  # fmt: skip
+
+
+def _backward(taken: list[Step], ground: Ground, own: int) -> tuple[list[Step], Ground]:
+    """Take out again what the later ones made superfluous, the least needed first."""
+    while sum(step.named for step in taken) > 1:
+        needed: list[tuple[float, int]] = []
+        for number, step in enumerate(taken):
+            if step.named:
+                basis = _without(ground.basis, own, step)
+                less = _relaid(ground, ground.prior, basis, ground.extra)
+                (score,) = scores(less, [step.score.candidate])
+                needed.append((score.gain, number))
+        gain, number = min(needed)
+        if gain > FLOOR:
+            break
+        basis = _without(ground.basis, own, taken[number])
+        taken = taken[:number] + taken[number + 1 :]
+        ground = _relaid(ground, ground.prior, basis, ground.extra)
+    return taken, ground
+
+
+def _without(basis: Basis, own: int, step: Step) -> Basis:
+    """The basis without the term of a step; the model's own terms come first in it."""
+    key = step.score.candidate.key
+    found = [term for term in basis.terms[own:] if (term.effect.name, term.joint) != key]
+    return Basis((*basis.terms[:own], *found))
 
 
 def _candidates(
@@ -164,8 +191,8 @@ def _judge(
     """
     joint = first.candidate.joint
     here = [score for score in best if score.candidate.joint == joint and score.gain > 0.0]
-    name = next((score for score in here if score.candidate.named), None)
-    free = next((score for score in here if not score.candidate.named), None)
+    name = next((score for score in (first, *here) if score.candidate.named), None)
+    free = next((score for score in (first, *here) if not score.candidate.named), None)
     leaders = [
         score
         for score in (name, free)
