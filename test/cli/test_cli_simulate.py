@@ -87,6 +87,24 @@ def test_loads_change_what_the_arm_needs(short: Path, tmp_path: Path) -> None:
     assert errors[0] != errors[1]
 
 
+def test_hidden_physics_is_in_the_arm_and_not_in_what_it_is_told(
+    short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lagrangian_ff.cli.common.hiding.SECONDS", 4.0)
+    efforts = []
+    for name, hidden in (("plain", ()), ("odd", ("--hidden", "stribeck@joint_1:0.5"))):
+        bag = tmp_path / name
+        outcome = lagrangian_ff(
+            "simulate", "--trajectory", short, *hidden, "--output", bag, "--json", "-"
+        )
+        assert outcome.code == 0, outcome
+        record = json.loads(outcome.out)["hidden"]
+        efforts.append(load(bag).effort[:, 0])
+    assert [(one["effect"], one["joint"]) for one in record] == [("stribeck", "joint_1")]
+    assert "stribeck on joint_1" in outcome.text
+    assert np.abs(efforts[1] - efforts[0]).max() > 1.0
+
+
 def test_what_cannot_be_driven(short: Path, tmp_path: Path) -> None:
     t = read_trajectory(short)
     files = {
@@ -111,6 +129,10 @@ def test_what_cannot_be_driven(short: Path, tmp_path: Path) -> None:
         (("--trajectory", short, "--loads", "joint_9=1"), ("joint_9",)),
         (("--trajectory", short, "--loads", "joint_1=-1"), ("joint_1", "-1")),
         (("--trajectory", short, "--loads", "joint_1"), ("--loads joint_1", "joint=number")),
+        (("--hidden", "stribeck@joint_1"), ("--hidden stribeck@joint_1", "stribeck@joint_3:0.1")),
+        (("--hidden", "stick@joint_1:0.1"), ("no effect 'stick'", "stribeck, ")),
+        (("--hidden", "payload@joint_1:0.1"), ("payload can be on joint_2",)),
+        (("--hidden", "stribeck@joint_1:-1"), ("above 0",)),
         (("--duration", "1"), ("duration", "4 s")),
     ):  # fmt: skip
         outcome = lagrangian_ff("simulate", "--output", tmp_path / "bag", *arguments)

@@ -19,7 +19,12 @@ from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effe
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.rounds import Round, diagnosed, falls
 from lagrangian_ff.cli.common.sources import of_model, prepare, read
-from lagrangian_ff.cli.text.diagnose import next_steps, say_diagnosis, say_not_observable
+from lagrangian_ff.cli.text.diagnose import (
+    next_steps,
+    say_checks,
+    say_diagnosis,
+    say_not_observable,
+)
 from lagrangian_ff.cli.text.history import fall_table
 from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
@@ -122,9 +127,10 @@ def run(arguments: Namespace) -> int:
     if not confirm:
         console.note("no --confirm: the last third of the motion is held back to confirm on", "")
         console.say()
+    checks = _preflight(model, motions, confirm, console)
     steps = MOST_STEPS if arguments.steps is None else arguments.steps
     rounds = diagnosed(model, motions, confirm, steps, apply=arguments.apply)
-    record = _record(rounds, arguments)
+    record = {**_record(rounds, arguments), "preflight": checks}
     after = next((one.after for one in reversed(rounds) if one.after is not None), None)
     if arguments.json is not None or arguments.report is not None:
         _write(record, model, motions, arguments)
@@ -146,6 +152,19 @@ def _motions(
         of_model(read(source, arguments.topic), model, arguments.model) for source in sources
     ]
     return [prepare(recording, conditioning, console).motion for recording in recordings]
+
+
+def _preflight(
+    model: "Model", motions: "Sequence[Motion]", confirm: "Sequence[Motion]", console: Console
+) -> list[dict[str, object]]:
+    """What is wrong with the measurement, told before the long work begins."""
+    from lagrangian_ff.diagnosis.preflight import preflight
+    from lagrangian_ff.recording.motion import concatenate
+
+    with progress_bar("checking the measurement"):
+        checks = [check.record() for check in preflight(model, concatenate(motions), confirm)]
+    say_checks(checks, console)
+    return checks
 
 
 def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:
@@ -192,11 +211,10 @@ def _say(
     sources, confirm = record["sources"], record["confirm"]
     for number, one in enumerate(rounds, start=1):
         if len(rounds) > 1:
-            console.say([f"round {number}: {one.diagnosis.model.name}", ""])
+            console.say(["", f"round {number}: {one.diagnosis.model.name}"])
         say_diagnosis(one.record, console)
-        console.say()
         if one.added:
-            console.say([f"added: {', '.join(one.added)}", ""])
+            console.say(["", f"added: {', '.join(one.added)}"])
     say_not_observable(rounds[-1].record, str(arguments.model), console)
     console.say()
     if record["steps"] and arguments.apply:

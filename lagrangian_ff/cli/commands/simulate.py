@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.driving import SPEED, motion_file, motion_of, torque_of
+from lagrangian_ff.cli.common.hiding import Hidden, hidden, told, wanted
 from lagrangian_ff.cli.common.options import add_force, add_json, assignments
 from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record
+from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.text.layout import number, table
 from lagrangian_ff.errors import ArmError, UserError
@@ -30,6 +32,7 @@ examples:
   lagrangian_ff simulate --trajectory t.csv --feedforward model.npz --output after
   lagrangian_ff simulate --feedforward torque.csv --output after    with what `feedforward` wrote
   lagrangian_ff simulate --loads joint_1=2.5 joint_2=1 --output loaded
+  lagrangian_ff simulate --hidden stribeck@joint_3:0.1 --output odd     for diagnose to find
 
 what comes out:
   the bag, with joint_states at 500 Hz;
@@ -74,12 +77,22 @@ def add_arguments(parser: ArgumentParser) -> None:
         "first two",
     )
     group.add_argument(
+        "--hidden",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="EFFECT@JOINT:SIZE",
+        help="physics that the arm's description does not mention, such as stribeck@joint_3:0.1; "
+        "SIZE is its torque (rms) over that of the joint",
+    )
+    group.add_argument(
         "--feedforward",
         default="none",
         metavar="none|true|MODEL.npz|TORQUE.csv",
         help="torque added to the position loop: none, the arm's own true torque, that of a "
         "model, or that of a CSV of the command feedforward (default: none)",
     )
+    add_effects_file(parser)
     add_json(parser)
     add_force(parser)
 
@@ -89,16 +102,24 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_arguments(arguments)
     loads = _loads(arguments.loads)
+    asked = wanted(arguments.hidden)
+    load_own_effects(arguments, console)
     from lagrangian_ff.arm import simulate, write_trajectory
     from lagrangian_ff.recording import write_bag
 
     source = motion_file(arguments)
     trajectory = motion_of(source, arguments, console)
     feedforward = torque_of(arguments.feedforward, trajectory, console)
+    inside = hidden(asked, arguments.seed)
     with progress_bar("simulating") as progress:
         try:
             done = simulate(
-                trajectory, feedforward, loads=loads, seed=arguments.seed, progress=progress
+                trajectory,
+                feedforward,
+                loads=loads,
+                **inside.arm,
+                seed=arguments.seed,
+                progress=progress,
             )
         except ArmError as error:
             raise ArmError(f"{source}: {error}" if source else str(error)) from error
@@ -107,7 +128,7 @@ def run(arguments: Namespace) -> int:
     if arguments.save_trajectory is not None:
         with whole(arguments.save_trajectory) as path:
             write_trajectory(path, trajectory)
-    record = _record(done, arguments)
+    record = _record(done, inside, arguments)
     write_record(arguments.json, record)
     _say(record, arguments, console)
     return 0
@@ -147,12 +168,13 @@ def _loads(texts: list[str]) -> "Mapping[str, float | Load]":
     return PAPER_LOADS if texts == ["paper"] else assignments("--loads", texts)
 
 
-def _record(done: "Run", arguments: Namespace) -> dict[str, Any]:
+def _record(done: "Run", inside: Hidden, arguments: Namespace) -> dict[str, Any]:
     error = done.tracking_error
     return {
         "bag": str(arguments.output),
         "feedforward": arguments.feedforward,
         "seed": arguments.seed,
+        "hidden": list(inside.records),
         "seconds": float(done.recording.time[-1]),
         "rms": float((error**2).mean() ** 0.5),
         "largest": float(abs(error).max()),
@@ -173,6 +195,8 @@ def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None
         f"drove {record['seconds']:.1f} s, feedforward: {arguments.feedforward}; "
         "tracking error, reference less measured position"
     )
+    for found in record["hidden"]:
+        console.paragraph(told(found))
     rows = [
         [
             name,

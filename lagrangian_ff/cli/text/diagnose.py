@@ -13,6 +13,31 @@ LEGEND = (
     "error: rms on that joint, on {unseen}."
 )
 
+STAYS = 0.98
+"""An error that falls to no less than this share of what it was is said to stay."""
+
+
+def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
+    """Faults of the measurement: those to mend before any effect is believed, then the others.
+
+    Args:
+        checks: records of the preflight.
+        console: to tell it to.
+    """
+    for heading, faults in (
+        ("mend first: these faults of the measurement look like missing physics",
+         [one for one in checks if one["serious"]]),
+        ("about the measurement",
+         [one for one in checks if one["advice"] and not one["serious"]]),
+    ):  # fmt: skip
+        if faults:
+            console.say(heading)
+        for one in faults:
+            advice = f". {one['advice']}" if one["advice"] else ""
+            console.paragraph(f"{one['finding']}{advice}", "  - ", "    ")
+        if faults:
+            console.say()
+
 
 def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
     """The verdict, the findings, and what is left.
@@ -21,18 +46,15 @@ def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
         record: of diagnose.
         console: to tell it to.
     """
+    console.say()
     console.paragraph(record["verdict"])
     findings = record["findings"]
     if findings:
         console.say(["", "what was found"])
         console.say(finding_table(findings))
         console.paragraph(LEGEND.format(unseen=record["confirmed_on"]), "  ")
-        console.say(["", "its torque, in N·m with qd in rad/s"])
-        entries = [{**one, "joint": ", ".join(one["joints"])} for one in findings]
-        console.say(equations(entries))
-        console.say(["", "its parameters with 90 % intervals"])
-        console.say(parameter_table(entries))
-        doubts = [text for one in findings if (text := doubt(one))]
+        say_parameters(findings, console)
+        doubts = [text for one in findings for text in (doubt(one), no_fall(one)) if text]
         if doubts:
             console.say()
         for text in doubts:
@@ -45,6 +67,21 @@ def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
                 "  - ",
                 "    ",
             )
+
+
+def say_parameters(findings: Sequence[Mapping[str, Any]], console: Console) -> None:
+    """The torque of each finding as an equation, and its parameters."""
+    entries = [{**one, "joint": ", ".join(one["joints"])} for one in findings if one["parameters"]]
+    if entries:
+        console.say(["", "as torque, in N·m with qd in rad/s"])
+        console.say(equations(entries))
+        console.say(["", "its parameters with 90 % intervals"])
+        console.say(parameter_table(entries))
+
+
+def is_event(finding: Mapping[str, Any]) -> bool:
+    """Whether it is of the recording, as a load taken up, not of the arm: nothing is to be added."""
+    return finding["p_value"] is None
 
 
 def finding_table(findings: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -109,6 +146,20 @@ def say_not_observable(record: Mapping[str, Any], model: str, console: Console) 
         )
 
 
+def no_fall(finding: Mapping[str, Any]) -> str:
+    """What it means that the model's own error does not fall with a confirmed effect."""
+    before, after = finding["error_before"], finding["error_after"]
+    if finding["verdict"] != "confirmed" or before is None or after < STAYS * before:
+        return ""
+    joints = ", ".join(finding["joints"])
+    return (
+        f"{finding['effect']} on {joints} is there, yet adding it to this model hardly changes "
+        f"its error on {joints}: the recordings that the model keeps do not hold the effect (did "
+        "it appear since?), or other errors of the model are larger. Identify anew from these "
+        "recordings, then add it"
+    )
+
+
 def excite(effect: str, joint: str, model: str) -> str:
     """The command that makes the motion which shows an effect."""
     return f"lagrangian_ff excite {effect} --joint {joint} --model {model} --output motion.csv"
@@ -131,14 +182,24 @@ def next_steps(
     """
     again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
     sure = [one for one in record["findings"] if one["verdict"] == "confirmed"]
+    events = [one for one in sure if is_event(one)]
+    sure = [one for one in sure if not is_event(one)]
     if sure:
         first = sure[0]
         joints = " ".join(f"--joint {joint}" for joint in first["joints"])
+        values = " ".join(f"{name}={number(value)}" for name, value in first["shape"].items())
+        shape = f" --shape {values}" if values else ""
         return [
             "next: add what is confirmed",
-            f"  lagrangian_ff add {model} {first['effect']} {joints}",
+            f"  lagrangian_ff add {model} {first['effect']} {joints}{shape}",
             "or all of it, and look again until nothing more is confirmed",
             f"  lagrangian_ff diagnose {model} {again} --apply --output NEW.npz",
+        ]
+    if events:
+        return [
+            f"next: {events[0]['effect']} is of this recording, not of the arm: nothing is to be "
+            "added.",
+            "Identify and diagnose from recordings without it, or with it from the beginning.",
         ]
     unsure = record["findings"]
     if unsure:
