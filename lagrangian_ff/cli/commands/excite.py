@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 NAME = "excite"
 SUMMARY = "make the motion that shows an effect, or tells it from its look-alikes"
-USAGE = "EFFECT|MOTION [--joint J] (--model MODEL | --arm) --output FILE.csv|FILE.yaml [options]"
+USAGE = "EFFECT|MOTION (--model MODEL | --arm) --output FILE [options]"
 DESCRIPTION = """\
 Makes the motion to record next, as a trajectory: by the name of an effect that is to be shown, or
 by its own name. It is smooth, begins and ends at rest, and stays within the range that a model was

@@ -64,8 +64,9 @@ def clear_motion(
         progress(number / len(tries), "looking for a motion free of contact")
         limits = bounds.around(pose, reach * share)
         begin = np.clip(home, limits.q_low, limits.q_high) if start is None else home
+        held = pose if start is None else None
         for tempo in TEMPOS:
-            trajectory = _made(motion, joint, limits.gentler(tempo), begin, pose, duration, seed)
+            trajectory = _made(motion, joint, limits.gentler(tempo), begin, held, duration, seed)
             if not _too_hard(trajectory):
                 break
         else:
@@ -114,7 +115,7 @@ def _made(
     joint: str | None,
     limits: "Limits",
     start: "Floats",
-    pose: "Floats",
+    pose: "Floats | None",
     duration: float | None,
     seed: int,
 ) -> "Trajectory":
