@@ -1,8 +1,8 @@
 """`diagnose` on the command line: a pendulum whose elbow cogs, which no model knows of."""
 
 import json
-import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -171,7 +171,7 @@ def test_faults_of_measurement_are_told_first_and_an_interrupt_leaves_nothing(
     recording = arm(30.0)
     recording.effort[:, 1] *= 0.5
     source = csv(tmp_path / "half.csv", recording)
-    monkeypatch.setattr(sys.modules["lagrangian_ff.diagnosis.diagnose"], "tune", interrupted)
+    monkeypatch.setattr(import_module("lagrangian_ff.diagnosis.diagnose"), "tune", interrupted)
     outcome = lagrangian_ff(
         "diagnose", folder / "old.npz", source, "--apply", "--output", tmp_path / "new.npz",
         "--report", tmp_path / "page.html", "--json", tmp_path / "found.json",

@@ -80,7 +80,7 @@ def say_parameters(findings: Sequence[Mapping[str, Any]], console: Console) -> N
 
 
 def is_event(finding: Mapping[str, Any]) -> bool:
-    """Whether it is of the recording, as a load taken up, not of the arm: nothing is to be added."""
+    """Whether it is of the recording, as a load taken up, not of the arm: nothing to add."""
     return finding["p_value"] is None
 
 
