@@ -1,6 +1,7 @@
 """Faults put into a measurement are found and named; a sound measurement has none."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,14 @@ from lagrangian_ff.diagnosis.preflight import Check, preflight
 from lagrangian_ff.diagnosis.preflight.effort import UNITS
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.recording import Conditioning, Motion, Recording, concatenate, condition
+from lagrangian_ff.recording import (
+    Conditioning,
+    Motion,
+    Recording,
+    concatenate,
+    condition,
+    load,
+)
 
 Floats = NDArray[np.float64]
 
@@ -253,3 +261,16 @@ def test_other_joints(model: Model, clean: Recording) -> None:
     ]
     with pytest.raises(ModelError, match="lacks elbow"):
         preflight(model, motion(clean).select(("shoulder",)))
+
+
+def test_a_measured_arm_is_sound(shared_data: Path) -> None:
+    """An LWR 4 that makes one motion twice: nothing to mend, and its noise is seen."""
+    files = [shared_data / "kuka_lwr4" / f"measurements_{k}.npz" for k in (1, 2)]
+    first, second = (condition(load(path)) for path in files)
+    model = identify(first, Settings(samples=120, evaluations=15, train=1.0)).model
+    checks = preflight(model, second, [first])
+    assert not serious(checks)
+    floor = [check for check in checks if check.check == "noise floor"]
+    assert len(floor) == 7
+    for check in floor:
+        assert 0.0 < check.values["floor"] < check.values["error"]

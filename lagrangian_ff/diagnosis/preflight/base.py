@@ -8,12 +8,17 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
+from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
 
 THIN = 100.0
 """Hz, at which the model is asked: it knows nothing faster than its filter lets through."""
+MARGIN = 0.05
+"""Of the range of a model: what is farther out, it does not know."""
+ENOUGH = 5.0
+"""s inside that range, for the torques to be compared."""
 CLEAR = 0.85
 """Correlation of measured and predicted torque from which on the two are compared."""
 _STILL = 1e-9  # N·m, a torque that does not change
@@ -61,7 +66,8 @@ class Case:
         others: further recordings, likewise.
         thin: the motion at about `THIN`.
         predicted: (M, N) N·m at the samples of `thin`.
-        correlation: (N,) of measured and predicted torque.
+        correlation: (N,) of measured and predicted torque, where the model knows the motion; 0
+            where that is for less than `ENOUGH` seconds.
         slope: (N,) measured per predicted torque, with its sign: the ratio of their spreads.
     """
 
@@ -83,14 +89,19 @@ class Case:
         motion, *rest = (_of_model(model, one) for one in (motion, *others))
         thin = thinned(motion)
         predicted = model.predict(thin.q, thin.qd, thin.qdd, time=thin.time, segment=thin.segment)
-        measured = thin.tau - thin.tau.mean(axis=0)
-        expected = predicted - predicted.mean(axis=0)
+        excess = model.range.excess(States.of(thin.q, thin.qd, thin.qdd))
+        known = (excess <= MARGIN).all(axis=1)
+        if known.sum() < ENOUGH * THIN:
+            nothing = np.zeros(len(model.joints))
+            return cls(model, motion, tuple(rest), thin, predicted, nothing, nothing + 1.0)
+        measured = thin.tau[known] - thin.tau[known].mean(axis=0)
+        expected = predicted[known] - predicted[known].mean(axis=0)
         size = np.sqrt((measured**2).mean(axis=0)), np.sqrt((expected**2).mean(axis=0))
-        known = (size[0] > _STILL) & (size[1] > _STILL)
-        correlation, slope = np.zeros(len(known)), np.ones(len(known))
+        turns = (size[0] > _STILL) & (size[1] > _STILL)
+        correlation, slope = np.zeros(len(turns)), np.ones(len(turns))
         common = (measured * expected).mean(axis=0)
-        correlation[known] = common[known] / (size[0] * size[1])[known]
-        slope[known] = np.copysign(size[0][known] / size[1][known], common[known])
+        correlation[turns] = common[turns] / (size[0] * size[1])[turns]
+        slope[turns] = np.copysign(size[0][turns] / size[1][turns], common[turns])
         return cls(model, motion, tuple(rest), thin, predicted, correlation, slope)
 
     @property

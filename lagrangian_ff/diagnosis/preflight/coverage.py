@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.preflight.base import Case, Check, duration_of, rate_of
+from lagrangian_ff.diagnosis.preflight.base import MARGIN, Case, Check, duration_of, rate_of
 from lagrangian_ff.kernels import States
 
 SHORT = 20.0
@@ -15,7 +15,6 @@ SLOW, SLOW_SHARE = 0.05, 0.01
 """rad/s, and the share of the time that creeping must have."""
 FAST = 0.4
 """Of the speed that the model knows."""
-_MARGIN = 0.05  # of the range: what lies farther out is outside
 _SAMPLED = 80.0  # Hz
 
 
@@ -56,7 +55,7 @@ def check_range(case: Case) -> list[Check]:
     """How much of the motion lies outside what the model was identified on."""
     motion = case.thin
     excess = case.model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
-    outside = excess > _MARGIN
+    outside = excess > MARGIN
     share = float(outside.any(axis=1).mean())
     if share == 0.0:
         return []

@@ -15,6 +15,8 @@ FLAT = 0.004
 """Of the extreme value: what changes less stands still."""
 LONG = 0.04
 """s that it must stand still: the filter's own time."""
+VARIES = 0.025
+"""Of the extreme value: what the model's torque must change meanwhile."""
 _RINGING = 0.06  # of the extreme: how far the low-pass swings beyond a clipped edge
 _BAND = 0.006  # of the torque's range above its median, at least
 _NOISE = 4.0  # times the noise, at least
@@ -74,6 +76,10 @@ def _flat(case: Case, n: int, sign: float) -> tuple[float, float, float] | None:
     same = [(a, b) for a, b, value in long if abs(value - level) <= 2 * FLAT * room]
     samples = sum(b - a + 1 for a, b in same)
     if samples < SHARE * len(tau) or not _unusual(tau, level, samples, FLAT * room):
+        return None
+    expected = np.interp(motion.time, case.thin.time, case.slope[n] * case.predicted[:, n])
+    if np.mean([np.ptp(expected[a : b + 1]) for a, b in same]) < VARIES * room:
+        # The model's torque rests there too: a slow round peak.
         return None
     return sign * level, samples / len(tau), float(motion.time[same[0][0]])
 
