@@ -4,5 +4,17 @@ from lagrangian_ff.diagnosis.add import add, history
 from lagrangian_ff.diagnosis.apply import apply
 from lagrangian_ff.diagnosis.compare import Comparison, compare
 from lagrangian_ff.diagnosis.diagnose import Diagnosis, Finding, diagnose
+from lagrangian_ff.diagnosis.since import Changed, changed_since
 
-__all__ = ["Comparison", "Diagnosis", "Finding", "add", "apply", "compare", "diagnose", "history"]
+__all__ = [
+    "Changed",
+    "Comparison",
+    "Diagnosis",
+    "Finding",
+    "add",
+    "apply",
+    "changed_since",
+    "compare",
+    "diagnose",
+    "history",
+]

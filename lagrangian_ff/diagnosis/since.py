@@ -1,0 +1,151 @@
+"""What changed since the model was identified: friction, the arm's masses, or something new.
+
+The data that the model keeps and a new recording are judged together, with one rigid-body part and
+one set of effects for both. What then stands out in the new recording only has changed: each effect
+is a candidate from the boundary on, and so is a second Lagrangian, which is what a load adds.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrangian_ff.diagnosis.ground import Ground, evidence_of, lay, sharpen, tune
+from lagrangian_ff.diagnosis.search.change import FINE, WORTH, joints_of
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
+from lagrangian_ff.effects import EFFECTS, Effect, Inputs
+from lagrangian_ff.effects.base import Floats
+from lagrangian_ff.identification import Model, kept
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion, concatenate
+
+PAUSE = 10.0  # s between the two, so that no block holds both
+SINCE = " since"
+MASSES = "rigid body"
+"""The name of a change of masses, as by a load."""
+
+
+@dataclass(frozen=True)
+class Changed:
+    """Something that is not as it was.
+
+    Attributes:
+        what: the effect, or `MASSES`.
+        joints: that feel it.
+        gain: nats of log evidence.
+        p_value: of chance doing as well over all candidates; None where it was not drawn.
+        parameters: by name its change, in the parameter's unit: (value, unit).
+        size: N·m, root mean square of the torque it adds, on the first of the joints.
+    """
+
+    what: str
+    joints: tuple[str, ...]
+    gain: float
+    p_value: float | None
+    parameters: Mapping[str, tuple[float, str]]
+    size: float
+
+    def record(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "what": self.what,
+            "joints": list(self.joints),
+            "evidence_gain": self.gain,
+            "p_value": self.p_value,
+            "change": {
+                name: {"value": value, "unit": unit}
+                for name, (value, unit) in self.parameters.items()
+            },
+            "size": self.size,
+        }
+
+
+class _Later(Effect):
+    """An effect that begins, or changes, at a boundary of time."""
+
+    def __init__(self, effect: Effect, boundary: float) -> None:
+        self._effect, self._boundary = effect, boundary
+        for word in ("formula", "source", "meaning", "parameters", "shapes", "kind",
+                     "coordinate", "remembers", "uses"):  # fmt: skip
+            setattr(self, word, getattr(effect, word))
+        setattr(self, "name", f"{effect.name}{SINCE}")  # noqa: B010
+
+    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
+        """See `Effect.columns`."""
+        return self._effect.columns(x, joint, shape) * (x.time >= self._boundary)[:, None]
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """See `Effect.candidates`."""
+        return self._effect.candidates(x, joint)
+
+
+def changed_since(
+    model: Model, motion: Motion, steps: int = MOST_STEPS, progress: Progress = silent
+) -> tuple[Changed, ...]:
+    """What is different in a recording from the data that a model was identified from.
+
+    Args:
+        model: with the data it keeps.
+        motion: recorded later.
+        steps: at most so many changes are looked for.
+        progress: told the share done.
+
+    Returns:
+        The changes, in the order in which they were found; empty where nothing stands out.
+
+    Raises:
+        RecordingError: the motion lacks a joint of the model.
+    """
+    new = kept(motion.select(model.joints))
+    boundary = float(model.data.time.max()) + PAUSE
+    new = replace(new, time=new.time - new.time[0] + boundary)
+    both = concatenate([model.data, new])
+    ground = tune(both, model.inputs_of(both), model.basis, progress)
+    found = []
+    heavier = _masses(ground, boundary)
+    if heavier is not None:
+        ground, change = heavier
+        felt, _ = joints_of(ground)
+        found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
+    # Under names of their own, since the model's own effects may have changed as well.
+    later = [_Later(effect, boundary) for effect in EFFECTS.values() if effect.kind != "event"]
+    done = search(ground, {effect.name: effect for effect in later}, steps)
+    for step in done.steps:
+        if step.named:
+            score = step.score
+            found.append(
+                Changed(
+                    score.candidate.source.name.removesuffix(SINCE),
+                    (model.joints[score.candidate.joint],),
+                    score.gain,
+                    step.p_value,
+                    {
+                        one.name: (float(value), one.unit)
+                        for one, value in zip(
+                            score.candidate.effect.parameters, score.coefficients, strict=True
+                        )
+                    },
+                    score.size,
+                )
+            )
+    return tuple(found)
+
+
+def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
+    """The ground with another Lagrangian added from the boundary on, if that is worth it."""
+    rows = len(ground.index) * ground.joints
+    evidence = evidence_of(ground.motion, ground.inputs, ground.basis, rows, (), ground)
+    plain = evidence(ground.prior)
+    gain, share = max(
+        (evidence(replace(ground.prior, change=(boundary, np.inf, one))) - plain, one)
+        for one in FINE
+    )
+    if gain < WORTH:
+        return None
+    prior = replace(ground.prior, change=(boundary, np.inf, share))
+    args = ground.motion, ground.index, ground.block, ground.inputs
+    heavier = lay(*args, prior, ground.basis, seen=ground.seen)
+    heavier = lay(*args, sharpen(heavier, ground.basis), ground.basis, seen=ground.seen)
+    _, felt = joints_of(heavier)
+    size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
+    return heavier, Changed(MASSES, (), gain, None, {}, size)
