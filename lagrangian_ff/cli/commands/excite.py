@@ -47,7 +47,7 @@ the motions:
   exciting     all joints through their ranges at once, slow and fast
   speeds       constant speeds from creeping to the limit, both ways
   slow sweep   the whole range slowly both ways, then creeping
-  reversals    strokes of 0.1 mrad to 0.2 rad at two speeds
+  reversals    strokes of 0.1 mrad to 0.15 rad at two speeds
   chirp        small and faster and faster
   one by one   each joint alone, then pairs with and against each other
   warm-up      the same short motion for minutes

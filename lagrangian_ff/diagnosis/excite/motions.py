@@ -72,7 +72,7 @@ NEXT_MOTIONS: dict[str, NextMotion] = {
     "reversals": NextMotion(
         _each(one_joint.reversals),
         60.0,
-        "One joint reverses again and again, with strokes of 0.1 mrad to 0.2 rad at two speeds. "
+        "One joint reverses again and again, with strokes of 0.1 mrad to 0.15 rad at two speeds. "
         "It tells dry friction, hysteresis before sliding and backlash apart.",
         one_each=True,
     ),

@@ -11,13 +11,14 @@ SWEEP = 0.3
 """rad/s, the fastest slow sweep: 60 periods a turn are then sampled 35 times each at 100 Hz."""
 CREEPING = (0.005, 0.015, 0.05, 0.15)
 """rad/s"""
-STROKES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 5e-2, 0.2)
+STROKES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.15)
 """rad, of the reversals."""
 STROKE_SPEEDS = (0.02, 0.1)
 """rad/s, at their middle."""
 _SHORTEST_STROKE = 0.25  # s: a servo follows no faster
-_LONGEST_STROKE = 2.5  # s at its highest speed
-_FEWEST_STROKES = 4
+_LONGEST_STROKE = 1.6  # s at its highest speed
+_SHORT, _SHORT_AGAIN = 0.3, 3  # s at its highest speed, and how often a shorter stroke is done
+_FEWEST_STROKES = 8
 _WIDE = 0.3  # rad, a range that has places
 _SPEEDS = 8
 _MOST_RUNS = 4
@@ -60,6 +61,7 @@ def reversals(path: Path, joint: int, seconds: float) -> None:
         for speed in STROKE_SPEEDS
         for stroke in STROKES
         if stroke <= 0.3 * width and stroke <= _LONGEST_STROKE * speed
+        for _ in range(_SHORT_AGAIN if stroke <= _SHORT * speed else 1)
     ]
     while len(plan) > _FEWEST_STROKES and _time_of(plan) > seconds:
         plan.remove(max(plan, key=lambda stroke: stroke[1]))
