@@ -66,7 +66,7 @@ def reversals(path: Path, joint: int, seconds: float) -> None:
     while len(plan) > _FEWEST_STROKES and _time_of(plan) > seconds:
         plan.remove(max(plan, key=lambda stroke: stroke[1]))
     places = (0.5, 0.3, 0.7) if width > _WIDE else (0.5,)
-    for number in range(max(1, int(seconds / _time_of(plan)))):
+    for number in range(max(1, round(seconds / _time_of(plan)))):
         path.move(with_joints(path.at, [(joint, low + places[number % len(places)] * width)]))
         home = float(path.at[joint])
         for stroke, duration in plan:
