@@ -1,6 +1,7 @@
 """`diagnose` on the command line: a pendulum whose elbow cogs, which no model knows of."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -36,6 +37,15 @@ def cogging(seconds: float = 24.0, reach: float = 1.0) -> Recording:
     effort = recording.effort + 0.1 * random.normal(size=recording.effort.shape)
     effort[:, 1] += SIZE * np.cos(ORDER * recording.position[:, 1])
     return replace(recording, effort=effort)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _few_samples() -> Iterator[None]:
+    """Judge on fewer samples, which is quicker."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.ROWS", 1600)
+        patch.setattr("lagrangian_ff.diagnosis.search.confirm.ROWS", 1600)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -94,11 +104,18 @@ def test_what_appeared_since_is_found_and_said_not_to_be_in_the_models_data(
 ) -> None:
     """And without another recording the end of this one is held back."""
     old, source = folder / "old.npz", csv(tmp_path / "long.csv", cogging(40.0))
-    outcome = lagrangian_ff("diagnose", old, source, "--steps", "1")
+    outcome = lagrangian_ff(
+        "diagnose", old, source, "--steps", "1", "--since", "--json", tmp_path / "found.json"
+    )
     assert outcome.code == 0, outcome
     assert "the last third of the motion is held back" in outcome.text
     assert f"lagrangian_ff add {old} ripple --joint elbow --shape order=9.00" in outcome.text
     assert "did it appear since?" in outcome.text
+    changed = json.loads((tmp_path / "found.json").read_text())["changed"]
+    assert [(one["what"], one["joints"]) for one in changed][:1] == [("ripple", ["elbow"])]
+    assert changed[0]["change"]["a"]["value"] == pytest.approx(SIZE, rel=0.2)
+    assert f"what changed since {old} was identified" in outcome.text
+    assert "ripple  elbow" in outcome.out
     assert "--apply --output" in outcome.text
 
 

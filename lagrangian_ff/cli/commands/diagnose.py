@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.measurement import checked
 from lagrangian_ff.cli.common.options import (
     SOURCE_HELP,
     add_conditioning,
@@ -19,6 +20,7 @@ from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effe
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.rounds import Round, diagnosed, falls
 from lagrangian_ff.cli.common.sources import of_model, prepare, read
+from lagrangian_ff.cli.text.changed import say_changed
 from lagrangian_ff.cli.text.diagnose import (
     next_steps,
     say_checks,
@@ -46,6 +48,7 @@ examples:
   lagrangian_ff diagnose model.npz bag --confirm other_bag
   lagrangian_ff diagnose model.npz bag --report missing.html --json missing.json
   lagrangian_ff diagnose model.npz bag --apply --output better.npz
+  lagrangian_ff diagnose last_year.npz bag --since
   lagrangian_ff diagnose model.npz bag --effects-file my_effects.py
 
 what comes out:
@@ -91,6 +94,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         "looking and adding (default: 6)",
     )
     parser.add_argument(
+        "--since",
+        action="store_true",
+        help="ask too what changed since the model was identified, friction or masses: SOURCE "
+        "against the data that the model keeps",
+    )
+    parser.add_argument(
         "--apply",
         action="store_true",
         help="add what is confirmed, look again until nothing is, and write the model",
@@ -127,10 +136,13 @@ def run(arguments: Namespace) -> int:
     if not confirm:
         console.note("no --confirm: the last third of the motion is held back to confirm on", "")
         console.say()
-    checks = _preflight(model, motions, confirm, console)
+    checks = checked(model, motions, confirm)
+    say_checks(checks, console)
     steps = MOST_STEPS if arguments.steps is None else arguments.steps
     rounds = diagnosed(model, motions, confirm, steps, apply=arguments.apply)
     record = {**_record(rounds, arguments), "preflight": checks}
+    if arguments.since:
+        record["changed"] = _changed(model, motions)
     after = next((one.after for one in reversed(rounds) if one.after is not None), None)
     if arguments.json is not None or arguments.report is not None:
         _write(record, model, motions, arguments)
@@ -154,17 +166,14 @@ def _motions(
     return [prepare(recording, conditioning, console).motion for recording in recordings]
 
 
-def _preflight(
-    model: "Model", motions: "Sequence[Motion]", confirm: "Sequence[Motion]", console: Console
-) -> list[dict[str, object]]:
-    """What is wrong with the measurement, told before the long work begins."""
-    from lagrangian_ff.diagnosis.preflight import preflight
+def _changed(model: "Model", motions: "Sequence[Motion]") -> list[dict[str, Any]]:
+    """What differs from the data that the model was identified from."""
+    from lagrangian_ff.diagnosis import changed_since
     from lagrangian_ff.recording.motion import concatenate
 
-    with progress_bar("checking the measurement"):
-        checks = [check.record() for check in preflight(model, concatenate(motions), confirm)]
-    say_checks(checks, console)
-    return checks
+    with progress_bar("asking what changed") as progress:
+        return [one.record() for one in changed_since(model, concatenate(motions),
+                                                      progress=progress)]  # fmt: skip
 
 
 def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:
@@ -215,6 +224,8 @@ def _say(
         say_diagnosis(one.record, console)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])
+    if arguments.since:
+        say_changed(record["changed"], str(arguments.model), console)
     say_not_observable(rounds[-1].record, str(arguments.model), console)
     console.say()
     if record["steps"] and arguments.apply:

@@ -33,8 +33,9 @@ def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
         if faults:
             console.say(heading)
         for one in faults:
+            where = f"{one['source']}: " if one.get("source") else ""
             advice = f". {one['advice']}" if one["advice"] else ""
-            console.paragraph(f"{one['finding']}{advice}", "  - ", "    ")
+            console.paragraph(f"{where}{one['finding']}{advice}", "  - ", "    ")
         if faults:
             console.say()
 
@@ -155,8 +156,8 @@ def no_fall(finding: Mapping[str, Any]) -> str:
     return (
         f"{finding['effect']} on {joints} is there, yet adding it to this model hardly changes "
         f"its error on {joints}: the recordings that the model keeps do not hold the effect (did "
-        "it appear since?), or other errors of the model are larger. Identify anew from these "
-        "recordings, then add it"
+        "it appear since? ask with --since), or other errors of the model are larger. Identify "
+        "anew from these recordings, then add it"
     )
 
 
