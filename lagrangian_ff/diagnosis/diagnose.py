@@ -13,6 +13,7 @@ from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, sea
 from lagrangian_ff.diagnosis.search.gain import Score
 from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
 from lagrangian_ff.diagnosis.search.rivals import rivals
+from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, kept
@@ -308,7 +309,7 @@ def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
 def _unexplained(step: Step, ground: Ground, joints: Sequence[str]) -> Unexplained:
     candidate = step.score.candidate
     dependence = candidate.source
-    words = getattr(dependence, "coordinate", dependence.name)
+    words = told(str(getattr(dependence, "coordinate", dependence.name)), joints)
     return Unexplained(
         joints[candidate.joint],
         words,

@@ -16,6 +16,7 @@ from lagrangian_ff.diagnosis.diagnose import (
     Finding,
     TakenUp,
 )
+from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.diagnosis.signature import signature
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.progress import Progress, silent
@@ -66,7 +67,7 @@ def diagnosis_record(
         ],
         "ranking": [
             {
-                "effect": score.candidate.source.name,
+                "effect": told(score.candidate.source.name, diagnosis.model.joints),
                 "joint": diagnosis.model.joints[score.candidate.joint],
                 "gain": score.gain,
                 "threshold": threshold,
@@ -209,6 +210,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         "blocks": _blocks(made),
         "parameters": parameters,
         "shape": dict(found.shape),
+        "shape_units": {shape.name: shape.unit for shape in effect.shapes},
         "formula": effect.formula,
         "meaning": effect.meaning,
         "source": effect.source,

@@ -10,6 +10,8 @@ from lagrangian_ff.effects import Inputs
 Floats = NDArray[np.float64]
 
 BINS, FINE_BINS = 24, 72
+ALONG = ("velocity", "direction")
+"""Coordinates that tell the direction of motion themselves."""
 UNITS = {
     "velocity": "rad/s", "position": "rad", "acceleration": "rad/s²", "load": "N·m", "time": "s",
     "direction": "sign(qd)", "since_reversal": "s", "order": "rad",
@@ -29,6 +31,10 @@ def signature(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
     effect = candidate.columns(x) @ finding.parameters
     left = ground.system.weights.reshape(len(ground.index), ground.joints)[:, candidate.joint]
     left = left * ground.prior.noise[candidate.joint] * ground.prior.unit[candidate.joint]
+    if finding.effect.kind == "friction" and finding.effect.coordinate not in ALONG:
+        # Both directions would cancel: shown along the motion.
+        direction = np.sign(x.qd[:, candidate.joint])
+        effect, left = effect * direction, left * direction
     at = _coordinate(finding.effect.coordinate, x, candidate.joint)
     bins = FINE_BINS if finding.effect.coordinate == "order" else BINS
     edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))

@@ -110,7 +110,7 @@ def search(
         )
         _, best, chance = looks[-1]
         eligible = [score for score in best if _stands_out(score, chance, ground)]
-        if change is None and may_change:
+        if change is None and may_change and (not taken or not eligible):
             change = change_of(ground)
             if change is not None and (not eligible or change.gain > eligible[0].gain):
                 prior = replace(ground.prior, change=change.prior)

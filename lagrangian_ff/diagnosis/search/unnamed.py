@@ -5,7 +5,8 @@ coordinate explains clearly more than every known effect does, the honest findin
 coordinate, not a name.
 """
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,6 +48,11 @@ class Dependence:
         out[rows, place] = 1.0 - share
         out[rows, place + 1] = share
         return out * x.sign(joint)[:, None] if self.friction else out
+
+
+def told(words: str, joints: Sequence[str]) -> str:
+    """A dependence in words, the joints by their names instead of their numbers."""
+    return re.sub(r"\bjoint (\d+)\b", lambda match: joints[int(match.group(1))], words)
 
 
 def since_reversal(x: Inputs, joint: int) -> Floats:
