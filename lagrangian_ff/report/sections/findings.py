@@ -129,8 +129,9 @@ def _parameters(found: Mapping[str, Any]) -> str:
         [name, number(p["value"]), number(_value(p, "low")), number(_value(p, "high")), p["unit"]]
         for name, p in found.get("parameters", {}).items()
     ]
+    units = found.get("shape_units") or {}
     rows += [
-        [name, number(float(value)), "–", "–", ""]
+        [name, number(float(value)), "–", "–", units.get(name, "")]
         for name, value in (found.get("shape") or {}).items()
     ]
     return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows) if rows else ""
