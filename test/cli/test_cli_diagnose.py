@@ -227,6 +227,19 @@ def test_a_load_taken_up_is_not_told_to_be_added() -> None:
     assert "lagrangian_ff add" not in lines
 
 
+def test_the_measurement_comes_first_and_the_unexplained_is_not_forgotten() -> None:
+    record = {
+        "findings": [finding("suggested", [])],
+        "unexplained": [{"joint": "elbow", "coordinate": "time", "share": 0.1}],
+        "preflight": [{"serious": True}],
+    }
+    lines = next_steps(record, "m.npz", ["a"])
+    assert "measurement" in lines[0]
+    assert any("--effects-file" in line for line in lines)
+    assert excite("ripple", "elbow", "m.npz") in "\n".join(lines)
+    assert next_steps({"findings": [], "unexplained": []}, "m.npz", ["a"]) == []
+
+
 def test_doubts_say_why_and_what_to_do() -> None:
     assert doubt(finding("confirmed", [])) == ""
     assert doubt(finding("ambiguous with delay", ["delay"])).count("delay") == 1

@@ -182,15 +182,19 @@ def next_steps(
         sources, confirm: the recordings, as they were named.
     """
     again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
+    lines = []
+    if any(one["serious"] for one in record.get("preflight", [])):
+        lines.append("next: mend what is wrong with the measurement, see above, and diagnose again")
     sure = [one for one in record["findings"] if one["verdict"] == "confirmed"]
     events = [one for one in sure if is_event(one)]
-    sure = [one for one in sure if not is_event(one)]
-    if sure:
-        first = sure[0]
+    to_add = [one for one in sure if not is_event(one)]
+    if to_add:
+        first = to_add[0]
         joints = " ".join(f"--joint {joint}" for joint in first["joints"])
         values = " ".join(f"{name}={number(value)}" for name, value in first["shape"].items())
         shape = f" --shape {values}" if values else ""
         return [
+            *lines,
             "next: add what is confirmed",
             f"  lagrangian_ff add {model} {first['effect']} {joints}{shape}",
             "or all of it, and look again until nothing more is confirmed",
@@ -198,22 +202,22 @@ def next_steps(
         ]
     if events:
         return [
+            *lines,
             f"next: {events[0]['effect']} is of this recording, not of the arm: nothing is to be "
             "added.",
             "Identify and diagnose from recordings without it, or with it from the beginning.",
         ]
-    unsure = record["findings"]
-    if unsure:
-        first = unsure[0]
-        return [
-            "next: record the motion that settles it, and confirm on that",
-            f"  {excite(first['effect'], first['joints'][0], model)}",
-            f"  lagrangian_ff diagnose {model} {' '.join(sources)} --confirm NEW_RECORDING",
-        ]
     if record["unexplained"]:
-        return [
+        lines += [
             "next: where is it, and do you know of an effect that looks so? Bring it:",
             f"  lagrangian_ff compare {model} {' '.join(sources)} --report where.html",
             f"  lagrangian_ff diagnose {model} {again} --effects-file my_effects.py",
         ]
-    return []
+    if record["findings"]:
+        first = record["findings"][0]
+        lines += [
+            f"next: record the motion that settles {first['effect']}, and confirm on that",
+            f"  {excite(first['effect'], first['joints'][0], model)}",
+            f"  lagrangian_ff diagnose {model} {' '.join(sources)} --confirm NEW_RECORDING",
+        ]
+    return lines
