@@ -1,4 +1,4 @@
-"""The command `lagrangian_ff`: identify, predict, feedforward, simulate, info, demo.
+"""The command `lagrangian_ff`: identify, compare, diagnose, add, history and more.
 
 `commands` holds one file a command and lists them once; `common` what they share (options,
 sources, outputs, progress); `text` the words in which results are told. Importing this room loads

@@ -10,8 +10,8 @@ from lagrangian_ff.cli.commands import COMMANDS
 from lagrangian_ff.cli.common.console import WIDEST
 
 DESCRIPTION = """\
-Learn the inverse dynamics of a robot arm from recordings of its joint states, see how good the
-model is, and compute feedforward torque with it."""
+Learn the inverse dynamics of a robot arm from recordings of its joint states, see where the model
+fails and which physical effect it lacks, add it, and compute feedforward torque with the model."""
 
 EPILOG = """\
 a first session, without a robot and without ROS:
@@ -22,6 +22,13 @@ a first session, without a robot and without ROS:
   lagrangian_ff simulate --seed 1 --output before
   lagrangian_ff simulate --seed 1 --feedforward model.npz --output after
                                                  an unseen motion without and with its torque
+
+what is missing in a model:
+  lagrangian_ff compare model.npz before         where does it fail?
+  lagrangian_ff diagnose model.npz arm_bag --confirm before
+                                                 which physical effect is missing?
+  lagrangian_ff add model.npz EFFECT --joint JOINT
+  lagrangian_ff history NEW.npz                  what was added, why, and the fall of the error
 
 Every command explains itself: lagrangian_ff COMMAND --help
 Exit codes: 0 done, 2 a mistake you can mend (said on stderr), 130 interrupted."""
