@@ -12,6 +12,8 @@ Floats = NDArray[np.float64]
 DEVIATIONS = 2.0
 LEAST = 4.0
 """Nats by which a rival must fall behind, and standard deviations of that, to be ruled out."""
+WORTHY = 0.25
+"""The share of the best one's gain that makes a rival at all."""
 
 
 def best_of_each(found: Iterable[Score]) -> list[Score]:
@@ -46,6 +48,7 @@ def rivals(
             mine, its = more[number]
             behind += float(np.sum(mine - its))
             scatter += len(mine) * float(np.var(mine - its))
-        if other.gain > 0.0 and behind < max(LEAST, DEVIATIONS * np.sqrt(scatter)):
+        worthy = other.gain > max(LEAST, WORTHY * best.gain)
+        if worthy and behind < max(LEAST, DEVIATIONS * np.sqrt(scatter)):
             left.append(other)
     return left
