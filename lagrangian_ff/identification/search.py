@@ -156,11 +156,11 @@ class _Search:
     ) -> tuple[Choice, Scaling]:
         """The best choice found, and the scaling it was found with.
 
-        Every scaling takes part in the first stage; the best goes on.
+        Every scaling goes to the end: few samples favour joints that are learned apart.
         """
         step = np.array([axis.step for axis in self.axes])
         first = np.array([axis.start for axis in self.axes])
-        planned = sum(share for _, share in STAGES) + STAGES[0][1] * (len(scalings) - 1)
+        planned = sum(share for _, share in STAGES) * len(scalings)
         tried = 0
         running = [(0.0, first, scaling) for scaling in scalings]
         for samples, share in STAGES:
@@ -182,9 +182,9 @@ class _Search:
 
                 cost, found = _simplex(objective, point, step, self.axes, int(share * evaluations))
                 finished.append((cost, found, scaling))
-            running = [min(finished, key=lambda item: item[0])]
+            running = finished
             step = step * 0.4
-        _, found, scaling = running[0]
+        _, found, scaling = min(running, key=lambda item: item[0])
         return _at(start, self.axes, found, self.joint, data.states), scaling
 
     def cost(

@@ -125,7 +125,9 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     except IsADirectoryError as error:
         raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
     except UNREADABLE as error:
-        raise ModelError(f"{path} is damaged or no model file: {error}") from error
+        # NumPy's own words for this advise to load the file unsafely.
+        told = "" if "pickle" in str(error) else f": {error}"
+        raise ModelError(f"{path} is damaged or no model file{told}") from error
 
 
 def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
@@ -189,8 +191,8 @@ def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
 
 def _effect(name: str) -> Effect:
     if name not in EFFECTS:
-        raise KeyError(
-            f"it has the effect '{name}', which is not in the catalogue (one of your own? name "
-            "its file with --effects-file)"
+        raise ModelError(
+            f"the model has the effect '{name}', which is not in the catalogue; if it is one of "
+            "your own, name its file with --effects-file"
         )
     return EFFECTS[name]

@@ -74,7 +74,6 @@ def test_a_newer_version_says_so(saved: Path, tmp_path: Path) -> None:
         lambda c: c["header"].pop("joints"),
         lambda c: c["header"].update(joints=["one"]),
         lambda c: c["header"].update(hyperparameters={"sgima": [1.0]}),
-        lambda c: c["header"]["basis"][0].update(effect="wizardry"),
         lambda c: c["header"]["range"].pop("q_low"),
     ],
 )
@@ -83,6 +82,14 @@ def test_contents_that_do_not_fit_are_called_damaged(
 ) -> None:
     with pytest.raises(ModelError, match=r"bad\.npz is damaged"):
         Model.load(rewrite(saved, tmp_path / "bad.npz", change))
+
+
+def test_an_effect_of_ones_own_is_asked_for(saved: Path, tmp_path: Path) -> None:
+    def own(content: dict[str, Any]) -> None:
+        content["header"]["basis"][0].update(effect="wizardry")
+
+    with pytest.raises(ModelError, match=r"'wizardry', which is not in the .* --effects-file"):
+        Model.load(rewrite(saved, tmp_path / "own.npz", own))
 
 
 @given(cut=st.floats(0.0, 0.999), byte=st.integers(0, 255), place=st.floats(0.0, 0.999))

@@ -92,7 +92,8 @@ class Ground:
 
     @cached_property
     def _coarse(self) -> "NDArray[np.float32]":
-        return np.asarray(self.system.upper, dtype=np.float32, order="F")
+        # Below the diagonal lies what memory held before.
+        return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
 
     def whiten(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
         """(S N, K) columns (S, K) of one joint's torque, whitened, nothing projected out yet.

@@ -240,8 +240,8 @@ class _View:
         prior = sharpen(ground, *_with(ground, leader.candidate))
         again = _relaid(ground, prior, ground.basis, ground.extra)
         found = best_of_each(scores(again, _candidates(again, [leader.candidate.joint], effects)))
-        names = [refined(again, one) for one in found if one.candidate.named and one.gain > 0.0]
-        names = sorted(names[:REFINED], key=lambda score: -score.gain)
+        best = [one for one in found if one.candidate.named and one.gain > 0.0][:REFINED]
+        names = sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
         first = names[0] if names else None
         return cls(leader, again, again.system.log_evidence, first, tuple(names[1:]), free)
@@ -249,6 +249,12 @@ class _View:
     def total(self, score: Score | None) -> float:
         """Log evidence with a candidate: what can be compared between views."""
         return -np.inf if score is None else self.base + score.gain
+
+
+def _worth(ground: Ground, score: Score) -> float:
+    """The gain less the price of having tried so many shapes: of equals the simpler comes first."""
+    shapes = score.candidate.effect.candidates(ground.seen, score.candidate.joint)
+    return score.gain - float(np.log(max(len(shapes), 1)))
 
 
 def _with(ground: Ground, candidate: Candidate) -> tuple[Basis, tuple[Extra, ...]]:

@@ -44,8 +44,9 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
     motion = found.first.motion
     still = np.ptp(motion.q, axis=0) < STILL
     power: dict[tuple[str, int], float] = {}
+    seen = {step.score.candidate.key for step in found.steps}
     for score in found.all:
-        if score.candidate.named:
+        if score.candidate.named and score.candidate.key not in seen:
             key = score.candidate.key
             power[key] = max(power.get(key, -np.inf), expected_gain(score))
     missing = []
