@@ -4,6 +4,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.held import Held
 from lagrangian_ff.cli.common.leaving import leaving
 from lagrangian_ff.cli.common.options import (
     SOURCE_HELP,
@@ -11,15 +12,12 @@ from lagrangian_ff.cli.common.options import (
     add_force,
     add_json,
     add_topic,
-    conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.compare import next_step, say_where
 from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
-from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 
 NAME = "compare"
@@ -71,20 +69,10 @@ def run(arguments: Namespace) -> int:
     load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import locate
-    from lagrangian_ff.identification import Model
-    from lagrangian_ff.recording import Conditioning
     from lagrangian_ff.recording.motion import concatenate
 
-    model = Model.load(arguments.model)
-    conditioning = conditioning_of(
-        arguments, Conditioning.from_record(model.record.get("conditioning"))
-    )
-    console.say(scaling(conditioning.record()))
-    recordings = [
-        of_model(read(source, arguments.topic), model, arguments.model)
-        for source in arguments.sources
-    ]
-    motions = [prepare(recording, conditioning, console).motion for recording in recordings]
+    held = Held.of(arguments, console)
+    model, motions = held.model, held.motions(arguments.sources, console)
     motion = concatenate(motions) if len(motions) > 1 else motions[0]
     with progress_bar("predicting") as progress:
         comparison = compare(model, motion, progress=progress)

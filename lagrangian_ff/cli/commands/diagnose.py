@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.held import Held
 from lagrangian_ff.cli.common.measurement import checked
 from lagrangian_ff.cli.common.options import (
     SOURCE_HELP,
@@ -13,13 +14,11 @@ from lagrangian_ff.cli.common.options import (
     add_force,
     add_json,
     add_topic,
-    conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.cli.common.rounds import Round, diagnosed, falls
-from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.changed import say_changed
 from lagrangian_ff.cli.text.diagnose import (
     next_steps,
@@ -28,12 +27,11 @@ from lagrangian_ff.cli.text.diagnose import (
     say_not_observable,
 )
 from lagrangian_ff.cli.text.history import fall_table
-from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import Model
-    from lagrangian_ff.recording import Conditioning, Motion
+    from lagrangian_ff.recording import Motion
 
 NAME = "diagnose"
 SUMMARY = "find out which physical effect a model lacks, with the evidence for it"
@@ -123,16 +121,10 @@ def run(arguments: Namespace) -> int:
     _check(arguments)
     load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
-    from lagrangian_ff.identification import Model
-    from lagrangian_ff.recording import Conditioning
 
-    model = Model.load(arguments.model)
-    conditioning = conditioning_of(
-        arguments, Conditioning.from_record(model.record.get("conditioning"))
-    )
-    console.say(scaling(conditioning.record()))
-    motions = _motions(arguments.sources, model, conditioning, arguments, console)
-    confirm = _motions(arguments.confirm, model, conditioning, arguments, console)
+    held = Held.of(arguments, console)
+    model, motions = held.model, held.motions(arguments.sources, console)
+    confirm = held.motions(arguments.confirm, console)
     if not confirm:
         console.note("no --confirm: the last third of the motion is held back to confirm on", "")
         console.say()
@@ -151,19 +143,6 @@ def run(arguments: Namespace) -> int:
             after.save(path)
     _say(rounds, record, arguments, console)
     return 0
-
-
-def _motions(
-    sources: Sequence[Path],
-    model: "Model",
-    conditioning: "Conditioning",
-    arguments: Namespace,
-    console: Console,
-) -> "list[Motion]":
-    recordings = [
-        of_model(read(source, arguments.topic), model, arguments.model) for source in sources
-    ]
-    return [prepare(recording, conditioning, console).motion for recording in recordings]
 
 
 def _changed(model: "Model", motions: "Sequence[Motion]") -> list[dict[str, Any]]:

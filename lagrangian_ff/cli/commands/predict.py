@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.held import Held
 from lagrangian_ff.cli.common.leaving import leaving
 from lagrangian_ff.cli.common.options import (
     SOURCE_HELP,
@@ -12,14 +13,11 @@ from lagrangian_ff.cli.common.options import (
     add_force,
     add_json,
     add_topic,
-    conditioning_of,
 )
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.common.sources import of_model, prepare, read
 from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
-from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
@@ -73,16 +71,9 @@ def run(arguments: Namespace) -> int:
     _check_outputs(arguments)
     load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import compare
-    from lagrangian_ff.identification import Model
-    from lagrangian_ff.recording import Conditioning
 
-    model = Model.load(arguments.model)
-    conditioning = conditioning_of(
-        arguments, Conditioning.from_record(model.record.get("conditioning"))
-    )
-    console.say(scaling(conditioning.record()))
-    recording = of_model(read(arguments.source, arguments.topic), model, arguments.model)
-    motion = prepare(recording, conditioning, console).motion
+    held = Held.of(arguments, console)
+    model, (motion,) = held.model, held.motions([arguments.source], console)
     with progress_bar("predicting") as progress:
         comparison = compare(model, motion, progress=progress)
     if arguments.output is not None:
