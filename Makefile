@@ -10,6 +10,8 @@ endif
 VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
+# Tests in which processes keep time with each other: they get the machine for themselves.
+REALTIME = test/nodes test/demo
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools setup.py
@@ -39,7 +41,12 @@ demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in o
 	@$(BIN)/lagrangian_ff demo $(ARGS)
 
 test: lint types  ## everything CI checks: style, types, then all tests
+ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
+else
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test $(REALTIME:%=--ignore=%)
+	@$(BIN)/python -m pytest $(REALTIME)
+endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04
 	@$(MAKE) --no-print-directory VENV=.venv-oldest install CONSTRAINTS=constraints-ubuntu-24.04.txt

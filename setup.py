@@ -35,6 +35,7 @@ EXTRAS = {
     ],
     "test": [
         "pytest >=7.4.4, <10",
+        "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",
         "sympy >=1.12, <2",
         "ruff >=0.17.5, <0.18",
