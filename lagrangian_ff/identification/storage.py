@@ -103,7 +103,7 @@ def load(path: Path) -> Model:
             "update lagrangian_ff, or identify the model again"
         )
     try:
-        return _build(header, arrays)
+        return _build(header, arrays, path)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ModelError(f"{path} is damaged: {error}; identify the model again") from error
 
@@ -130,7 +130,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ModelError(f"{path} is damaged or no model file{told}") from error
 
 
-def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
+def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
     joints = tuple(str(name) for name in header["joints"])
     for name, dimensions in ARRAYS.items():
         found = arrays[name]
@@ -161,7 +161,7 @@ def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
     values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
     basis = Basis(
         tuple(
-            Term(_effect(entry["effect"]), int(entry["joint"]), dict(entry["shape"]))
+            Term(_effect(entry["effect"], path), int(entry["joint"]), dict(entry["shape"]))
             for entry in header["basis"]
         )
     )
@@ -189,10 +189,10 @@ def _build(header: dict[str, Any], arrays: dict[str, Any]) -> Model:
     )
 
 
-def _effect(name: str) -> Effect:
+def _effect(name: str, path: Path) -> Effect:
     if name not in EFFECTS:
         raise ModelError(
-            f"the model has the effect '{name}', which is not in the catalogue; if it is one of "
+            f"{path} has the effect '{name}', which is not in the catalogue; if it is one of "
             "your own, name its file with --effects-file"
         )
     return EFFECTS[name]

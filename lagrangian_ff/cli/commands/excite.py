@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 NAME = "excite"
-SUMMARY = "make the motion that shows an effect, or tells it from its look-alikes"
+SUMMARY = "make the motion that shows an effect, or settles a doubt"
 USAGE = "EFFECT|MOTION (--model MODEL | --arm) --output FILE [options]"
 DESCRIPTION = """\
 Makes the motion to record next, as a trajectory: by the name of an effect that is to be shown, or
