@@ -26,6 +26,9 @@ FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
 WORTH = 20.0
 """Nats that a change of the arm must be worth."""
 PROMISING = 3.0
+SHUFFLES = 5
+BEYOND_CHANCE = 4.0
+"""How many times what shuffled blocks gain a change must gain."""
 FELT = 0.02
 """Share of a joint's torque from which on the joint is said to feel a load."""
 
@@ -93,8 +96,28 @@ def change_of(ground: Ground, progress: Progress = silent) -> Change | None:
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
+    if best.gain < BEYOND_CHANCE * max(_shuffled_gains(ground, best)):
+        return None
     best = replace(best, gain=_gains(ground, len(ground.index) * ground.joints)(best))
     return best if best.gain > WORTH else None
+
+
+def _shuffled_gains(ground: Ground, change: Change) -> list[float]:
+    """What the same change gains where blocks of time are put in another order.
+
+    A rigid-body part that fits badly gains from any freedom. Only what belongs to this interval,
+    and not to as many blocks from anywhere, tells of something that happened.
+    """
+    numbers = np.unique(ground.block)
+    starts = np.array([ground.seen.time[ground.block == number][0] for number in numbers])
+    place = np.searchsorted(numbers, ground.block)
+    gains = []
+    for seed in range(SHUFFLES):
+        order = np.random.default_rng(seed).permutation(len(numbers))
+        time = ground.seen.time - starts[place] + starts[order][place]
+        shuffled = replace(ground, seen=replace(ground.seen, time=time))
+        gains.append(_gains(shuffled, ROWS)(change))
+    return gains
 
 
 def joints_of(ground: Ground) -> tuple[tuple[int, ...], Floats]:
