@@ -8,3 +8,8 @@ Progress = Callable[[float, str], None]
 
 def silent(fraction: float, label: str) -> None:
     """Report nothing."""
+
+
+def part(progress: Progress, low: float, high: float) -> Progress:
+    """The progress of a part of the work, which fills the whole from `low` to `high`."""
+    return lambda share, label: progress(low + share * (high - low), label)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis, Finding
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend
@@ -47,7 +48,7 @@ def consequences(diagnosis: Diagnosis, progress: Progress = silent) -> dict[Find
     Findings that are no more than suggested are tried, and left out again.
     """
     model, motion = diagnosis.model, diagnosis.unseen
-    error = residual(model, motion)
+    error = compare(model, motion).residual
     made: dict[Finding, Consequence] = {}
     chosen: Sequence[Finding] = diagnosis.findings[:MOST]
     for number, finding in enumerate(chosen):
@@ -56,20 +57,12 @@ def consequences(diagnosis: Diagnosis, progress: Progress = silent) -> dict[Find
             larger = extend(model, finding.effect, finding.joint, finding.shape).model
         except ModelError:
             continue
-        new = residual(larger, motion)
+        new = compare(larger, motion).residual
         made[finding] = _between(larger, motion, finding.joint, error, new)
         if finding.verdict == CONFIRMED:
             model, error = larger, new
     progress(1.0, "adding what was found")
     return made
-
-
-def residual(model: Model, motion: Motion) -> Floats:
-    """(M, N) N·m, measured minus predicted."""
-    predicted = model.predict(
-        motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment
-    )
-    return np.asarray(motion.tau - predicted)
 
 
 def _between(

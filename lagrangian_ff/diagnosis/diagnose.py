@@ -18,7 +18,8 @@ from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, kept
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.identification.build import seconds
+from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
 Floats = NDArray[np.float64]
@@ -172,10 +173,10 @@ def diagnose(
     if unseen is None:
         cut = round((1.0 - HELD_BACK) * len(first))
         first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
-    for part in (first, unseen):
-        _require_long(part)
-    ground = tune(first, model.inputs_of(first), model.basis, _part(progress, 0.0, 0.3))
-    found = search(ground, effects, steps, _part(progress, 0.3, 0.85))
+    for one in (first, unseen):
+        _require_long(one)
+    ground = tune(first, model.inputs_of(first), model.basis, part(progress, 0.0, 0.3))
+    found = search(ground, effects, steps, part(progress, 0.3, 0.85))
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
     findings = _confirmed(found, unseen, model.joints, taken_up)
@@ -200,19 +201,13 @@ def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
 
 
 def _require_long(motion: Motion) -> None:
-    length = sum(
-        float(np.ptp(motion.time[motion.segment == number])) for number in np.unique(motion.segment)
-    )
+    length = seconds(motion)
     if length < SHORTEST:
         raise RecordingError(
             f"{motion.source}: {length:.1f} s of motion to judge by, expected at least "
             f"{SHORTEST:g} s: not observable here; record half a minute or more in which every "
             "joint moves through its range at several speeds"
         )
-
-
-def _part(progress: Progress, low: float, high: float) -> Progress:
-    return lambda share, label: progress(low + share * (high - low), label)
 
 
 def _taken_up(
@@ -226,11 +221,7 @@ def _taken_up(
     if not separate:
         reason = "it happens once in a recording; a second one can confirm it"
         return TakenUp(found.change, names, None, SUGGESTED, reason)
-    own = len(found.first.basis.terms)
-    frozen = _frozen(found)
-    taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
-    unseen = Unseen.lay(motion, found.ground, Basis(found.ground.basis.terms[:own]), taken)
-    again = change_of(unseen.ground)
+    again = change_of(_unseen(found, motion, None).ground)
     reason = "" if again else "the unseen recording shows nothing of the kind"
     if again and again.name != found.change.name:
         reason = f"in the unseen recording it is a {again.name}"
@@ -240,12 +231,8 @@ def _taken_up(
 def _confirmed(
     found: Search, motion: Motion, joints: Sequence[str], taken_up: TakenUp | None
 ) -> tuple[Finding, ...]:
-    own = len(found.first.basis.terms)
-    basis = Basis(found.ground.basis.terms[:own])
     frozen = _frozen(found)
-    taken = [(step.score.candidate, frozen[number][0]) for number, step in enumerate(found.steps)]
-    again = taken_up.again if taken_up else None
-    unseen = Unseen.lay(motion, found.ground, basis, taken, again)
+    unseen = _unseen(found, motion, taken_up.again if taken_up else None)
     free = {
         score.candidate.joint: score.gain
         for score in reversed(found.last)
@@ -282,6 +269,15 @@ def _confirmed(
     order = {CONFIRMED: 0, AMBIGUOUS: 1, SUGGESTED: 2}
     findings.sort(key=lambda f: (order[f.verdict], -f.step.score.gain))
     return tuple(findings)
+
+
+def _unseen(found: Search, motion: Motion, change: Change | None) -> Unseen:
+    """The unseen motion with everything found taken away, frozen; the model's own stays free."""
+    model = Basis(found.ground.basis.terms[: len(found.first.basis.terms)])
+    parameters = (values for values, _, _ in _frozen(found))
+    candidates = (step.score.candidate for step in found.steps)
+    taken = list(zip(candidates, parameters, strict=True))
+    return Unseen.lay(motion, found.ground, model, taken, change)
 
 
 def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:

@@ -88,6 +88,10 @@ class Basis:
                 constant[term.joint] += float(b[place][0])
         return constant
 
+    def beside_load(self, x: Inputs, b: Floats) -> Floats:
+        """(M, N) N·m of all effects but the constant ones, which the load has."""
+        return _beside_load(self.torque(x, b), x)
+
     def torque(self, x: Inputs, b: Floats) -> dict[str, Floats]:
         """(M, N) N·m of each effect by name, for parameters b (B,).
 
@@ -96,10 +100,14 @@ class Basis:
         parts: dict[str, Floats] = {}
         placed = self.slices()
         for follows in (False, True):
-            others = [part for name, part in parts.items() if name != "offset"]
-            seen = replace(x, torque=x.load + sum(others, np.zeros_like(x.q)))
+            seen = replace(x, torque=x.load + _beside_load(parts, x))
             for term, place in placed:
                 if ("torque" in term.effect.uses) == follows:
                     part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
                     part[:, term.joint] += term.columns(seen) @ b[place]
         return {name: parts[name] for name in dict.fromkeys(t.effect.name for t, _ in placed)}
+
+
+def _beside_load(parts: Mapping[str, Floats], x: Inputs) -> Floats:
+    others = (part for name, part in parts.items() if name != "offset")
+    return sum(others, np.zeros_like(x.q))

@@ -101,9 +101,7 @@ class Model:
     def inputs_of(self, motion: Motion) -> Inputs:
         """A motion of the model's joints as effects see it."""
         x = self.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
-        parts = self.basis.torque(x, self.coefficients)
-        others = [part for name, part in parts.items() if name != "offset"]
-        return replace(x, torque=x.load + sum(others, np.zeros_like(x.load)))
+        return replace(x, torque=x.load + self.basis.beside_load(x, self.coefficients))
 
     def predict(
         self,

@@ -2,20 +2,21 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.kernels import chained
-from lagrangian_ff.kernels.base import CoupledKernel, Hyperparameter, largest
+from lagrangian_ff.kernels.base import Hyperparameter, largest
+from lagrangian_ff.kernels.compiled import CompiledKernel
 from lagrangian_ff.kernels.states import States
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Chain(CoupledKernel):
+class Chain(CompiledKernel):
     """One Lagrangian, a sum over the prefixes of a serial chain; see `chained`.
 
     It holds the rigid-body dynamics of every serial arm with revolute joints, and little else:
@@ -33,6 +34,7 @@ class Chain(CoupledKernel):
     wave: Floats
     rotor: Floats
 
+    loops: ClassVar[Any] = chained
     name: ClassVar[str] = "chain"
     meaning: ClassVar[str] = "one Lagrangian of a serial arm: quadratic in velocity, gravity apart"
     searched: ClassVar[tuple[Hyperparameter, ...]] = (
@@ -65,41 +67,10 @@ class Chain(CoupledKernel):
         """See `Kernel.replace`."""
         return replace(self, **hyperparameters)
 
-    def _numbers(self) -> tuple[Floats, float, float, float]:
+    def _weights(self, joints: int) -> tuple[Floats, float, float, float]:
         return (
             np.ascontiguousarray(self.inertia),
             float(self.potential[0]),
             float(self.wave[0]),
             float(self.rotor[0]),
         )
-
-    @staticmethod
-    def _prepared(x: States) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        return x.q, x.qd, x.qdd, np.sin(x.q), np.cos(x.q)
-
-    def gram(self, x: States) -> Floats:
-        """See `CoupledKernel.gram`."""
-        size = len(x) * x.joints
-        out = np.empty((size, size))
-        chained.gram_lower(self._prepared(x), *self._numbers(), out)
-        return out
-
-    def cross(self, x: States, u: States) -> Floats:
-        """See `CoupledKernel.cross`."""
-        out = np.empty((len(x), x.joints, len(u), x.joints))
-        chained.cross_blocks(self._prepared(x), self._prepared(u), *self._numbers(), out)
-        return out.reshape(len(x) * x.joints, len(u) * x.joints)
-
-    def apply(self, x: States, u: States, a: Floats) -> Floats:
-        """See `Kernel.apply`; O(N²) a pair, no block is formed."""
-        out = np.empty((len(x), x.joints))
-        coefficients = np.ascontiguousarray(a)
-        prepared = self._prepared(x), self._prepared(u)
-        chained.apply_blocks(*prepared, *self._numbers(), coefficients, out)
-        return out
-
-    def variance(self, x: States) -> Floats:
-        """See `Kernel.variance`."""
-        out = np.empty((len(x), x.joints))
-        chained.variances(self._prepared(x), *self._numbers(), out)
-        return out

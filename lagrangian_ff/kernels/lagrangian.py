@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.kernels import fused
 from lagrangian_ff.kernels.base import (
-    CoupledKernel,
     Hyperparameter,
     IndependentKernel,
     Kernel,
     largest,
     of_joint,
 )
+from lagrangian_ff.kernels.compiled import CompiledKernel, prepared
 from lagrangian_ff.kernels.states import States
 
 Floats = NDArray[np.float64]
@@ -68,45 +68,16 @@ class _Universal(Kernel):
         w = alpha * of_joint(self.velocity_scale, joint) ** 2
         return np.full(joints, self.angles), np.full(joints, alpha), np.full(joints, w)
 
-    @staticmethod
-    def _prepared(x: States) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        return x.q, x.qd, x.qdd, np.sin(x.q), np.cos(x.q)
 
-
-class _Vector(_Universal, CoupledKernel):
+class _Vector(_Universal, CompiledKernel):
     """The vector-valued Lagrangian kernel (22)."""
 
-    def gram(self, x: States) -> Floats:
-        """See `CoupledKernel.gram`."""
-        size = len(x) * x.joints
-        out = np.empty((size, size))
-        fused.gram_lower(self._prepared(x), *self._weights(x.joints), out)
-        return out
-
-    def cross(self, x: States, u: States) -> Floats:
-        """See `CoupledKernel.cross`."""
-        out = np.empty((len(x), x.joints, len(u), x.joints))
-        fused.cross_blocks(self._prepared(x), self._prepared(u), *self._weights(x.joints), out)
-        return out.reshape(len(x) * x.joints, len(u) * x.joints)
-
-    def apply(self, x: States, u: States, a: Floats) -> Floats:
-        """See `Kernel.apply`; O(N) a pair, no block is formed."""
-        out = np.empty((len(x), x.joints))
-        coefficients = np.ascontiguousarray(a)
-        weights = self._weights(x.joints)
-        fused.apply_blocks(self._prepared(x), self._prepared(u), *weights, coefficients, out)
-        return out
-
-    def variance(self, x: States) -> Floats:
-        """See `Kernel.variance`."""
-        out = np.empty((len(x), x.joints))
-        fused.variances(self._prepared(x), *self._weights(x.joints), out)
-        return out
+    loops: ClassVar[Any] = fused
 
     def lagrangian_row(self, x: States, u: States) -> Floats:
         """(M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34): what recovers the Lagrangian in (31)."""
         out = np.empty((len(x), len(u), x.joints))
-        fused.lagrangian_rows(self._prepared(x), self._prepared(u), *self._weights(x.joints), out)
+        fused.lagrangian_rows(prepared(x), prepared(u), *self._weights(x.joints), out)
         return out
 
 
@@ -117,17 +88,17 @@ class _Scalar(_Universal, IndependentKernel):
         """See `IndependentKernel.cross`."""
         out = np.empty((len(x), len(u)))
         weights = self._weights(x.joints, joint)
-        fused.cross_diagonal(self._prepared(x), self._prepared(u), *weights, joint, out)
+        fused.cross_diagonal(prepared(x), prepared(u), *weights, joint, out)
         return out
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
         """See `Kernel.apply`."""
         out = np.empty((len(x), x.joints))
-        prepared = self._prepared(x), self._prepared(u)
+        states = prepared(x), prepared(u)
         for joint in range(x.joints):
             torque, coefficients = np.empty(len(x)), np.ascontiguousarray(a[:, joint])
             weights = self._weights(x.joints, joint)
-            fused.apply_diagonal(*prepared, *weights, joint, coefficients, torque)
+            fused.apply_diagonal(*states, *weights, joint, coefficients, torque)
             out[:, joint] = torque
         return out
 
@@ -136,7 +107,7 @@ class _Scalar(_Universal, IndependentKernel):
         out = np.empty((len(x), x.joints))
         every = np.empty_like(out)
         for joint in range(x.joints):
-            fused.variances(self._prepared(x), *self._weights(x.joints, joint), every)
+            fused.variances(prepared(x), *self._weights(x.joints, joint), every)
             out[:, joint] = every[:, joint]
         return out
 

@@ -131,9 +131,7 @@ class Ground:
         load += self.basis.constant(self.joints, coefficients)
         rotors = self.prior.rotors(inputs, self.seen, weights)
         inputs = replace(inputs, load=load, torque=load)
-        parts = self.basis.torque(inputs, coefficients)
-        others = [part for name, part in parts.items() if name != "offset"]
-        return replace(inputs, torque=load + rotors + sum(others, np.zeros_like(load)))
+        return replace(inputs, torque=load + rotors + self.basis.beside_load(inputs, coefficients))
 
     def unseen_inputs(self) -> Inputs:
         """The samples used as effects see them, the load predicted without their own block.
@@ -152,10 +150,7 @@ class Ground:
         weights = self.system.weights.reshape(len(self.index), self.joints)
         rotors = self.prior.rotors(x, x, weights)
         coefficients = self.system.coefficients[: self.basis.size]
-        parts = self.basis.torque(x, coefficients)
-        known = sum(
-            (part for name, part in parts.items() if name != "offset"), np.zeros_like(predicted)
-        )
+        known = self.basis.beside_load(x, coefficients)
         return replace(x, load=predicted - known - rotors, torque=predicted)
 
 

@@ -14,7 +14,7 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.search import evenly
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
-from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -41,10 +41,10 @@ def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = sile
     """
     prior = Prior.start(motion.tau)
     with threadpool_limits(1):
-        prior = _search(motion, inputs, basis, prior, SWEEPS, 1.0, _part(progress, 0.0, 0.5))
+        prior = _search(motion, inputs, basis, prior, SWEEPS, 1.0, part(progress, 0.0, 0.5))
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
-        prior = _search(motion, inputs, basis, prior, 3, 0.5, _part(progress, 0.5, 0.7))
+        prior = _search(motion, inputs, basis, prior, 3, 0.5, part(progress, 0.5, 0.7))
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
         prior = _gains(motion, inputs, basis, prior)
@@ -72,10 +72,6 @@ def sharpen(
 def _lay(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Ground:
     index = evenly(len(motion), ROWS // len(motion.joints))
     return lay(motion, index, motion.blocks(BLOCK_SECONDS)[index], inputs, prior, basis)
-
-
-def _part(progress: Progress, low: float, high: float) -> Progress:
-    return lambda share, label: progress(low + share * (high - low), label)
 
 
 def evidence_of(

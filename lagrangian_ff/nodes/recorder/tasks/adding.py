@@ -6,8 +6,8 @@ from typing import Any
 from lagrangian_ff.diagnosis import add, history
 from lagrangian_ff.nodes.recorder.order import Order
 from lagrangian_ff.nodes.recorder.tasks.files import write_page
-from lagrangian_ff.nodes.recorder.tasks.reading import open_model, part
-from lagrangian_ff.progress import Progress
+from lagrangian_ff.nodes.recorder.tasks.reading import open_model
+from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.report import history_page
 
 

@@ -7,8 +7,8 @@ from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.diagnosis.where import locate
 from lagrangian_ff.nodes.recorder.order import Order
 from lagrangian_ff.nodes.recorder.tasks.files import write_json, write_page
-from lagrangian_ff.nodes.recorder.tasks.reading import open_model, part, read_for
-from lagrangian_ff.progress import Progress
+from lagrangian_ff.nodes.recorder.tasks.reading import open_model, read_for
+from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording import concatenate
 from lagrangian_ff.report import compare_page
 

@@ -6,8 +6,8 @@ from typing import Any
 from lagrangian_ff.effects import load_effects, load_installed
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.nodes.recorder.order import Order
-from lagrangian_ff.nodes.recorder.tasks.reading import part, read
-from lagrangian_ff.progress import Progress
+from lagrangian_ff.nodes.recorder.tasks.reading import read
+from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording import Conditioning
 
 

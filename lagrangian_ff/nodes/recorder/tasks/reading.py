@@ -51,8 +51,3 @@ def open_model(order: Order) -> Model:
     if order.effects_file:
         load_effects(order.effects_file)
     return Model.load(order.model_file)
-
-
-def part(progress: Progress, low: float, high: float) -> Progress:
-    """The progress of a step that lies between these shares of the whole."""
-    return lambda share, label: progress(low + (high - low) * share, label)

@@ -1,0 +1,59 @@
+"""Coupled kernels whose loops over pairs of states are compiled."""
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.kernels.base import CoupledKernel
+from lagrangian_ff.kernels.states import States
+
+Floats = NDArray[np.float64]
+Prepared = tuple[Floats, Floats, Floats, Floats, Floats]
+
+
+def prepared(x: States) -> Prepared:
+    """What the loops read of states: q, qd, qdd, and the sines and cosines of q."""
+    return x.q, x.qd, x.qdd, np.sin(x.q), np.cos(x.q)
+
+
+class CompiledKernel(CoupledKernel):
+    """A coupled kernel made of the loops of one module.
+
+    Attributes:
+        loops: a module with `gram_lower`, `cross_blocks`, `apply_blocks` and `variances`.
+    """
+
+    loops: ClassVar[Any]
+
+    @abstractmethod
+    def _weights(self, joints: int) -> tuple[Any, ...]:
+        """The numbers that the loops take after the states."""
+
+    def gram(self, x: States) -> Floats:
+        """See `CoupledKernel.gram`."""
+        size = len(x) * x.joints
+        out = np.empty((size, size))
+        self.loops.gram_lower(prepared(x), *self._weights(x.joints), out)
+        return out
+
+    def cross(self, x: States, u: States) -> Floats:
+        """See `CoupledKernel.cross`."""
+        out = np.empty((len(x), x.joints, len(u), x.joints))
+        self.loops.cross_blocks(prepared(x), prepared(u), *self._weights(x.joints), out)
+        return out.reshape(len(x) * x.joints, len(u) * x.joints)
+
+    def apply(self, x: States, u: States, a: Floats) -> Floats:
+        """See `Kernel.apply`; no block is formed."""
+        out = np.empty((len(x), x.joints))
+        weights = self._weights(x.joints)
+        coefficients = np.ascontiguousarray(a)
+        self.loops.apply_blocks(prepared(x), prepared(u), *weights, coefficients, out)
+        return out
+
+    def variance(self, x: States) -> Floats:
+        """See `Kernel.variance`."""
+        out = np.empty((len(x), x.joints))
+        self.loops.variances(prepared(x), *self._weights(x.joints), out)
+        return out
