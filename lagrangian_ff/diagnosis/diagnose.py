@@ -92,6 +92,14 @@ class TakenUp:
             return {"t0": self.change.since}
         return {"t0": self.change.since, "length": self.change.until - self.change.since}
 
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The 90 % intervals of `shape`."""
+        since, until = self.change.since_range, self.change.until_range
+        if self.change.name == "payload":
+            return {"t0": since}
+        return {"t0": since, "length": (max(until[0] - since[1], 0.0), until[1] - since[0])}
+
 
 @dataclass(frozen=True)
 class Unexplained:

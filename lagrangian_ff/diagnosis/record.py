@@ -16,12 +16,16 @@ from lagrangian_ff.diagnosis.diagnose import (
     Finding,
     TakenUp,
 )
+from lagrangian_ff.diagnosis.search.forward import FLOOR
 from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.diagnosis.signature import signature
+from lagrangian_ff.diagnosis.words import listed, which
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.progress import Progress, silent
 
 RANKED = 15
+PROMISING = 3.0 * FLOOR
+"""Nats of the best effect from which on it is named though chance does as well."""
 
 
 def diagnosis_record(
@@ -42,6 +46,7 @@ def diagnosis_record(
     threshold = found.chance.threshold
     return {
         "model": diagnosis.model.name,
+        "joints": list(diagnosis.model.joints),
         "sources": [diagnosis.motion.source],
         "confirmed_on": diagnosis.unseen.source if diagnosis.separate
         else f"the last {_seconds(diagnosis):.0f} s, held back",
@@ -90,7 +95,7 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
     parts = []
     if taken_up is not None:
         when = f"{taken_up.change.since:.1f} s"
-        felt = _and(list(taken_up.joints))
+        felt = which(taken_up.joints, diagnosis.model.joints)
         what = (
             f"From {when} on the arm carries a load that the model does not know"
             if taken_up.change.name == "payload"
@@ -98,14 +103,14 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
         )
         parts.append(f"{what}: {taken_up.verdict}, felt by {felt}.")
     if sure:
-        names = _and([f"{_words(one.effect.name)} on {one.joint}" for one in sure])
+        names = listed([f"{_words(one.effect.name)} on {one.joint}" for one in sure])
         falls = [
             f"{made[one].whole_before:.3g} to {made[one].whole_after:.3g} N·m on {one.joint}"
             for one in sure
             if one in made
         ]
         fall = (
-            f": the error falls from {_and(falls)} on motion not used to find it" if falls else ""
+            f": the error falls from {listed(falls)} on motion not used to find it" if falls else ""
         )
         parts.append(f"Missing and confirmed: {names}{fall}.")
     for one in unsure:
@@ -126,12 +131,26 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
             f"On {rest.joint} the torque depends on {rest.coordinate} in a way that no known "
             "effect explains."
         )
-    if not parts:
-        parts.append(
+    return " ".join(parts) or _nothing(diagnosis)
+
+
+def _nothing(diagnosis: Diagnosis) -> str:
+    """Whether nothing is left to explain, or the motion is too short to tell it from chance."""
+    found = diagnosis.search
+    best = next((score for score in found.ranking if score.candidate.named), None)
+    # With few blocks the best of all is itself among what chance gives.
+    if best is None or not PROMISING < best.gain < 1.001 * found.chance.threshold:
+        return (
             "No effect of the catalogue is missing that this motion could show: what is left is "
             "noise."
         )
-    return " ".join(parts)
+    candidate = best.candidate
+    return (
+        f"Nothing stands out from chance. The best guess, {_words(candidate.source.name)} on "
+        f"{diagnosis.model.joints[candidate.joint]}, gains {best.gain:.0f} nats; on this motion "
+        f"chance gives {found.chance.threshold:.0f} once in twenty times. Record longer: the more "
+        "blocks of motion, the less chance can do."
+    )
 
 
 def _findings(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[dict[str, object]]:
@@ -161,7 +180,12 @@ def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
         "error_after": None,
         "blocks": [],
         "parameters": {
-            name: {"value": value, "low": value - 1.0, "high": value + 1.0, "unit": "s"}
+            name: {
+                "value": value,
+                "low": taken_up.ranges[name][0],
+                "high": taken_up.ranges[name][1],
+                "unit": "s",
+            }
             for name, value in taken_up.shape.items()
         },
         "shape": taken_up.shape,
@@ -248,7 +272,3 @@ def _seconds(diagnosis: Diagnosis) -> float:
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _and(texts: list[str]) -> str:
-    return ", ".join(texts[:-1]) + (" and " if len(texts) > 1 else "") + texts[-1]

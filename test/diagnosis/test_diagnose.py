@@ -117,6 +117,15 @@ def test_one_recording_is_confirmed_on_its_end() -> None:
     assert found.findings[0].effect.name == "stribeck"
 
 
+def test_a_motion_too_short_to_rule_out_chance_is_not_called_clean(stuck: Diagnosis) -> None:
+    motions = [two_rods.motion(seed, 7.0, two_rods.stick) for seed in (1, 2)]
+    found = diagnose(stuck.model, motions[0], motions[1])
+    assert not found.findings
+    said = str(found.record()["verdict"])
+    assert "stribeck on elbow" in said
+    assert "Record longer" in said
+
+
 def test_too_little_motion_is_said_with_what_to_do() -> None:
     with pytest.raises(RecordingError, match="not observable here; record half a minute"):
         diagnose(model_of(None), two_rods.motion(1, 4.0))

@@ -121,3 +121,7 @@ def test_a_load_taken_up_is_dated() -> None:
     assert change.name == "payload"
     assert change.since == pytest.approx(14.0, abs=1.5)
     assert change.gain > 50.0
+    low, high = change.since_range
+    assert low < 14.0 < high
+    assert low < change.since < high
+    assert high - low < 5.0

@@ -1,8 +1,6 @@
 """Files that a command writes: refused early where they would destroy something, whole or not at
 all afterwards."""
 
-import json
-import math
 import os
 import shutil
 import sys
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.record_json import to_json
 
 if TYPE_CHECKING:
     import numpy as np
@@ -106,22 +105,12 @@ def write_record(target: str | None, record: Mapping[str, object]) -> None:
     """
     if target is None:
         return
-    text = json.dumps(_finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = to_json(record)
     if target == "-":
         sys.stdout.write(text)
         return
     with whole(Path(target)) as path:
         path.write_text(text, encoding="utf-8")
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, Mapping):
-        return {str(key): _finite(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def write_table(path: Path, columns: "Mapping[str, NDArray[np.float64]]") -> None:

@@ -6,11 +6,12 @@ from typing import Any
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.text.effects import equations, parameter_table
 from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.diagnosis.words import which
 
 LEGEND = (
     "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "
     "it. gain: log evidence won. p: how often chance gives the best of all candidates as much. "
-    "error: rms on that joint, on {unseen}."
+    "error: rms on that joint, on {unseen}, of the model as it is and refitted with the effect."
 )
 
 STAYS = 0.98
@@ -49,13 +50,13 @@ def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
     """
     console.say()
     console.paragraph(record["verdict"])
-    findings = record["findings"]
+    findings, every = record["findings"], record.get("joints", ())
     if findings:
         console.say(["", "what was found"])
-        console.say(finding_table(findings))
+        console.say(finding_table(findings, every))
         console.paragraph(LEGEND.format(unseen=record["confirmed_on"]), "  ")
-        say_parameters(findings, console)
-        doubts = [text for one in findings for text in (doubt(one), no_fall(one)) if text]
+        say_parameters(findings, every, console)
+        doubts = [text for one in findings for text in (doubt(one, every), no_fall(one)) if text]
         if doubts:
             console.say()
         for text in doubts:
@@ -70,9 +71,13 @@ def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
             )
 
 
-def say_parameters(findings: Sequence[Mapping[str, Any]], console: Console) -> None:
+def say_parameters(
+    findings: Sequence[Mapping[str, Any]], every: Sequence[str], console: Console
+) -> None:
     """The torque of each finding as an equation, and its parameters."""
-    entries = [{**one, "joint": ", ".join(one["joints"])} for one in findings if one["parameters"]]
+    entries = [
+        {**one, "joint": which(one["joints"], every)} for one in findings if one["parameters"]
+    ]
     if entries:
         console.say(["", "as torque, in N·m with qd in rad/s"])
         console.say(equations(entries))
@@ -85,12 +90,12 @@ def is_event(finding: Mapping[str, Any]) -> bool:
     return finding["p_value"] is None
 
 
-def finding_table(findings: Sequence[Mapping[str, Any]]) -> list[str]:
+def finding_table(findings: Sequence[Mapping[str, Any]], every: Sequence[str]) -> list[str]:
     """One line a finding."""
     rows = [
         [
             one["effect"],
-            ", ".join(one["joints"]),
+            which(one["joints"], every),
             one["verdict"].split()[0],
             number(one["evidence_gain"]),
             chance(one["p_value"]),
@@ -103,11 +108,11 @@ def finding_table(findings: Sequence[Mapping[str, Any]]) -> list[str]:
     return table(header, rows)
 
 
-def doubt(finding: Mapping[str, Any]) -> str:
+def doubt(finding: Mapping[str, Any], every: Sequence[str] = ()) -> str:
     """Why a finding is no more than it is; empty where it is confirmed."""
     if finding["verdict"] == "confirmed":
         return ""
-    text = f"{finding['effect']} on {', '.join(finding['joints'])}"
+    text = f"{finding['effect']} on {which(finding['joints'], every)}"
     if finding.get("reason"):
         text += f" is no more than suggested: {finding['reason']}"
     if finding["ambiguous_with"]:
@@ -136,7 +141,8 @@ def say_not_observable(record: Mapping[str, Any], model: str, console: Console) 
     if groups:
         console.say(["", "not observable here, neither there nor absent; the motion to do"])
         for (effect, motion), joints in groups.items():
-            console.paragraph(f"{effect} ({', '.join(joints)}): {motion}", "  - ", "    ")
+            where = which(joints, record.get("joints", ()))
+            console.paragraph(f"{effect} ({where}): {motion}", "  - ", "    ")
         effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
         console.say(f"  as a trajectory: {excite(effect, joint, model)}")
     if never:

@@ -29,6 +29,10 @@ PROMISING = 3.0
 SHUFFLES = 5
 BEYOND_CHANCE = 4.0
 """How many times what shuffled blocks gain a change must gain."""
+OFFSETS = 0.15 * 1.5 ** np.arange(11)
+"""s that a moment is moved by, either way, to see how well it is known."""
+HALF_CHI_SQUARE = 1.353
+"""Nats that the evidence falls by at the ends of a 90 % interval: half the quantile of χ² (1)."""
 FELT = 0.02
 """Share of a joint's torque from which on the joint is said to feel a load."""
 
@@ -41,12 +45,15 @@ class Change:
         since, until: s; it lasts to the end where `until` is infinite.
         share: variance of what is added, in parts of that of the rigid-body torque.
         gain: nats of log evidence.
+        since_range, until_range: s, the 90 % intervals of both moments.
     """
 
     since: float
     until: float
     share: float
     gain: float
+    since_range: tuple[float, float] = (-np.inf, np.inf)
+    until_range: tuple[float, float] = (-np.inf, np.inf)
 
     @property
     def name(self) -> str:
@@ -99,7 +106,33 @@ def change_of(ground: Ground, progress: Progress = silent) -> Change | None:
     if best.gain < BEYOND_CHANCE * max(_shuffled_gains(ground, best)):
         return None
     best = replace(best, gain=_gains(ground, len(ground.index) * ground.joints)(best))
-    return best if best.gain > WORTH else None
+    return _with_ranges(best, coarse, (start, end)) if best.gain > WORTH else None
+
+
+def _with_ranges(
+    best: Change, gain: Callable[[Change], float], motion: tuple[float, float]
+) -> Change:
+    """The change with how well its moments are known: where the evidence has fallen enough.
+
+    Asked of few samples, as the search was: the intervals are rather too wide than too narrow.
+    """
+    least = gain(best) - HALF_CHI_SQUARE
+
+    def end(moment: float, moved: Callable[[float], Change], way: float) -> float:
+        shifts = (way * float(offset) for offset in OFFSETS)
+        found = (moment + shift for shift in shifts if gain(moved(moment + shift)) < least)
+        return float(np.clip(next(found, way * np.inf), *motion))
+
+    def since(moment: float) -> Change:
+        return replace(best, since=moment)
+
+    def until(moment: float) -> Change:
+        return replace(best, until=moment)
+
+    best = replace(best, since_range=(end(best.since, since, -1.0), end(best.since, since, 1.0)))
+    if np.isinf(best.until):
+        return replace(best, until_range=(np.inf, np.inf))
+    return replace(best, until_range=(end(best.until, until, -1.0), end(best.until, until, 1.0)))
 
 
 def _shuffled_gains(ground: Ground, change: Change) -> list[float]:

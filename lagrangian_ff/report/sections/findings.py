@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from lagrangian_ff.diagnosis.words import which
 from lagrangian_ff.report import html
 from lagrangian_ff.report.interactive import embed
 from lagrangian_ff.report.interactive.before_after import before_after_plot
@@ -35,11 +36,12 @@ def summary_section(record: Mapping[str, Any]) -> Section:
             "",
             html.paragraph("No effect of the catalogue earned its place on these recordings."),
         )
-    cards = [_card(one) for one in findings[:3]]
+    every = record.get("joints", ())
+    cards = [_card(one, every) for one in findings[:3]]
     rows = [
         [
             spoken(one["effect"]),
-            ", ".join(one["joints"]),
+            which(one["joints"], every),
             one["verdict"],
             number(_value(one, "error_before")),
             number(_value(one, "error_after")),
@@ -70,13 +72,13 @@ def evidence_section(record: Mapping[str, Any]) -> Section | None:
         "The evidence",
         "Left: what the model leaves, over the quantity in which the effect shows, and the effect "
         "as fitted. Right: the error of each block of held-back motion before and after.",
-        "".join(map(_finding, record["findings"])),
+        "".join(_finding(one, record.get("joints", ())) for one in record["findings"]),
     )
 
 
-def _card(found: Mapping[str, Any]) -> html.Card:
+def _card(found: Mapping[str, Any], every: Sequence[str]) -> html.Card:
     before, after = _value(found, "error_before"), _value(found, "error_after")
-    where = ", ".join(found["joints"])
+    where = which(found["joints"], every)
     if not (math.isfinite(before) and math.isfinite(after) and before > 0.0):
         return html.Card(spoken(found["effect"]), f"on {where}", found["verdict"])
     fall = 1.0 - after / before
@@ -90,9 +92,10 @@ def _card(found: Mapping[str, Any]) -> html.Card:
     )
 
 
-def _finding(found: Mapping[str, Any]) -> str:
+def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
+    where = which(found["joints"], every)
     heading = (
-        f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(', '.join(found['joints']))} "
+        f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(where)} "
         f"{html.badge(found['verdict'], KINDS.get(found['verdict'].split()[0], ''))}</h3>"
     )
     parts = [heading]
@@ -133,6 +136,7 @@ def _parameters(found: Mapping[str, Any]) -> str:
     rows += [
         [name, number(float(value)), "–", "–", units.get(name, "")]
         for name, value in (found.get("shape") or {}).items()
+        if name not in found.get("parameters", {})
     ]
     return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows) if rows else ""
 

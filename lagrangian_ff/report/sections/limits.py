@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from lagrangian_ff.diagnosis.words import which
 from lagrangian_ff.report import html
 from lagrangian_ff.report.numbers import percent
 from lagrangian_ff.report.section import Section
@@ -58,7 +59,7 @@ def next_section(record: Mapping[str, Any]) -> Section | None:
     motions: dict[str, list[str]] = {}
     for one in record["findings"]:
         if one.get("next_motion") and one["verdict"] != "confirmed":
-            who = f"{spoken(one['effect'])} on {', '.join(one['joints'])}"
+            who = f"{spoken(one['effect'])} on {which(one['joints'], record.get('joints', ()))}"
             motions.setdefault(one["next_motion"], []).append(who)
     hidden: dict[str, dict[str, list[str]]] = {}
     for one in record.get("not_observable") or []:
@@ -70,7 +71,7 @@ def next_section(record: Mapping[str, Any]) -> Section | None:
         parts.append(f'<h3 class="plain">To settle what was found</h3>{html.bullets(texts)}')
     if hidden:
         rows = [
-            [spoken(effect), ", ".join(joints), motion]
+            [spoken(effect), which(joints, record.get("joints", ())), motion]
             for motion, effects in hidden.items()
             for effect, joints in effects.items()
         ]

@@ -1,13 +1,12 @@
 """The files that findings are written to."""
 
-import json
-import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.record_json import to_json
 
 
 def write_json(path: Path, record: Mapping[str, Any]) -> None:
@@ -18,7 +17,7 @@ def write_json(path: Path, record: Mapping[str, Any]) -> None:
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f"{path.name}.part")
-    part.write_text(json.dumps(_finite(record), indent=2, ensure_ascii=False) + "\n", "utf-8")
+    part.write_text(to_json(record), "utf-8")
     os.replace(part, path)
 
 
@@ -31,13 +30,3 @@ def write_page(
         return {"page": str(make(path, record))}
     except (UserError, OSError) as error:
         return {"page": "", "page_failure": str(error)}
-
-
-def _finite(value: object) -> object:
-    if isinstance(value, Mapping):
-        return {str(key): _finite(inner) for key, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -1,0 +1,20 @@
+"""Records as JSON, the same from the command line and from the nodes."""
+
+import json
+import math
+from collections.abc import Mapping
+
+
+def to_json(record: Mapping[str, object]) -> str:
+    """A record as text; numbers that are not finite become null, as JSON has no word for them."""
+    return json.dumps(_finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(key): _finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(inner) for inner in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

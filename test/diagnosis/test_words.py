@@ -1,0 +1,36 @@
+"""Lists of names as people say them."""
+
+import pytest
+
+from lagrangian_ff.diagnosis.words import listed, which
+
+ARM = ("base", "elbow", "wrist", "hand")
+
+
+@pytest.mark.parametrize(
+    ("names", "said"), [([], ""), (["a"], "a"), (["a", "b"], "a and b"), ("abc", "a, b and c")]
+)
+def test_names_are_listed(names: list[str], said: str) -> None:
+    """As in a sentence."""
+    assert listed(names) == said
+
+
+@pytest.mark.parametrize(
+    ("joints", "said"),
+    [
+        (ARM, "every joint"),
+        (ARM[::-1], "every joint"),
+        (ARM[1:], "every joint but base"),
+        (ARM[2:], "wrist, hand"),
+        (["elbow"], "elbow"),
+    ],
+)
+def test_joints_of_an_arm_are_named_briefly(joints: list[str], said: str) -> None:
+    """All of them are not counted up."""
+    assert which(joints, ARM) == said
+
+
+def test_two_joints_are_named_even_if_they_are_all() -> None:
+    """As short as the phrase, and clearer; the same where the arm is not known."""
+    assert which(["a", "b"], ["a", "b"]) == "a, b"
+    assert which(["a", "b", "c"], []) == "a, b, c"
