@@ -38,7 +38,8 @@ class Finding:
 
     Attributes:
         step: how it was found.
-        joint: the joint's name.
+        joint: the name of the joint whose torque it adds to.
+        cause: the name of the joint whose hardware it is, mostly the same.
         parameters: (P,) frozen, with all that was found in the model.
         low, high: (P,) ends of their 90 % intervals.
         trial: how it did on motion that was not used to find it.
@@ -49,6 +50,7 @@ class Finding:
 
     step: Step
     joint: str
+    cause: str
     parameters: Floats
     low: Floats
     high: Floats
@@ -251,7 +253,7 @@ def _confirmed(
         if not step.named:
             continue
         candidate = step.score.candidate
-        trial = unseen.trial(number, candidate.joint)
+        trial = _trial(found, unseen, number)
         mine = unseen.rival(step.score, number)
         others = [(mine, unseen.rival(score, number)) for score in step.rivals]
         left = tuple(rivals(step.score, step.rivals, others))
@@ -271,12 +273,34 @@ def _confirmed(
         parameters, low, high = frozen[number]
         findings.append(
             Finding(
-                step, joints[candidate.joint], parameters, low, high, trial, left, verdict, reason
+                step,
+                joints[candidate.joint],
+                joints[candidate.effect.cause(candidate.joint, candidate.shape)],
+                parameters,
+                low,
+                high,
+                trial,
+                left,
+                verdict,
+                reason,
             )
         )
     order = {CONFIRMED: 0, AMBIGUOUS: 1, SUGGESTED: 2}
     findings.sort(key=lambda f: (order[f.verdict], -f.step.score.gain))
     return tuple(findings)
+
+
+def _trial(found: Search, unseen: Unseen, number: int) -> Trial:
+    """How a step does, alone, or else with all that has the same cause on other joints."""
+    candidate = found.steps[number].score.candidate
+    alone = unseen.trial([(number, candidate.joint)])
+    same = [
+        (n, other.score.candidate.joint)
+        for n, other in enumerate(found.steps)
+        if other.named and other.score.candidate.cause == candidate.cause
+    ]
+    together = unseen.trial(same) if len(same) > 1 and not alone.holds else alone
+    return together if together.holds else alone
 
 
 def _unseen(found: Search, motion: Motion, change: Change | None) -> Unseen:

@@ -1,6 +1,6 @@
 """A diagnosis as JSON holds it: what the command line, the page and the node all show."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
         )
         parts.append(f"{what}: {taken_up.verdict}, felt by {felt}.")
     if sure:
-        names = listed([f"{_words(one.effect.name)} on {one.joint}" for one in sure])
+        names = listed(_causes(sure))
         falls = [
             f"{made[one].whole_before:.3g} to {made[one].whole_after:.3g} N·m on {one.joint}"
             for one in sure
@@ -222,6 +222,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
     return {
         "effect": effect.name,
         "joints": [found.joint],
+        "caused_by": found.cause,
         "verdict": found.verdict if not rivals or found.verdict != AMBIGUOUS
         else f"ambiguous with {', '.join(rivals)}",
         "holds_on_unseen": trial.holds,
@@ -268,6 +269,17 @@ def _steps(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[di
 
 def _seconds(diagnosis: Diagnosis) -> float:
     return float(np.ptp(diagnosis.unseen.time)) if len(diagnosis.unseen) else 0.0
+
+
+def _causes(found: Sequence[Finding]) -> list[str]:
+    """Each cause once, however many joints feel it."""
+    felt: dict[tuple[str, str], list[str]] = {}
+    for one in found:
+        felt.setdefault((one.effect.name, one.cause), []).append(one.joint)
+    return [
+        f"{_words(name)} on {cause}" + (f" (felt on {listed(joints)})" if joints != [cause] else "")
+        for (name, cause), joints in felt.items()
+    ]
 
 
 def _words(name: str) -> str:

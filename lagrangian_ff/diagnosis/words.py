@@ -1,6 +1,7 @@
 """Lists of names as people say them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 MANY = 3
 """From so many joints on, all of them are `every joint`."""
@@ -22,3 +23,15 @@ def which(joints: Sequence[str], every: Sequence[str]) -> str:
     if len(every) < MANY or len(joints) < len(every) - 1:
         return ", ".join(joints)
     return f"every joint but {others[0]}" if others else "every joint"
+
+
+def where(found: Mapping[str, Any], every: Sequence[str] = ()) -> str:
+    """Where a finding acts, and whose gear it is where that is another joint's.
+
+    Args:
+        found: a record with `joints`, and `caused_by` where it is known.
+        every: all joints of the arm.
+    """
+    said = which(found["joints"], every)
+    cause = found.get("caused_by")
+    return f"{said} (gear of {cause})" if cause and cause not in found["joints"] else said

@@ -1,34 +1,42 @@
 """Play in the gear."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
-from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.base import Floats, Parameter, Shape
+from lagrangian_ff.effects.gear import OF, Gear
+from lagrangian_ff.effects.memory import loose
 
-NOISE = 0.04  # s over which the load is smoothed, so that noise does not turn its sign
-BLOW = 0.015  # s, what is faster than this is the motor's own motion and not the link's
+BLOW = 0.02  # s, in which teeth that hit pass on what the motor has gained
+CROSSINGS = np.geomspace(0.006, 0.06, 8)
+"""s that the load, at its root mean square, would take to cross the gaps that are tried."""
 
 
-class Backlash(Effect):
+class Backlash(Gear):
     """Teeth that lose contact when the load torque reverses, cross the gap, and hit.
 
-    While it crosses, the motor runs ahead alone: around each reversal of the load, the sudden part
-    of the acceleration that its encoder shows does not move the link, whose inertia a model without
-    play charges for it. The sudden part is what a smoothing over 15 ms takes away.
+    While they cross, the motor does not feel the load; it runs ahead of the link by M d²gap/dt² =
+    load. When they hit, the momentum it gained on the way comes back as a blow. All that matters of
+    inertia and width is their product, P.
     """
 
     name = "backlash"
-    formula = "-J near(load reversal, T) sudden(qdd)"
+    formula = "c (loose(load[of], P) - load[of]) + J (loose(qdd[of], P) - qdd[of])"
     source = "two masses with a dead zone, as in Nordin and Gutman 2002, Automatica 38(10)"
-    meaning = "play in the gear: the motor runs ahead alone when the load reverses"
-    parameters = (Parameter("J", "kg·m²", "inertia that does not follow the motor in the gap"),)
-    shapes = (Shape("T", "s", "how near a reversal of the load", 0.05, 0.4, 0.15, steps=4),)
+    meaning = "play in the gear: the load is let go and caught again when it reverses"
+    parameters = (
+        Parameter("c", "1", "share of the load that is let go; 1: all of it"),
+        Parameter("J", "kg·m²", "inertia beyond the gap that was not counted into the load"),
+    )
+    shapes = (
+        OF,
+        Shape("P", "kg·m²·rad", "the link's inertia times the play", 1e-9, 1e3, 1e-3),
+    )
     kind = "transmission"
     coordinate = "load"
-    shows_as = "spikes, up and down, where the load torque turns its sign"
+    shows_as = "a hole and a blow where the load torque turns its sign"
     look_alikes: ClassVar[Mapping[str, str]] = {
         "hysteresis": "it follows reversals of the load torque, not of the motion",
         "delay": "it comes only where the load turns its sign, not wherever it changes",
@@ -39,12 +47,15 @@ class Backlash(Effect):
         "reverse the load torque often: small motions about the posture in which gravity vanishes; "
         "a second encoder shows the gap itself"
     )
-    remembers = True
-    uses = frozenset({"load"})
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
-        side = np.where(x.smoothed(x.load[:, joint], NOISE) > 0.0, 1.0, -1.0)
-        near = 1.0 - np.abs(x.smoothed(side, shape["T"]))
-        sudden = x.qdd[:, joint] - x.smoothed(x.qdd[:, joint], BLOW)
-        return np.asarray(-near * sudden)[:, None]
+    def carried(
+        self, load: Floats, part: Floats, step: float, shape: Mapping[str, float]
+    ) -> Floats:
+        """See `Gear.carried`."""
+        return np.asarray(loose(load, part, step, shape["P"], BLOW))
+
+    def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
+        """See `Gear.tried`: gaps that this load crosses in a moment."""
+        sizes = (float(np.sqrt(np.mean(load**2))) * CROSSINGS**2).tolist()
+        _, play = self.shapes
+        return [{"P": size} for size in sizes if play.low < size < play.high]

@@ -110,6 +110,10 @@ class Effect(ABC):
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """(M, P) what each of the P parameters multiplies, for one joint's torque."""
 
+    def cause(self, joint: int, shape: Mapping[str, float]) -> int:
+        """The joint whose hardware it is, where it adds to the torque of this one."""
+        return joint
+
     def record(self) -> dict[str, object]:
         """All that it says of itself, as JSON holds it."""
         return {

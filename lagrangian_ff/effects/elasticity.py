@@ -1,38 +1,46 @@
 """A joint that gives way under load."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
-from lagrangian_ff.effects.inputs import Inputs
+import numpy as np
+from scipy.signal import lfilter
 
-SMOOTHING = 0.1  # s: a fourth rate of position is made of noise where the motion is not smooth
+from lagrangian_ff.effects.base import Floats, Parameter, Shape
+from lagrangian_ff.effects.gear import OF, Gear
+
+FASTEST = 0.4
+"""The highest resonance that samples show, in parts of their frequency."""
 
 
-class Elasticity(Effect):
-    """The gear winds up by load / k, and what it winds up accelerates an inertia.
+class Elasticity(Gear):
+    """A motor that turns its link through a spring with a little damping.
 
-    First order in the compliance, with M the link's inertia and J the motor's. With the encoder on
-    the motor, link and gravity follow load / k behind, and what no rigid arm explains of it is
-    -M²/k times the fourth rate of position; gravity's part is that of a rigid arm with another
-    inertia. With the encoder on the link the motor moves load / k ahead: +J M/k.
-
-    The acceleration is smoothed over 0.1 s first: for motion slower than this the parameter is
-    right, for faster motion too large.
+    With the encoder on the motor, a link of inertia M behind a spring k moves so that the gear
+    carries not the load of the motor's motion but that load after a filter of second order,
+    (2 z w s + w²) / (s² + 2 z w s + w²) with w² = k/M = (2 pi f)². This holds exactly where M is
+    constant, resonance and all; slow loads such as gravity pass unchanged. With the encoder on the
+    link the motor moves load / k ahead instead: well below resonance that looks like a negative c.
     """
 
     name = "elasticity"
-    formula = "a d²qdd/dt²"
-    source = "Spong 1987, ASME J. Dyn. Syst. Meas. Control 109(4), expanded in 1/k"
-    meaning = "a gear or joint that gives way under load"
+    formula = "c (resonant(load[of], f, z) - load[of]) + J (resonant(qdd[of], f, z) - qdd[of])"
+    source = "Spong 1987, ASME J. Dyn. Syst. Meas. Control 109(4), its equations for one joint"
+    meaning = "a gear or joint that gives way under load and swings"
     parameters = (
-        Parameter("a", "kg·m²·s²", "-M²/k with the encoder on the motor, J M/k on the link"),
+        Parameter("c", "1", "share of the load behind the spring; negative: encoder on the link"),
+        Parameter("J", "kg·m²", "inertia behind the spring that was not counted into the load"),
+    )
+    shapes = (
+        OF,
+        Shape("f", "Hz", "resonance of the link on its spring, motor held", 1.5, 20.0, 6.0, 9),
+        Shape("z", "1", "its damping, in parts of critical", 0.08, 0.3, 0.1, 2),
     )
     kind = "transmission"
     coordinate = "acceleration"
-    shows_as = "an error that follows the second rate of change of the acceleration; resonance"
+    shows_as = "an error that rings at one frequency after every jerk"
     look_alikes: ClassVar[Mapping[str, str]] = {
-        "delay": "it is in step with the acceleration",
+        "delay": "below the resonance it is in step with the load, not a quarter period behind",
         "rotor_inertia": "it grows with the fourth power of frequency, not with the second",
         "backlash": "it is there wherever the joint jerks, not only where the load turns its sign",
         "hysteresis": "it is there wherever the joint jerks, not only after a reversal",
@@ -40,8 +48,19 @@ class Elasticity(Effect):
     }
     motion = "chirp"
     next_motion = "sweep the frequency up, at small amplitude; a second encoder shows it itself"
-    remembers = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
-        return x.rate(x.rate(x.smoothed(x.qdd[:, [joint]], SMOOTHING)))
+    def carried(
+        self, load: Floats, part: Floats, step: float, shape: Mapping[str, float]
+    ) -> Floats:
+        """See `Gear.carried`."""
+        w = 2.0 * np.pi * min(shape["f"], FASTEST / step)
+        loss = 2.0 * shape["z"] * w
+        k = 2.0 / step  # s = k (z - 1) / (z + 1), the bilinear transform
+        above = np.array([loss * k + w * w, 2.0 * w * w, w * w - loss * k])
+        below = above + k * k * np.array([1.0, -2.0, 1.0])
+        return np.asarray(part[0] + lfilter(above, below, part - part[0]))
+
+    def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
+        """See `Gear.tried`."""
+        _, f, z = self.shapes
+        return [{"f": hz, "z": damping} for hz in f.grid() for damping in z.grid()]

@@ -116,14 +116,22 @@ class Inputs:
         """
         out = values.copy()
         for piece in self.pieces():
-            time = self.time[piece]
-            if len(time) > 1 and np.isfinite(time[0]):
+            step = self.step(piece)
+            if step > 0.0:
                 # Rounded, so that the tails do not depend on the last digit of a clock.
-                width = round(seconds / float(np.median(np.diff(time))), 6)
+                width = round(seconds / step, 6)
                 out[piece] = gaussian_filter1d(
                     values[piece], width, axis=0, mode="nearest", truncate=3.0
                 )
         return out
+
+    def step(self, piece: slice) -> float:
+        """s between the samples of an uninterrupted stretch; 0 where nothing is known of time."""
+        time = self.time[piece]
+        if len(time) < 2 or not np.isfinite(time[0]):
+            return 0.0
+        # Rounded, so that a step does not depend on the last digit of a clock.
+        return round(float(np.median(np.diff(time))), 9)
 
     def pieces(self) -> list[slice]:
         """The uninterrupted stretches, in order."""

@@ -1,6 +1,7 @@
 """The gain in evidence is what it says it is, and chance is as rare as it says."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
 from lagrangian_ff.diagnosis.search.change import change_of
-from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, scores, tempered_gain
+from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score, scores, tempered_gain
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
@@ -125,3 +126,20 @@ def test_a_load_taken_up_is_dated() -> None:
     assert low < 14.0 < high
     assert low < change.since < high
     assert high - low < 5.0
+
+
+def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
+    """Unless the new one explains clearly more."""
+    (score, *_) = scores(clean, named(clean.seen, clean.basis, (0,)))
+    gear = EFFECTS["elasticity"]
+
+    def of(joint: float, gain: float) -> Score:
+        shape = {"of": joint, "f": 4.0, "z": 0.1}
+        return replace(score, candidate=Candidate(gear, 0, shape), gain=gain)
+
+    causes = frozenset({("elasticity", 1)})
+    for new, known, chosen in ((100.0, 90.0, 1.0), (100.0, 30.0, 0.0)):
+        (best,) = best_of_each([of(0.0, new), of(1.0, known)], causes)
+        assert best.candidate.shape["of"] == chosen
+    (best,) = best_of_each([of(0.0, 100.0), of(1.0, 90.0)])
+    assert best.candidate.shape["of"] == 0.0

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrangian_ff.diagnosis.words import listed, which
+from lagrangian_ff.diagnosis.words import listed, where, which
 
 ARM = ("base", "elbow", "wrist", "hand")
 
@@ -34,3 +34,10 @@ def test_two_joints_are_named_even_if_they_are_all() -> None:
     """As short as the phrase, and clearer; the same where the arm is not known."""
     assert which(["a", "b"], ["a", "b"]) == "a, b"
     assert which(["a", "b", "c"], []) == "a, b, c"
+
+
+def test_a_finding_says_whose_gear_it_is_if_it_is_felt_elsewhere() -> None:
+    """The joint is not named twice where it is its own."""
+    assert where({"joints": ["wrist"], "caused_by": "elbow"}, ARM) == "wrist (gear of elbow)"
+    assert where({"joints": ["wrist"], "caused_by": "wrist"}, ARM) == "wrist"
+    assert where({"joints": list(ARM)}, ARM) == "every joint"

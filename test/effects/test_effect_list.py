@@ -14,7 +14,7 @@ COORDINATES = {
     "velocity", "position", "acceleration", "load", "time", "direction", "since_reversal", "order",
 }  # fmt: skip
 # Rates of change and smoothing are centred: the last samples of a motion know what comes next.
-LOOKAHEAD = {"hysteresis": 0, "delay": 1, "elasticity": 35, "backlash": 140}
+LOOKAHEAD = {"hysteresis": 0, "delay": 1, "elasticity": 0, "backlash": 1}
 
 
 @pytest.fixture(params=sorted(EFFECTS))

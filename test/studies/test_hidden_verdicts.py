@@ -76,3 +76,11 @@ def test_an_effect_of_several_joints_may_be_found_on_any() -> None:
     assert judge([payload], [found("payload", "joint_3")]).outcome == "right"
     assert judge([payload], [found("payload", "joint_2", "joint_6")]).outcome == "right"
     assert judge([payload], [found("payload", "joint_6")]).outcome == "wrong"
+
+
+def test_what_is_felt_elsewhere_counts_where_its_cause_is() -> None:
+    """A soft gear shakes its neighbours: naming it there is right, blaming theirs is not."""
+    truth = [Truth(("elasticity",), ("joint_2",))]
+    felt = found("elasticity", "joint_3")
+    assert judge(truth, [{**felt, "caused_by": "joint_2"}]).outcome == "right"
+    assert judge(truth, [{**felt, "caused_by": "joint_3"}]).outcome == "wrong"

@@ -6,7 +6,7 @@ from typing import Any
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.text.effects import equations, parameter_table
 from lagrangian_ff.cli.text.layout import number, table
-from lagrangian_ff.diagnosis.words import which
+from lagrangian_ff.diagnosis.words import where, which
 
 LEGEND = (
     "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "
@@ -75,9 +75,7 @@ def say_parameters(
     findings: Sequence[Mapping[str, Any]], every: Sequence[str], console: Console
 ) -> None:
     """The torque of each finding as an equation, and its parameters."""
-    entries = [
-        {**one, "joint": which(one["joints"], every)} for one in findings if one["parameters"]
-    ]
+    entries = [{**one, "joint": where(one, every)} for one in findings if one["parameters"]]
     if entries:
         console.say(["", "as torque, in N·m with qd in rad/s"])
         console.say(equations(entries))
@@ -95,7 +93,7 @@ def finding_table(findings: Sequence[Mapping[str, Any]], every: Sequence[str]) -
     rows = [
         [
             one["effect"],
-            which(one["joints"], every),
+            where(one, every),
             one["verdict"].split()[0],
             number(one["evidence_gain"]),
             chance(one["p_value"]),
@@ -112,7 +110,7 @@ def doubt(finding: Mapping[str, Any], every: Sequence[str] = ()) -> str:
     """Why a finding is no more than it is; empty where it is confirmed."""
     if finding["verdict"] == "confirmed":
         return ""
-    text = f"{finding['effect']} on {which(finding['joints'], every)}"
+    text = f"{finding['effect']} on {where(finding, every)}"
     if finding.get("reason"):
         text += f" is no more than suggested: {finding['reason']}"
     if finding["ambiguous_with"]:
@@ -141,8 +139,8 @@ def say_not_observable(record: Mapping[str, Any], model: str, console: Console) 
     if groups:
         console.say(["", "not observable here, neither there nor absent; the motion to do"])
         for (effect, motion), joints in groups.items():
-            where = which(joints, record.get("joints", ()))
-            console.paragraph(f"{effect} ({where}): {motion}", "  - ", "    ")
+            on = which(joints, record.get("joints", ()))
+            console.paragraph(f"{effect} ({on}): {motion}", "  - ", "    ")
         effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
         console.say(f"  as a trajectory: {excite(effect, joint, model)}")
     if never:

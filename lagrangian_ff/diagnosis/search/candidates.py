@@ -50,6 +50,12 @@ class Candidate:
         """Name and joint: candidates that share it differ in shape only."""
         return self.source.name, self.joint
 
+    @property
+    def cause(self) -> tuple[str, int]:
+        """Name, and the joint whose hardware it is: one cause may be felt on several joints."""
+        of = self.effect.cause(self.joint, self.shape) if self.named else self.joint
+        return self.source.name, of
+
     def term(self) -> Term:
         """The candidate as a term of a model."""
         return Term(self.effect, self.joint, dict(self.shape))

@@ -113,9 +113,17 @@ class Unseen:
         ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x)
         return cls(ground, tuple(torques))
 
-    def trial(self, number: int, joint: int) -> Trial:
-        """The effect of this number, put back and taken away again."""
-        return _trial(self.ground, self.torques[number], joint, taken=True)
+    def trial(self, parts: Sequence[tuple[int, int]]) -> Trial:
+        """Effects put back and taken away again, all at once.
+
+        Args:
+            parts: the number of each, and its joint.
+        """
+        ground = self.ground
+        z = np.zeros_like(ground.residual)
+        for number, joint in parts:
+            z += ground.project(ground.whiten(self.torques[number][:, None], joint))[:, 0]
+        return _trial(ground, z)
 
     def rival(self, score: Score, instead_of: int) -> Floats:
         """(B,) nats gained by a rival, frozen, where an effect that was found is put back."""
@@ -128,9 +136,9 @@ class Unseen:
         return _by_block(ground, z * (w - 0.5 * z))
 
 
-def _trial(ground: Ground, torque: Floats, joint: int, *, taken: bool) -> Trial:
-    z = ground.project(ground.whiten(torque[:, None], joint))[:, 0]
-    w = ground.residual + z if taken else ground.residual
+def _trial(ground: Ground, z: Floats) -> Trial:
+    """What was taken away, whitened, put back and taken away again."""
+    w = ground.residual + z
     gained = _by_block(ground, z * (w - 0.5 * z))
     expected = _by_block(ground, 0.5 * z * z)
     power = float(z @ z)

@@ -105,9 +105,9 @@ def search(
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = _candidates(ground, range(ground.joints), effects)
         found = list(scores(ground, candidates, coarse=True))
-        looks.append(
-            (found, best_of_each(found), Chance.of([score for score in found if not score.once]))
-        )
+        causes = _causes(ground.basis)
+        lasting = [score for score in found if not score.once]
+        looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
         _, best, chance = looks[-1]
         eligible = [score for score in best if _stands_out(score, chance, ground)]
         if change is None and may_change and (not taken or not eligible):
@@ -161,6 +161,10 @@ def _without(basis: Basis, own: int, step: Step) -> Basis:
     key = step.score.candidate.key
     found = [term for term in basis.terms[own:] if (term.effect.name, term.joint) != key]
     return Basis((*basis.terms[:own], *found))
+
+
+def _causes(basis: Basis) -> frozenset[tuple[str, int]]:
+    return frozenset((t.effect.name, t.effect.cause(t.joint, t.shape)) for t in basis.terms)
 
 
 def _candidates(
@@ -239,7 +243,8 @@ class _View:
     def of(cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None) -> "_View":
         prior = sharpen(ground, *_with(ground, leader.candidate))
         again = _relaid(ground, prior, ground.basis, ground.extra)
-        found = best_of_each(scores(again, _candidates(again, [leader.candidate.joint], effects)))
+        candidates = _candidates(again, [leader.candidate.joint], effects)
+        found = best_of_each(scores(again, candidates), _causes(again.basis))
         best = [one for one in found if one.candidate.named and one.gain > 0.0][:REFINED]
         names = sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)

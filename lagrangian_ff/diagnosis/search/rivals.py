@@ -1,6 +1,7 @@
 """Which candidates the data cannot tell from the best one (Vuong 1989, by blocks of time)."""
 
 from collections.abc import Iterable, Sequence
+from collections.abc import Set as AbstractSet
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +13,32 @@ Floats = NDArray[np.float64]
 DEVIATIONS = 2.0
 LEAST = 4.0
 """Nats by which a rival must fall behind, and standard deviations of that, to be ruled out."""
+SAME_CAUSE = 0.7
+"""The share of the best one's gain that a cause found already must reach to be taken again."""
 WORTHY = 0.25
 """The share of the best one's gain that makes a rival at all."""
 
 
-def best_of_each(found: Iterable[Score]) -> list[Score]:
-    """For every effect and joint the score at its best shape, best first."""
+def best_of_each(
+    found: Iterable[Score], causes: AbstractSet[tuple[str, int]] = frozenset()
+) -> list[Score]:
+    """For every effect and joint the score at its best shape, best first.
+
+    Args:
+        found: all scores.
+        causes: that were found on other joints already, as `Candidate.cause`. They are taken where
+            another explains hardly more: a gear that gives way must shake other joints, a second
+            one would be chance.
+    """
     best: dict[tuple[str, int], Score] = {}
+    known: dict[tuple[str, int], Score] = {}
     for score in found:
-        held = best.get(score.candidate.key)
-        if held is None or score.gain > held.gain:
-            best[score.candidate.key] = score
-    return sorted(best.values(), key=lambda score: -score.gain)
+        key = score.candidate.key
+        for held in (best, known) if score.candidate.cause in causes else (best,):
+            if key not in held or score.gain > held[key].gain:
+                held[key] = score
+    again = {k: score for k, score in known.items() if score.gain > SAME_CAUSE * best[k].gain}
+    return sorted({**best, **again}.values(), key=lambda score: -score.gain)
 
 
 def rivals(

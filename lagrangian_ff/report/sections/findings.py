@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lagrangian_ff.diagnosis.words import which
+from lagrangian_ff.diagnosis.words import where
 from lagrangian_ff.report import html
 from lagrangian_ff.report.interactive import embed
 from lagrangian_ff.report.interactive.before_after import before_after_plot
@@ -41,7 +41,7 @@ def summary_section(record: Mapping[str, Any]) -> Section:
     rows = [
         [
             spoken(one["effect"]),
-            which(one["joints"], every),
+            where(one, every),
             one["verdict"],
             number(_value(one, "error_before")),
             number(_value(one, "error_after")),
@@ -78,24 +78,24 @@ def evidence_section(record: Mapping[str, Any]) -> Section | None:
 
 def _card(found: Mapping[str, Any], every: Sequence[str]) -> html.Card:
     before, after = _value(found, "error_before"), _value(found, "error_after")
-    where = which(found["joints"], every)
+    on = where(found, every)
     if not (math.isfinite(before) and math.isfinite(after) and before > 0.0):
-        return html.Card(spoken(found["effect"]), f"on {where}", found["verdict"])
+        return html.Card(spoken(found["effect"]), f"on {on}", found["verdict"])
     fall = 1.0 - after / before
     # An error that rises is said as such, never as a negative fall.
     change = f"error {percent(abs(fall))} {'lower' if fall >= 0.0 else 'higher'}"
     return html.Card(
         spoken(found["effect"]),
-        f"on {where}: {change} on held-back data",
+        f"on {on}: {change} on held-back data",
         f"{number(before)} → {number(after)} N·m, {found['verdict']}",
         True if found["verdict"] == "confirmed" else None,
     )
 
 
 def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
-    where = which(found["joints"], every)
+    on = where(found, every)
     heading = (
-        f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(where)} "
+        f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(on)} "
         f"{html.badge(found['verdict'], KINDS.get(found['verdict'].split()[0], ''))}</h3>"
     )
     parts = [heading]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from lagrangian_ff.diagnosis.words import which
+from lagrangian_ff.diagnosis.words import where, which
 from lagrangian_ff.report import html
 from lagrangian_ff.report.numbers import percent
 from lagrangian_ff.report.section import Section
@@ -59,7 +59,7 @@ def next_section(record: Mapping[str, Any]) -> Section | None:
     motions: dict[str, list[str]] = {}
     for one in record["findings"]:
         if one.get("next_motion") and one["verdict"] != "confirmed":
-            who = f"{spoken(one['effect'])} on {which(one['joints'], record.get('joints', ()))}"
+            who = f"{spoken(one['effect'])} on {where(one, record.get('joints', ()))}"
             motions.setdefault(one["next_motion"], []).append(who)
     hidden: dict[str, dict[str, list[str]]] = {}
     for one in record.get("not_observable") or []:

@@ -21,7 +21,7 @@ class Truth:
 
     Attributes:
         names: of the catalogue, each of them right; empty for what no catalogue has.
-        joints: where it acts; a finding on any of them is in the right place.
+        joints: where it acts; a finding that any of them causes is in the right place.
     """
 
     names: tuple[str, ...]
@@ -55,7 +55,8 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
 
     Args:
         truths: what was hidden.
-        findings: of the diagnosis's record: `effect`, `joints`, `verdict`, `ambiguous_with`.
+        findings: of the diagnosis's record: `effect`, `joints`, `caused_by`, `verdict`,
+            `ambiguous_with`.
     """
     matches: dict[int, str] = {}
     false = []
@@ -74,7 +75,8 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
 
 def _match(truth: Truth, finding: Mapping[str, Any]) -> str:
     """`right` by its name alone, `class` as one of several, or empty."""
-    if not set(truth.joints) & set(finding["joints"]):
+    cause = finding.get("caused_by")
+    if not set(truth.joints) & ({cause} if cause else set(finding["joints"])):
         return ""
     if finding["effect"] in truth.names:
         return "class" if str(finding["verdict"]).startswith(AMBIGUOUS) else "right"
