@@ -1,6 +1,6 @@
 """What an effect may look at: the motion, its time, and what the model says of the torque."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -29,6 +29,7 @@ class Inputs:
         sign_speed: (N,) rad/s, v0 of the smoothed sign tanh(qd / v0).
         whole: the uninterrupted motion that these samples were taken from; None: they are it.
         index: (M,) where in `whole` they lie.
+        window: each sample is the mean of so many of `whole` about its place, an odd number.
     """
 
     q: Floats
@@ -41,6 +42,7 @@ class Inputs:
     sign_speed: Floats
     whole: "Inputs | None" = None
     index: Ints | None = None
+    window: int = 1
 
     @classmethod
     def of(
@@ -79,10 +81,16 @@ class Inputs:
         """The number of joints N."""
         return int(self.q.shape[1])
 
-    def take(self, index: Ints) -> "Inputs":
-        """Some of the samples; what has a memory still sees all of them."""
+    def take(self, index: Ints, window: int = 1) -> "Inputs":
+        """Some of the samples; what has a memory still sees all of them.
+
+        Args:
+            index: which.
+            window: the mean of so many samples about each place is taken, of an uninterrupted
+                motion only; samples that were taken from one already stay what they are.
+        """
         origin = index if self.index is None else self.index[index]
-        return Inputs(
+        some = Inputs(
             self.q[index],
             self.qd[index],
             self.qdd[index],
@@ -93,7 +101,36 @@ class Inputs:
             self.sign_speed,
             self.whole or self,
             origin,
+            window if self.whole is None else self.window,
         )
+        if self.whole is not None or window == 1:
+            return some
+        return replace(
+            some,
+            q=some.mean(self.q),
+            qd=some.mean(self.qd),
+            qdd=some.mean(self.qdd),
+            load=some.mean(self.load),
+            torque=some.mean(self.torque),
+        )
+
+    def mean(self, values: Floats) -> Floats:
+        """(M, ...) values (W, ...) of the whole motion where these samples are, averaged as they.
+
+        A mean never reaches across a segment.
+        """
+        if self.whole is None or self.index is None:
+            return values
+        if self.window == 1:
+            return np.asarray(values[self.index])
+        segment, half = self.whole.segment, self.window // 2
+        bounds = np.concatenate([[0], np.flatnonzero(np.diff(segment)) + 1, [len(segment)]])
+        piece = np.searchsorted(bounds, self.index, side="right")
+        first = np.maximum(self.index - half, bounds[piece - 1])
+        last = np.minimum(self.index + half + 1, bounds[piece])
+        sums = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+        count = (last - first).reshape(-1, *(1,) * (values.ndim - 1))
+        return np.asarray((sums[last] - sums[first]) / count)
 
     def sign(self, joint: int) -> Floats:
         """(M,) the smoothed sign of one joint's velocity, tanh(qd / v0)."""

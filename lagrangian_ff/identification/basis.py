@@ -32,8 +32,8 @@ class Term:
         Raises:
             EffectError: the effect gave another shape, or values that are not finite.
         """
-        if self.effect.remembers and x.whole is not None:
-            return checked_columns(self.effect, x.whole, self.joint, self.shape)[x.index]
+        if x.whole is not None and (self.effect.remembers or x.window > 1):
+            return x.mean(checked_columns(self.effect, x.whole, self.joint, self.shape))
         return checked_columns(self.effect, x, self.joint, self.shape)
 
 

@@ -154,6 +154,19 @@ class System:
             residual = np.asarray(np.linalg.solve(projected, self.weights[rows]), dtype=np.float64)
             yield LeftOut(rows, residual, np.asarray(-covariance @ (white[rows].T @ residual)))
 
+    def weights_without(self, left: "Sequence[LeftOut]") -> Floats:
+        """(n, G) the weights of the fits that did not see a group, one column for each of G.
+
+        Such a fit is that of all rows where those left out have the torque it predicts for them.
+        """
+        shift = np.zeros((self.upper.shape[0], len(left)))
+        for column, one in enumerate(left):
+            shift[one.rows, column] = one.residual
+        white = solve_triangular(self.upper, shift, trans=1, check_finite=False)
+        white -= self.white_design @ (self.covariance @ (self.white_design.T @ white))
+        back = solve_triangular(self.upper, white, check_finite=False, overwrite_b=True)
+        return np.asarray(self.weights[:, None] - back)
+
 
 @dataclass(frozen=True)
 class LeftOut:

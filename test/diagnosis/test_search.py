@@ -61,7 +61,7 @@ def test_the_gain_is_the_difference_of_log_evidence(clean: Ground) -> None:
     gram = small.prior.gram(small.seen)
     gram = np.tril(gram) + np.tril(gram, -1).T + np.diag(np.tile(small.prior.noise, 40))
     gram *= small.amplitude**2
-    y = (clean.motion.tau[few] / small.prior.unit).ravel()
+    y = (small.seen.mean(clean.motion.tau) / small.prior.unit).ravel()
     with_it = multivariate_normal.logpdf(y, cov=gram + np.outer(full, full))
     expected = with_it - multivariate_normal.logpdf(y, cov=gram)
     whole = score.blocks.sum(axis=0, keepdims=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.effects.memory import stop
 from lagrangian_ff.errors import EffectError
+from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
@@ -333,3 +334,19 @@ def test_a_gap_in_the_recording_is_not_bridged(name: str, x: Inputs) -> None:
     torn = replace(x, segment=(np.arange(len(x)) >= half).astype(np.int64))
     alone = [effect.columns(replace(torn.take(part), whole=None), 0, shape) for part in parts]
     np.testing.assert_allclose(effect.columns(torn, 0, shape), np.vstack(alone), atol=1e-12)
+
+
+def test_samples_may_be_means_of_their_neighbours(x: Inputs) -> None:
+    """Of the motion and of columns alike, never across a segment."""
+    torn = replace(x, segment=(np.arange(len(x)) >= 400).astype(np.int64))
+    index = np.array([0, 10, 398, 402, 700])
+    some = torn.take(index, 7)
+    np.testing.assert_allclose(some.qd[1], x.qd[7:14].mean(axis=0))
+    np.testing.assert_allclose(some.qd[2], x.qd[395:400].mean(axis=0))
+    np.testing.assert_allclose(some.qd[3], x.qd[400:406].mean(axis=0))
+    np.testing.assert_allclose(some.qd[0], x.qd[:4].mean(axis=0))
+    fewer = some.take(np.array([1, 4]))
+    np.testing.assert_allclose(fewer.q, some.q[[1, 4]])
+    columns = Term(EFFECTS["coulomb"], 1, {"v0": 0.05}).columns(fewer)
+    every = EFFECTS["coulomb"].columns(torn, 1, {"v0": 0.05})
+    np.testing.assert_allclose(columns[0], every[7:14].mean(axis=0))

@@ -92,7 +92,8 @@ def test_left_out_rows_are_predicted_as_by_a_fit_without_them(
     order = rng.permutation(size)
     groups = [np.sort(order[:3]), np.sort(order[3:5])]
     system = Problem.random(size, columns, seed).system()
-    for left in system.left_out(groups):
+    every = list(system.left_out(groups))
+    for left, weights in zip(every, system.weights_without(every).T, strict=True):
         rest = np.setdiff1d(np.arange(size), left.rows)
         without = problem.keep(rest).system()
         cross = problem.gram[np.ix_(left.rows, rest)]
@@ -100,6 +101,8 @@ def test_left_out_rows_are_predicted_as_by_a_fit_without_them(
         np.testing.assert_allclose(left.residual, problem.target[left.rows] - predicted, atol=1e-7)
         moved = without.coefficients - system.coefficients
         np.testing.assert_allclose(left.change, moved, atol=1e-7)
+        np.testing.assert_allclose(weights[rest], without.weights, atol=1e-7)
+        np.testing.assert_allclose(weights[left.rows], 0.0, atol=1e-7)
 
 
 def test_a_column_that_never_shows_gets_no_weight() -> None:

@@ -24,6 +24,7 @@ from lagrangian_ff.recording.motion import Motion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+AVERAGED = 0.07  # s, over which samples are averaged at most
 TANGENT = 0.03
 """Relative step by which a shape is varied, so that its error is not taken for an effect."""
 
@@ -123,35 +124,57 @@ class Ground:
         torques are counted in, which over a part of the range are gravity.
         """
         x = States.of(motion.q, motion.qd, motion.qdd)
-        weights = self.system.weights.reshape(len(self.index), self.joints)
-        coefficients = self.system.coefficients[: self.basis.size]
         speed = self.basis.sign_speed(self.joints)
         inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
-        load = self.prior.torque(inputs, self.seen, weights)
-        load += self.basis.constant(self.joints, coefficients)
-        rotors = self.prior.rotors(inputs, self.seen, weights)
-        inputs = replace(inputs, load=load, torque=load)
-        return replace(inputs, torque=load + rotors + self.basis.beside_load(inputs, coefficients))
+        load, torque = self._predicted(
+            inputs, self.system.weights, self.system.coefficients[: self.basis.size]
+        )
+        return replace(inputs, load=load, torque=torque)
 
     def unseen_inputs(self) -> Inputs:
         """The samples used as effects see them, the load predicted without their own block.
 
-        A load that was fitted to the very torque it is to explain would hold the answer.
+        A load that was fitted to the very torque it is to explain would hold the answer. The same
+        holds of the whole motion behind these samples.
         """
-        groups = [np.flatnonzero(self.block == number) for number in np.unique(self.block)]
+        _, place = np.unique(self.block, return_inverse=True)
         width = np.arange(self.joints)
+        groups = [np.flatnonzero(place == number) for number in range(int(place.max()) + 1)]
         rows = [(group[:, None] * self.joints + width).ravel() for group in groups]
-        left = np.empty(len(self.index) * self.joints)
-        for one in self.system.left_out(rows):
-            left[one.rows] = one.residual
-        predicted = self.motion.tau[self.index]
-        predicted = predicted - left.reshape(predicted.shape) * self.prior.unit
-        x = self.inputs.take(self.index)
-        weights = self.system.weights.reshape(len(self.index), self.joints)
-        rotors = self.prior.rotors(x, x, weights)
-        coefficients = self.system.coefficients[: self.basis.size]
-        known = self.basis.beside_load(x, coefficients)
-        return replace(x, load=predicted - known - rotors, torque=predicted)
+        left = list(self.system.left_out(rows))
+        weights = self.system.weights_without(left)
+        between = 0.5 * (self.index[1:] + self.index[:-1])
+        nearest = place[np.searchsorted(between, np.arange(len(self.inputs)))]
+        load, torque = np.zeros((2, *self.inputs.q.shape))
+        for number, one in enumerate(left):
+            here = np.flatnonzero(nearest == number)
+            coefficients = (self.system.coefficients + one.change)[: self.basis.size]
+            load[here], torque[here] = self._predicted(
+                self.inputs.take(here), weights[:, number], coefficients
+            )
+        whole = replace(self.inputs, load=load, torque=torque)
+        return whole.take(self.index, self.seen.window)
+
+    def _predicted(self, x: Inputs, weights: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+        """(M, N) N·m of load and of all torque, for weights (S N,) and basis coefficients."""
+        by_joint = weights.reshape(len(self.index), self.joints)
+        load = self.prior.torque(x, self.seen, by_joint)
+        load += self.basis.constant(self.joints, coefficients)
+        rotors = self.prior.rotors(x, self.seen, by_joint)
+        x = replace(x, load=load, torque=load)
+        return load, load + rotors + self.basis.beside_load(x, coefficients)
+
+
+def window_of(index: Ints, motion: Motion) -> int:
+    """How many samples about each of those used are averaged: all between them, but not for long.
+
+    Noise falls; what rings faster than some Hz would too.
+    """
+    if len(index) < 2:
+        return 1
+    step = float(np.median(np.diff(motion.time)))
+    most = min(float(np.median(np.diff(index))), AVERAGED / step)
+    return max(1, 2 * int((most + 1e-6 - 1.0) // 2) + 1)
 
 
 def lay(
@@ -169,9 +192,9 @@ def lay(
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
-    seen = seen or inputs.take(index)
+    seen = seen or inputs.take(index, window_of(index, motion))
     tangents = [*extra, *_tangents(basis, seen)]
-    system = factored(motion.tau[index], seen, prior, basis, tangents)
+    system = factored(seen.mean(motion.tau), seen, prior, basis, tangents)
     span, triangle = np.linalg.qr(system.white_design)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
     span = span[:, ~weak]

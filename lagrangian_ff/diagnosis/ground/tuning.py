@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay
+from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay, window_of
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
@@ -74,6 +74,11 @@ def _lay(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Ground:
     return lay(motion, index, motion.blocks(BLOCK_SECONDS)[index], inputs, prior, basis)
 
 
+def _window(motion: Motion) -> int:
+    """As the ground will have it, so that the noise is of the same kind."""
+    return window_of(evenly(len(motion), ROWS // len(motion.joints)), motion)
+
+
 def evidence_of(
     motion: Motion, inputs: Inputs, basis: Basis, rows: int, extra: tuple[Extra, ...] = (),
     ground: Ground | None = None,
@@ -82,12 +87,13 @@ def evidence_of(
     count = rows // len(motion.joints)
     if ground is None:
         index = evenly(len(motion), count)
+        x = inputs.take(index, _window(motion))
     else:
         chosen = evenly(len(ground.index), count)
         index = ground.index[chosen]
+        x = ground.seen.take(chosen)
         extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
-    x = inputs.take(index) if ground is None else ground.seen.take(chosen)
-    tau = motion.tau[index]
+    tau = x.mean(motion.tau)
 
     def evidence(prior: Prior) -> float:
         try:
@@ -154,8 +160,8 @@ def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> 
     if not places:
         return basis
     index = evenly(len(motion), SHAPE_ROWS // len(motion.joints))
-    x = inputs.take(index)
-    system = factored(motion.tau[index], x, prior, basis)
+    x = inputs.take(index, _window(motion))
+    system = factored(x.mean(motion.tau), x, prior, basis)
     white = system.white_design.copy()
     terms = list(basis.terms)
     for number, column in places:
@@ -163,7 +169,7 @@ def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> 
         tried = np.zeros((len(index), x.joints, len(SIGN_SPEEDS)))
         unit = prior.unit[term.joint]
         for k, speed in enumerate(SIGN_SPEEDS):
-            tried[:, term.joint, k] = np.tanh(x.qd[:, term.joint] / speed) / unit
+            tried[:, term.joint, k] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
         flat = tried.reshape(-1, len(SIGN_SPEEDS))
         z = solve_triangular(system.upper, flat, trans=1, check_finite=False)
         span, _ = np.linalg.qr(np.delete(white, column, axis=1))
@@ -173,7 +179,7 @@ def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> 
         speed = float(np.exp(_peak(np.log(SIGN_SPEEDS), fall)))
         terms[number] = Term(term.effect, term.joint, {**term.shape, "v0": speed})
         chosen = np.zeros((len(index), x.joints))
-        chosen[:, term.joint] = np.tanh(x.qd[:, term.joint] / speed) / unit
+        chosen[:, term.joint] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
         white[:, column] = solve_triangular(
             system.upper, chosen.ravel(), trans=1, check_finite=False
         )

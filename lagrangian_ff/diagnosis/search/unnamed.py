@@ -39,6 +39,8 @@ class Dependence:
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """(S, K) hat functions over the coordinate."""
+        if x.whole is not None and x.window > 1:
+            return x.mean(self.columns(x.whole, joint))
         knots = np.asarray(self.knots)
         at = np.clip(self.reads(x, joint), knots[0], knots[-1])
         place = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
