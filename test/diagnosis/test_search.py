@@ -12,6 +12,7 @@ from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
 from lagrangian_ff.diagnosis.search.change import change_of
+from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score, scores, tempered_gain
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
 from lagrangian_ff.effects import EFFECTS, Inputs
@@ -143,3 +144,14 @@ def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
         assert best.candidate.shape["of"] == chosen
     (best,) = best_of_each([of(0.0, 100.0), of(1.0, 90.0)])
     assert best.candidate.shape["of"] == 0.0
+
+
+def test_plain_friction_comes_before_friction_with_a_bend() -> None:
+    """A joint whose model has no friction at all lacks Coulomb's first, then the viscous."""
+    motion = two_rods.motion(1, 30.0)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    found = search(tune(motion, x, Basis(())), steps=4)
+    names = [step.score.candidate.key for step in found.steps]
+    assert {("coulomb", 0), ("coulomb", 1)} <= set(names)
+    assert {name for name, _ in names} <= {"coulomb", "viscous"}
+    assert all(not step.rivals for step in found.steps)

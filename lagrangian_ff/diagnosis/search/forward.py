@@ -26,6 +26,8 @@ LEAST_SIZE = 0.005
 """Share of a joint's torque below which an effect is not worth a name."""
 NAME_SHARE = 0.7
 """A name must explain this share of what a free curve over one coordinate does."""
+PLAIN, PLAIN_SHARE = ("coulomb", "viscous"), 0.6
+"""Friction that every joint has, and how much of what the best explains it must explain."""
 NEAR = 0.2
 """A name or a curve is looked at closely if at first it gains this share of the best."""
 REFINED = 8
@@ -246,7 +248,9 @@ class _View:
         candidates = _candidates(again, [leader.candidate.joint], effects)
         found = best_of_each(scores(again, candidates), _causes(again.basis))
         best = [one for one in found if one.candidate.named and one.gain > 0.0][:REFINED]
-        names = sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
+        names = _plain_first(
+            sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
+        )
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
         first = names[0] if names else None
         return cls(leader, again, again.system.log_evidence, first, tuple(names[1:]), free)
@@ -254,6 +258,18 @@ class _View:
     def total(self, score: Score | None) -> float:
         """Log evidence with a candidate: what can be compared between views."""
         return -np.inf if score is None else self.base + score.gain
+
+
+def _plain_first(names: list[Score]) -> list[Score]:
+    """Names with what every joint has in front, if it explains most of what the best does.
+
+    Where plain friction is missing altogether, one curve with a bend does better than either half
+    of it: the halves come first, one after the other, and the bend only if it is still needed.
+    """
+    for score in names:
+        if score.candidate.effect.name in PLAIN and score.gain > PLAIN_SHARE * names[0].gain:
+            return [score, *(one for one in names if one.candidate.effect.kind != "friction")]
+    return names
 
 
 def _worth(ground: Ground, score: Score) -> float:
