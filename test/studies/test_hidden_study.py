@@ -160,7 +160,13 @@ def line(
     group: str, size: float = 0.1, outcome: str = "right", *, effect: str = "ripple",
     ratio: float | None = 1.0, absorbed: bool = False, count: int = 1,
 ) -> list[dict[str, Any]]:  # fmt: skip
-    hidden = {"effect": effect, "size": size, "absorbed": absorbed, "visible": [0.6 * size] * 2}
+    hidden = {
+        "effect": effect,
+        "size": size,
+        "absorbed": absorbed,
+        "visible": [0.6 * size] * 2,
+        "reached": [size] * 2,
+    }
     false = ["stribeck on joint_1"] if outcome == "wrong" else []
     return [
         {
@@ -207,6 +213,14 @@ def test_the_summary_counts_what_was_judged() -> None:
     text = "\n".join(table(numbers))
     assert "0.60" in text
     assert "nothing hidden: 1 of 20" in text
+
+
+def test_what_no_strength_makes_large_counts_under_what_it_reached() -> None:
+    weak = line("alone", size=0.1, outcome="nothing")
+    weak[0]["plant"]["hidden"][0]["reached"] = [0.048, 0.06]
+    numbers = summary([*line("alone", size=0.1), *weak])
+    assert numbers["sizes"]["0.1"]["nothing"] == 0
+    assert numbers["sizes"]["0.05"]["nothing"] == 1
 
 
 def test_the_figure_holds_what_the_summary_says() -> None:

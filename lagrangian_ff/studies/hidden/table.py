@@ -8,10 +8,13 @@ import numpy as np
 from scipy.stats import beta
 
 from lagrangian_ff.arm.hidden import HIDDEN
+from lagrangian_ff.studies.hidden.cases import SIZES
 from lagrangian_ff.studies.hidden.verdicts import OUTCOMES
 
 Lines = Sequence[dict[str, Any]]
 
+REACHED = 0.7
+"""A plant that shows less than this share of the size wanted counts under what it shows."""
 VISIBLE = (0.0, 0.01, 0.02, 0.05, 0.10, 1.0)
 """Edges of the bins of what plain friction cannot stand in for, as a share of the torque."""
 
@@ -23,7 +26,7 @@ def summary(lines: Lines) -> dict[str, Any]:
         lines: of the study; those with `failed` are counted as such and nowhere else.
 
     Returns:
-        For JSON: `sizes`, from the size wanted to the outcomes of effects alone (those that every
+        For JSON: `sizes`, from the size to the outcomes of effects alone (those that every
         Lagrangian kernel absorbs stand in `absorbed`); `visible`, the same by the part of the size
         that friction of the joint's own kind cannot stand in for; `pairs`, by size; `effects`, from
         name and size to outcomes; `clean` and `outside`, cases and claims made in them; `ratio`,
@@ -51,7 +54,12 @@ def summary(lines: Lines) -> dict[str, Any]:
 
 
 def _size(line: dict[str, Any]) -> float:
-    return float(line["plant"]["hidden"][0]["size"])
+    """The size wanted; where the physics cannot be made as strong, the next to what it reached."""
+    hidden = line["plant"]["hidden"][0]
+    wanted, reached = float(hidden["size"]), max(float(hidden["reached"][0]), 1e-6)
+    if reached > REACHED * wanted:
+        return wanted
+    return min(SIZES, key=lambda size: abs(np.log(size / reached)))
 
 
 def _sizes(lines: Iterable[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
