@@ -189,6 +189,7 @@ def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
             for name, value in taken_up.shape.items()
         },
         "shape": taken_up.shape,
+        "shape_words": effect.shape_words(taken_up.shape, diagnosis.model.joints),
         "formula": effect.formula,
         "meaning": effect.meaning,
         "source": effect.source,
@@ -235,6 +236,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         "blocks": _blocks(made),
         "parameters": parameters,
         "shape": dict(found.shape),
+        "shape_words": effect.shape_words(found.shape, diagnosis.model.joints),
         "shape_units": {shape.name: shape.unit for shape in effect.shapes},
         "formula": effect.formula,
         "meaning": effect.meaning,

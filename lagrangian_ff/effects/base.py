@@ -47,6 +47,7 @@ class Shape:
         start: its value before any search.
         steps: how many values, evenly spread over the logarithm of the range, are tried first.
         whole: whether only whole numbers mean anything; all of the range are tried then.
+        joint: whether it is a joint, counted from 0.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Shape:
     start: float
     steps: int = 6
     whole: bool = False
+    joint: bool = False
 
     def grid(self) -> list[float]:
         """The values tried first."""
@@ -133,6 +135,17 @@ class Effect(ABC):
             "uses": sorted(self.uses),
             "caution": self.caution,
         }
+
+    def shape_words(self, shape: Mapping[str, float], joints: Sequence[str]) -> dict[str, str]:
+        """A shape for a person: joints by their names, whole numbers without a point."""
+        kinds = {one.name: one for one in self.shapes}
+        return {
+            name: joints[round(value)] if kinds[name].joint and round(value) < len(joints)
+            else str(round(value)) if kinds[name].whole
+            else f"{value:.3g}"
+            for name, value in shape.items()
+            if name in kinds
+        }  # fmt: skip
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
         """The shapes tried on one joint: every combination of the shapes' grids."""

@@ -25,7 +25,7 @@ class Coupled(Effect):
         Parameter("B", "N·m·s/rad", "viscous coefficient of the shared shaft"),
     )
     shapes = (
-        Shape("partner", "1", "the other joint, counted from 0", 0, 63, 0, whole=True),
+        Shape("partner", "1", "the other joint", 0, 63, 0, whole=True, joint=True),
         Shape("ratio", "1", "turns of the shaft per turn of the partner", -1, 1, 1, whole=True),
     )
     kind = "transmission"

@@ -8,7 +8,7 @@ from lagrangian_ff.effects.base import Effect, Floats, Shape
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.errors import EffectError
 
-OF = Shape("of", "1", "the joint whose gear it is, counted from 0", 0, 63, 0, whole=True)
+OF = Shape("of", "1", "the joint whose gear it is", 0, 63, 0, whole=True, joint=True)
 
 
 class Gear(Effect):

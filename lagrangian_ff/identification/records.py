@@ -54,6 +54,7 @@ def effect_records(fitted: Fit, joints: tuple[str, ...], block: Ints) -> list[di
                 "formula": term.effect.formula,
                 "parameters": parameters,
                 "shape": dict(term.shape),
+                "shape_words": term.effect.shape_words(term.shape, joints),
             }
         )
     return found

@@ -109,7 +109,7 @@ def test_what_appeared_since_is_found_and_said_not_to_be_in_the_models_data(
     )
     assert outcome.code == 0, outcome
     assert "the last third of the motion is held back" in outcome.text
-    assert f"lagrangian_ff add {old} ripple --joint elbow --shape order=9.00" in outcome.text
+    assert f"lagrangian_ff add {old} ripple --joint elbow --shape order=9" in outcome.text
     assert "did it appear since?" in outcome.text
     changed = json.loads((tmp_path / "found.json").read_text())["changed"]
     assert [(one["what"], one["joints"]) for one in changed][:1] == [("ripple", ["elbow"])]
@@ -205,7 +205,7 @@ def finding(verdict: str, rivals: list[str], reason: str = "") -> dict[str, obje
     return {
         "effect": "ripple", "joints": ["elbow"], "verdict": verdict, "ambiguous_with": rivals,
         "told_apart_by": [], "reason": reason, "next_motion": "creep",
-        "shape": {"order": 9}, "p_value": 0.01,
+        "shape": {"order": 9}, "shape_words": {"order": "9"}, "p_value": 0.01,
     }  # fmt: skip
 
 
@@ -214,7 +214,7 @@ def test_only_what_is_confirmed_is_told_to_be_added(verdict: str) -> None:
     rivals = ["delay"] if "delay" in verdict else []
     record = {"findings": [finding(verdict, rivals)], "unexplained": []}
     lines = "\n".join(next_steps(record, "m.npz", ["a", "b"], ["c"]))
-    add = "lagrangian_ff add m.npz ripple --joint elbow --shape order=9.00"
+    add = "lagrangian_ff add m.npz ripple --joint elbow --shape order=9"
     assert (add in lines) == (verdict == "confirmed")
     assert (excite("ripple", "elbow", "m.npz") in lines) == (verdict != "confirmed")
     assert ("a b --confirm c --apply" in lines) == (verdict == "confirmed")

@@ -18,10 +18,10 @@ def effect(
     """An entry of a record's list of effects."""
     parameter = {"value": value, "low": value - spread, "high": value + spread, "unit": "N·m"}
     symbol = {"B qd": "B", "F_c tanh(qd / v0)": "F_c"}.get(formula, "c")
-    shape = {"v0": 0.02} if "v0" in formula else {}
+    shape = {"v0": "0.0200"} if "v0" in formula else {}
     return {
         "effect": name, "joint": joint, "formula": formula, "parameters": {symbol: parameter},
-        "shape": shape,
+        "shape_words": shape,
     }  # fmt: skip
 
 

@@ -143,3 +143,10 @@ def cut(x: Inputs, count: int) -> Inputs:
     """Return the beginning of a motion as if the recording had ended there."""
     names = ("q", "qd", "qdd", "time", "segment", "load", "torque")
     return replace(x, **{name: getattr(x, name)[:count] for name in names})
+
+
+def test_its_shape_is_told_in_words() -> None:
+    joints = ("base", "elbow", "wrist")
+    gear = EFFECTS["elasticity"].shape_words({"of": 1.0, "f": 3.33333, "z": 0.1}, joints)
+    assert gear == {"of": "elbow", "f": "3.33", "z": "0.1"}
+    assert EFFECTS["ripple"].shape_words({"order": 18.0}, joints) == {"order": "18"}

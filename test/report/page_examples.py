@@ -77,7 +77,7 @@ def finding(effect: str, verdict: str, **more: Any) -> dict[str, Any]:
             {"time": 1.5, "before": 1.6, "after": 0.8}, {"time": 4.5, "before": 1.0, "after": 1.1},
         ],
         "parameters": {"F_s": {"value": 1.25, "low": 1.0, "high": 1.5, "unit": "N·m"}},
-        "shape": {"v_s": 0.1}, "formula": f"F_s sign(qd) {SCRIPT}",
+        "shape": {"v_s": 0.1}, "shape_words": {"v_s": "0.1"}, "formula": f"F_s sign(qd) {SCRIPT}",
         "meaning": "friction that is greater at low speed", "ambiguous_with": [],
         "next_motion": "a slow sweep of speeds",
         "signature": {

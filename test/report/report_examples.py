@@ -51,6 +51,7 @@ def effects() -> dict[str, Any]:
                     "F_c": {"value": 1.5 + n, "low": 1.25 + n, "high": 1.75 + n, "unit": "N·m"}
                 },
                 "shape": {"v0": 0.02},
+                "shape_words": {"v0": "0.0200"},
             }
             for n, joint in enumerate(JOINTS)
         ]

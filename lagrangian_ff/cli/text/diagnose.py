@@ -195,7 +195,7 @@ def next_steps(
     if to_add:
         first = to_add[0]
         joints = " ".join(f"--joint {joint}" for joint in first["joints"])
-        values = " ".join(f"{name}={number(value)}" for name, value in first["shape"].items())
+        values = " ".join(f"{name}={value}" for name, value in first["shape_words"].items())
         shape = f" --shape {values}" if values else ""
         return [
             *lines,

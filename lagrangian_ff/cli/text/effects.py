@@ -14,8 +14,8 @@ def equations(effects: Sequence[Mapping[str, Any]]) -> list[str]:
     """One line a joint: the torque of all its effects, in N·m with qd in rad/s."""
     sums: dict[str, str] = {}
     for entry in effects:
-        values = {name: p["value"] for name, p in entry["parameters"].items()}
-        term = _filled(entry["formula"], {**values, **entry.get("shape", {})})
+        values = {name: number(p["value"]) for name, p in entry["parameters"].items()}
+        term = _filled(entry["formula"], {**values, **entry.get("shape_words", {})})
         before = sums.get(entry["joint"])
         if before is None:
             sums[entry["joint"]] = term
@@ -75,9 +75,9 @@ def negative_friction(effects: Sequence[Mapping[str, Any]]) -> tuple[list[str], 
     return whole, [joint for joint in sure if joint not in whole]
 
 
-def _filled(formula: str, values: Mapping[str, float]) -> str:
+def _filled(formula: str, values: Mapping[str, str]) -> str:
     def value(match: "re.Match[str]") -> str:
         name = match.group()
-        return number(values[name]) if name in values else name
+        return values.get(name, name)
 
     return re.sub(r"[A-Za-z_]\w*", value, formula).replace("+ -", "- ")

@@ -14,9 +14,12 @@ BAND = (0.7, 10.0)
 COHERENT = 0.7
 """Coherence from which on the phase of a frequency counts."""
 CLEAR = 3.0
-"""Times its error, from which on a late torque of one joint is believed."""
+"""Times its error, from which on a late torque of one joint is told."""
 CLEAR_EARLY = 6.0
 """The same of an early one, which friction that falls with speed and ripple resemble."""
+CERTAIN = 9.0
+"""Times its error, from which on the delay of one joint alone is believed: a model that fits it
+badly is late there too, by some ms at 3 to 6 times the error."""
 TOGETHER, TOGETHER_CLEAR = 0.004, 4.0
 """s and times its error, from which on a delay of all joints is believed."""
 _FLOOR = 0.0015  # s: what the model's own error makes of a delay on joints that have none
@@ -60,15 +63,19 @@ def _is_clear(delay: float, error: float) -> bool:
 
 
 def _told(joint: str | None, delay: float, error: float) -> Check:
+    certain = joint is None or abs(delay) > CERTAIN * error
     which, other = ("torque", "position") if delay > 0 else ("position", "torque")
     return Check(
         "delay",
         joint,
         f"the {which} of {joint or 'every joint'} comes {1e3 * abs(delay):.1f} "
         f"± {1e3 * error:.1f} ms later than its {other}",
-        True,
+        certain,
         "Look for a filter or a bus that only one of the two passes, and stamp both when they "
-        "are measured; or add the effect delay",
+        "are measured; or add the effect delay"
+        if certain
+        else "A model that fits this joint badly looks so as well: believe it if delay is found "
+        "among the effects too",
         {"delay": delay, "error": error},
     )
 

@@ -62,7 +62,7 @@ def _effect(
     for shape in found[0].get("shape", {}):
         header.append(f"{shape} [{_unit(name, shape)}]")
         for n, one in enumerate(found):
-            rows[n].append(number(float(one["shape"][shape])))
+            rows[n].append(str(one["shape_words"][shape]))
     return (
         f'<h3>{html.escape(name)} <span class="formula">τ = {html.escape(formula)}</span></h3>'
         f"{html.paragraph(meaning[:1].upper() + meaning[1:]) if meaning else ''}"

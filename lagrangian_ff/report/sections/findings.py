@@ -134,8 +134,8 @@ def _parameters(found: Mapping[str, Any]) -> str:
     ]
     units = found.get("shape_units") or {}
     rows += [
-        [name, number(float(value)), "–", "–", units.get(name, "")]
-        for name, value in (found.get("shape") or {}).items()
+        [name, str(value), "–", "–", units.get(name, "")]
+        for name, value in (found.get("shape_words") or {}).items()
         if name not in found.get("parameters", {})
     ]
     return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows) if rows else ""
