@@ -104,15 +104,9 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
         parts.append(f"{what}: {taken_up.verdict}, felt by {felt}.")
     if sure:
         names = listed(_causes(sure))
-        falls = [
-            f"{made[one].whole_before:.3g} to {made[one].whole_after:.3g} N·m on {one.joint}"
-            for one in sure
-            if one in made
-        ]
-        fall = (
-            f": the error falls from {listed(falls)} on motion not used to find it" if falls else ""
+        parts.append(
+            f"Missing and confirmed: {names}{_fall([o for o in sure if o in made], made)}."
         )
-        parts.append(f"Missing and confirmed: {names}{fall}.")
     for one in unsure:
         names = " or ".join(
             _words(name)
@@ -132,6 +126,22 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
             "effect explains."
         )
     return " ".join(parts) or _nothing(diagnosis)
+
+
+def _fall(sure: Sequence[Finding], made: Mapping[Finding, Consequence]) -> str:
+    """How far the error falls: of one joint, or of all where effects on several are added."""
+    if not sure:
+        return ""
+    first, last = made[sure[0]], made[sure[-1]]
+    joint = sure[0].joint
+    before, after, where = first.whole_before, last.whole_after, f"on {joint}"
+    if any(one.joint != joint for one in sure):
+        before, after, where = first.every_before, last.every_after, "over all joints"
+    change = "falls" if after < before else "does not fall: it goes"
+    return (
+        f": the error {change} from {before:.3g} to {after:.3g} N·m {where} on motion not used to "
+        "find it"
+    )
 
 
 def _nothing(diagnosis: Diagnosis) -> str:

@@ -14,7 +14,7 @@ ALONG = ("velocity", "direction")
 """Coordinates that tell the direction of motion themselves."""
 UNITS = {
     "velocity": "rad/s", "position": "rad", "acceleration": "rad/s²", "load": "N·m", "time": "s",
-    "direction": "sign(qd)", "since_reversal": "s", "order": "rad",
+    "direction": "sign(qd)", "since_reversal": "s", "order": "rad", "predicted_torque": "N·m",
 }  # fmt: skip
 
 
@@ -35,8 +35,12 @@ def signature(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
         # Both directions would cancel: shown along the motion.
         direction = np.sign(x.qd[:, candidate.joint])
         effect, left = effect * direction, left * direction
-    at = _coordinate(finding.effect.coordinate, x, candidate.joint)
-    bins = FINE_BINS if finding.effect.coordinate == "order" else BINS
+    coordinate = finding.effect.coordinate
+    if finding.effect.kind == "transmission" and finding.effect.remembers:
+        # No state shows what depends on the past: it is held against its own prediction.
+        coordinate = "predicted_torque"
+    at = effect if coordinate == "predicted_torque" else _coordinate(coordinate, x, candidate.joint)
+    bins = FINE_BINS if coordinate == "order" else BINS
     edges = np.unique(np.quantile(at, np.linspace(0.0, 1.0, bins + 1)))
     place = np.clip(np.searchsorted(edges, at, side="right") - 1, 0, max(len(edges) - 2, 0))
     numbers = np.unique(place)
@@ -44,9 +48,8 @@ def signature(diagnosis: Diagnosis, finding: Finding) -> dict[str, object]:
     mean = np.array([np.mean((effect + left)[row]) for row in rows])
     reach = np.array([1.645 * np.std(left[row]) / np.sqrt(max(1, row.sum())) for row in rows])
     return {
-        "coordinate": "position" if finding.effect.coordinate == "order"
-        else finding.effect.coordinate.replace("_", " "),
-        "unit": UNITS.get(finding.effect.coordinate, ""),
+        "coordinate": "position" if coordinate == "order" else coordinate.replace("_", " "),
+        "unit": UNITS.get(coordinate, ""),
         "x": [float(np.mean(at[row])) for row in rows],
         "residual": mean.tolist(),
         "low": (mean - reach).tolist(),

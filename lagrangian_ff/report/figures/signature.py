@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.effects.gear import Gear
 from lagrangian_ff.kernels import States
 from lagrangian_ff.report.colours import FAINT, FRAME, INK, PREDICTED, RESIDUAL
 from lagrangian_ff.report.numbers import number
@@ -26,10 +27,11 @@ WINDOW = (5.0, 17.0)
 SOON = 0.6
 """s after a reversal that are shown."""
 HIGHEST_ORDER = 14
+JERKS = {"elasticity": 3.0}
+"""N·m, of effects that are not seen in a smooth motion."""
+LONG = 60  # characters of a formula that need a second line
 SPEEDS = (0.5, 1.1, 1.9)
 """rad/s, the pace of each joint."""
-PLAY = {"backlash": 0.02}
-"""rad, by which the motor runs ahead of the link where an effect is not seen without."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +54,13 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
     """
     if shape is None:
         shape = {s.name: s.start for s in effect.shapes}
-    x = motion(PLAY.get(effect.name, 0.0))
+    if isinstance(effect, Gear):
+        shape = {**shape, "of": float(JOINT)}
+    x = motion(JERKS.get(effect.name, 0.0))
     columns = effect.columns(x, JOINT, shape)
     parameters = _parameters(columns)
+    if isinstance(effect, Gear):
+        parameters[1:] = 0.0  # the made-up load lacks nothing
     torque = columns @ parameters
     with styled():
         figure = new_figure(4.3)
@@ -71,18 +77,18 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
             left = figure.add_subplot(grid[:, 0])
             draw = _spectrum if effect.coordinate == "order" else _over_coordinate
             draw(left, effect, x, torque)
-            left.set_title(effect.formula)
+            left.set_title(_formula(effect))
         handles, labels = right.get_legend_handles_labels()
         legend_above(figure, handles, labels)
         figure.text(0.995, 0.985, effect.name, ha="right", va="top", fontsize=11.0, color=INK)
     return figure
 
 
-def motion(play: float = 0.0) -> Inputs:
+def motion(jerk: float = 0.0) -> Inputs:
     """A swing through the whole turn that creeps first and is fast then, under load.
 
     Args:
-        play: rad, by which the motor that is measured runs ahead of the link as its load turns.
+        jerk: N·m, by which the load jumps where the motion reverses, as a part that tips over.
     """
     time = np.arange(round(SECONDS * RATE)) / RATE
     rise = 1.0 / (1.0 + np.exp(-(time - 9.0) / 0.5))
@@ -97,12 +103,14 @@ def motion(play: float = 0.0) -> Inputs:
         bend -= size * omega**2 * np.sin(omega * phase + begin)
     qd, qdd = slope * pace, bend * pace**2 + slope * change
     load = 1.5 * qdd + 11.0 * np.sin(q + 0.4)
-    if play:
-        q = q + 0.5 * play * np.tanh(load)
-        qd = np.gradient(q, time, axis=0)
-        qdd = np.gradient(qd, time, axis=0)
+    load += jerk * np.tanh(qd / 0.02)
     torque = load + 1.0 * qd + 2.0 * np.tanh(qd / 0.02)
     return Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=torque)
+
+
+def _formula(effect: Effect) -> str:
+    first, plus, second = effect.formula.partition(") + ")
+    return f"{first})\n+ {second}" if plus and len(effect.formula) > LONG else effect.formula
 
 
 def _parameters(columns: Floats) -> Floats:
