@@ -18,7 +18,7 @@ def test_every_effect_is_drawn_with_its_numbers(name: str) -> None:
     figure = signature_figure(effect)
     words = [text.get_text() for text in figure.texts]
     words += [axes.get_title(loc="left") for axes in figure.axes]
-    said = " ".join(words)
+    said = " ".join(words).replace("\n", " ")
     assert name in said
     assert effect.formula in said
     assert all(f"{p.name} = " in said for p in effect.parameters)
