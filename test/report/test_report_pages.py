@@ -140,3 +140,11 @@ def test_without_plotly_the_user_is_told_what_to_install(
     with pytest.raises(UserError, match="pip install plotly"):
         compare_page(tmp_path / "page.html", compared())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_one_effect_is_told_by_its_own_joint() -> None:
+    record = lineage()
+    record["steps"][-1]["joints"]["joint_2"] = {"before": 1.06, "after": 0.629}
+    assert history_headline(record).startswith(
+        "With torque ripple on joint_2, 41 % of the error of joint_2 is gone: 1.06 → 0.629 N·m"
+    )

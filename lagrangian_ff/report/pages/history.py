@@ -44,13 +44,23 @@ def headline(record: Mapping[str, Any]) -> str:
     last = added[-1].get("error_after")
     if first is None or last is None or not first > 0.0:
         return f"Added: {names}"
-    left = last / first
-    change = (
-        f"{percent(1.0 - left)} of the error is gone"
-        if left <= 1.0
-        else f"the error rose by {percent(left - 1.0)}"
+    whole = f"{_change(first, last)}: {number(first)} → {number(last)} N·m on held-back data"
+    joint = str(added[0]["added"]).partition(" on ")[2]
+    own = added[0].get("joints", {}).get(joint)
+    if len(added) > 1 or own is None or own["before"] is None or not own["before"] > 0.0:
+        return f"With {names}, {whole}"
+    before, after = own["before"], own["after"]
+    return (
+        f"With {names}, {_change(before, after, f' of {joint}')}: {number(before)} → "
+        f"{number(after)} N·m on held-back data"
     )
-    return f"With {names}, {change}: {number(first)} → {number(last)} N·m on held-back data"
+
+
+def _change(before: float, after: float, of: str = "") -> str:
+    left = after / before
+    if left <= 1.0:
+        return f"{percent(1.0 - left)} of the error{of} is gone"
+    return f"the error{of} rose by {percent(left - 1.0)}"
 
 
 SECTIONS = (steps_section, each_joint_section, reasons_section)
