@@ -10,7 +10,7 @@ from lagrangian_ff.diagnosis.ground import Ground, tune
 from lagrangian_ff.diagnosis.search.change import Change, change_of, joints_of
 from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
-from lagrangian_ff.diagnosis.search.gain import Score
+from lagrangian_ff.diagnosis.search.guess import hidden_by_guess
 from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
 from lagrangian_ff.diagnosis.search.rivals import rivals
 from lagrangian_ff.diagnosis.search.unnamed import told
@@ -43,7 +43,7 @@ class Finding:
         parameters: (P,) frozen, with all that was found in the model.
         low, high: (P,) ends of their 90 % intervals.
         trial: how it did on motion that was not used to find it.
-        rivals: what the data cannot tell from it.
+        rivals: names of what the data cannot tell from it.
         verdict: `confirmed`, `ambiguous` (one of several is there) or `suggested`.
         reason: why it is no more than suggested.
     """
@@ -55,7 +55,7 @@ class Finding:
     low: Floats
     high: Floats
     trial: Trial
-    rivals: tuple[Score, ...]
+    rivals: tuple[str, ...]
     verdict: str
     reason: str
 
@@ -256,7 +256,10 @@ def _confirmed(
         trial = _trial(found, unseen, number)
         mine = unseen.rival(step.score, number)
         others = [(mine, unseen.rival(score, number)) for score in step.rivals]
-        left = tuple(rivals(step.score, step.rivals, others))
+        left = tuple(
+            score.candidate.source.name for score in rivals(step.score, step.rivals, others)
+        )
+        left += tuple(n for n in hidden_by_guess(found.first, candidate) if n not in left)
         reason = trial.reason
         rest = free.get(candidate.joint, 0.0)
         rest += sum(

@@ -108,10 +108,7 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
             f"Missing and confirmed: {names}{_fall([o for o in sure if o in made], made)}."
         )
     for one in unsure:
-        names = " or ".join(
-            _words(name)
-            for name in [one.effect.name, *(r.candidate.source.name for r in one.rivals)]
-        )
+        names = " or ".join(_words(name) for name in [one.effect.name, *one.rivals])
         parts.append(
             f"On {one.joint} one of these is missing, this motion cannot tell which: {names}."
         )
@@ -226,7 +223,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
             effect.parameters, found.parameters, found.low, found.high, strict=True
         )
     }
-    rivals = [score.candidate.source.name for score in found.rivals]
+    rivals = list(found.rivals)
     others = [score.candidate.source.name for score in step.rivals]
     motion = effect.next_motion
     told = [effect.look_alikes[name] for name in rivals if name in effect.look_alikes]

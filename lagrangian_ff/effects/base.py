@@ -116,6 +116,11 @@ class Effect(ABC):
         """The joint whose hardware it is, where it adds to the torque of this one."""
         return joint
 
+    @property
+    def follows_load(self) -> bool:
+        """Whether its size at each moment is that of the load."""
+        return "load" in self.uses and not self.remembers
+
     def record(self) -> dict[str, object]:
         """All that it says of itself, as JSON holds it."""
         return {

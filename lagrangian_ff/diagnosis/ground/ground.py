@@ -92,6 +92,17 @@ class Ground:
         return np.asarray(np.std(self.motion.tau, axis=0))
 
     @cached_property
+    def unsure_load(self) -> NDArray[np.bool_]:
+        """(N,) joints whose load cannot be told from what turns the rotor.
+
+        The constant part of a joint's inertia may be the rotor's, before the gear, or the link's.
+        Where it takes more torque than the load does, as on a vertical axis, the load is a guess.
+        """
+        weights = self.system.weights.reshape(len(self.index), self.joints)
+        rotors = self.prior.rotors(self.seen, self.seen, weights)
+        return np.asarray(np.mean(rotors**2, axis=0) > np.mean(self.seen.load**2, axis=0))
+
+    @cached_property
     def _coarse(self) -> "NDArray[np.float32]":
         # Below the diagonal lies what memory held before.
         return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
