@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.ground import Ground, tune
-from lagrangian_ff.diagnosis.search.change import Change, change_of, joints_of
+from lagrangian_ff.diagnosis.search.change import AGAIN, Change, change_of, joints_of
 from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
 from lagrangian_ff.diagnosis.search.guess import hidden_by_guess
@@ -231,7 +231,7 @@ def _taken_up(
     if not separate:
         reason = "it happens once in a recording; a second one can confirm it"
         return TakenUp(found.change, names, None, SUGGESTED, reason)
-    again = change_of(_unseen(found, motion, None).ground)
+    again = change_of(_unseen(found, motion, None).ground, beyond=AGAIN)
     reason = "" if again else "the unseen recording shows nothing of the kind"
     if again and again.name != found.change.name:
         reason = f"in the unseen recording it is a {again.name}"

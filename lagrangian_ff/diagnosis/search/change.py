@@ -27,8 +27,8 @@ WORTH = 20.0
 """Nats that a change of the arm must be worth."""
 PROMISING = 3.0
 SHUFFLES = 5
-BEYOND_CHANCE = 4.0
-"""How many times what shuffled blocks gain a change must gain."""
+BEYOND_CHANCE, AGAIN = 4.0, 2.0
+"""How many times what shuffled blocks gain a change must gain, and one that was found before."""
 OFFSETS = 0.15 * 1.5 ** np.arange(11)
 """s that a moment is moved by, either way, to see how well it is known."""
 HALF_CHI_SQUARE = 1.353
@@ -66,11 +66,18 @@ class Change:
         return self.since, self.until, self.share
 
 
-def change_of(ground: Ground, progress: Progress = silent) -> Change | None:
+def change_of(
+    ground: Ground, progress: Progress = silent, beyond: float = BEYOND_CHANCE
+) -> Change | None:
     """The interval in which the evidence gains most from a second Lagrangian.
 
     Few samples tell whether and roughly when, all of them how much. None where even the best
     interval is not worth it.
+
+    Args:
+        ground: of the motion.
+        progress: told the share done.
+        beyond: how many times what shuffled blocks gain it must gain.
     """
     time = ground.seen.time
     if not np.isfinite(time).all() or float(np.ptp(time)) < 2.5 * MARGIN:
@@ -103,7 +110,7 @@ def change_of(ground: Ground, progress: Progress = silent) -> Change | None:
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
-    if best.gain < BEYOND_CHANCE * max(_shuffled_gains(ground, best)):
+    if best.gain < beyond * max(_shuffled_gains(ground, best)):
         return None
     best = replace(best, gain=_gains(ground, len(ground.index) * ground.joints)(best))
     return _with_ranges(best, coarse, (start, end)) if best.gain > WORTH else None
