@@ -27,7 +27,7 @@ class Backlash(Gear):
     source = "two masses with a dead zone, as in Nordin and Gutman 2002, Automatica 38(10)"
     meaning = "play in the gear: the load is let go and caught again when it reverses"
     parameters = (
-        Parameter("c", "1", "share of the load that is let go; 1: all of it"),
+        Parameter("c", "1", "share of the load that is let go, about 1"),
         Parameter("J", "kg·m²", "inertia beyond the gap that was not counted into the load"),
     )
     shapes = (

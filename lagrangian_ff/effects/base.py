@@ -116,6 +116,10 @@ class Effect(ABC):
         """The joint whose hardware it is, where it adds to the torque of this one."""
         return joint
 
+    def possible(self, parameters: Floats) -> bool:
+        """Whether hardware could have these parameters (P,), on the joint whose hardware it is."""
+        return True
+
     @property
     def follows_load(self) -> bool:
         """Whether its size at each moment is that of the load."""

@@ -20,7 +20,7 @@ class Elasticity(Gear):
     carries not the load of the motor's motion but that load after a filter of second order,
     (2 z w s + w²) / (s² + 2 z w s + w²) with w² = k/M = (2 pi f)². This holds exactly where M is
     constant, resonance and all; slow loads such as gravity pass unchanged. With the encoder on the
-    link the motor moves load / k ahead instead: well below resonance that looks like a negative c.
+    link nothing of the kind is seen.
     """
 
     name = "elasticity"
@@ -28,7 +28,7 @@ class Elasticity(Gear):
     source = "Spong 1987, ASME J. Dyn. Syst. Meas. Control 109(4), its equations for one joint"
     meaning = "a gear or joint that gives way under load and swings"
     parameters = (
-        Parameter("c", "1", "share of the load behind the spring; negative: encoder on the link"),
+        Parameter("c", "1", "share of the load behind the spring, about 1"),
         Parameter("J", "kg·m²", "inertia behind the spring that was not counted into the load"),
     )
     shapes = (

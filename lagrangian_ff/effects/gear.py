@@ -10,6 +10,9 @@ from lagrangian_ff.errors import EffectError
 
 OF = Shape("of", "1", "the joint whose gear it is", 0, 63, 0, whole=True, joint=True)
 
+SHARE = (0.35, 2.5)
+"""Of the load that may be behind a gear: one, but for what the model does not know of the load."""
+
 
 class Gear(Effect):
     """A gear between a motor, which the encoder reports, and a link that moves otherwise.
@@ -59,6 +62,10 @@ class Gear(Effect):
     def cause(self, joint: int, shape: Mapping[str, float]) -> int:
         """See `Effect.cause`."""
         return round(shape["of"])
+
+    def possible(self, parameters: Floats) -> bool:
+        """See `Effect.possible`: a gear gives way under all of its load, not a tenth of it."""
+        return bool(SHARE[0] < parameters[0] < SHARE[1])
 
     def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
         """The other shapes to try where the gear has a load (M,) N·m."""

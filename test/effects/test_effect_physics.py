@@ -350,3 +350,12 @@ def test_samples_may_be_means_of_their_neighbours(x: Inputs) -> None:
     columns = Term(EFFECTS["coulomb"], 1, {"v0": 0.05}).columns(fewer)
     every = EFFECTS["coulomb"].columns(torn, 1, {"v0": 0.05})
     np.testing.assert_allclose(columns[0], every[7:14].mean(axis=0))
+
+
+def test_a_gear_gives_way_under_all_of_its_load() -> None:
+    """A share of a tenth is something else that swings at the same frequency."""
+    for name in ("elasticity", "backlash"):
+        assert EFFECTS[name].possible(np.array([1.1, -0.3]))
+        assert not EFFECTS[name].possible(np.array([0.1, 0.5]))
+        assert not EFFECTS[name].possible(np.array([-0.12, 0.5]))
+    assert EFFECTS["viscous"].possible(np.array([-1.0]))

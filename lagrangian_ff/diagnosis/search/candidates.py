@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.search.unnamed import UNNAMED, Dependence
+from lagrangian_ff.diagnosis.search.unnamed import UNNAMED, Unnamed
 from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 
@@ -30,7 +30,7 @@ class Candidate:
         shape: its nonlinear parameters.
     """
 
-    source: Effect | Dependence
+    source: Effect | Unnamed
     joint: int
     shape: Mapping[str, float] = field(default_factory=dict)
 
@@ -62,9 +62,9 @@ class Candidate:
 
     def columns(self, x: Inputs) -> Floats:
         """(S, P) its columns at the samples of x."""
-        if isinstance(self.source, Dependence):
-            return self.source.columns(x, self.joint)
-        return self.term().columns(x)
+        if isinstance(self.source, Effect):
+            return self.term().columns(x)
+        return self.source.columns(x, self.joint)
 
 
 def named(

@@ -13,6 +13,7 @@ from lagrangian_ff.diagnosis.search.change import Change, change_of
 from lagrangian_ff.diagnosis.search.gain import Score, scores
 from lagrangian_ff.diagnosis.search.refine import refined
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
+from lagrangian_ff.diagnosis.search.unnamed import tones
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
@@ -111,7 +112,11 @@ def search(
         lasting = [score for score in found if not score.once]
         looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
         _, best, chance = looks[-1]
-        eligible = [score for score in best if _stands_out(score, chance, ground)]
+        eligible = [
+            score
+            for score in best
+            if _stands_out(score, chance, ground) and _possible(score, causes)
+        ]
         if change is None and may_change and (not taken or not eligible):
             change = change_of(ground)
             if change is not None and (not eligible or change.gain > eligible[0].gain):
@@ -173,7 +178,23 @@ def _candidates(
     ground: Ground, joints: Sequence[int] | range, effects: Mapping[str, Effect] | None
 ) -> list[Candidate]:
     x = ground.seen
-    return [*named(x, ground.basis, joints, effects), *unnamed(x, joints)]
+    left = ground.motion.tau - ground.inputs.torque
+    swings = [
+        Candidate(tone, joint)
+        for joint, tone in enumerate(tones(ground.motion.time, left))
+        if joint in joints
+    ]
+    return [*named(x, ground.basis, joints, effects), *unnamed(x, joints), *swings]
+
+
+def _possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
+    """Whether hardware could do this; what another joint's does must have been found there."""
+    candidate = score.candidate
+    if not candidate.named:
+        return True
+    if candidate.cause == candidate.key:
+        return candidate.effect.possible(score.coefficients)
+    return candidate.cause in causes
 
 
 def _stands_out(score: Score, chance: Chance, ground: Ground) -> bool:
@@ -246,7 +267,8 @@ class _View:
         prior = sharpen(ground, *_with(ground, leader.candidate))
         again = _relaid(ground, prior, ground.basis, ground.extra)
         candidates = _candidates(again, [leader.candidate.joint], effects)
-        found = best_of_each(scores(again, candidates), _causes(again.basis))
+        causes = _causes(again.basis)
+        found = [s for s in best_of_each(scores(again, candidates), causes) if _possible(s, causes)]
         best = [one for one in found if one.candidate.named and one.gain > 0.0][:REFINED]
         names = _plain_first(
             sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))

@@ -16,7 +16,10 @@ from lagrangian_ff.effects import Inputs
 
 Floats = NDArray[np.float64]
 
-KNOTS = 9
+KNOTS, PLACE_KNOTS = 9, 5
+TONES = (1.0, 10.0)
+"""Hz between which a tone is looked for: slower ones are the motion's own."""
+SHORTEST_TONE, PADDED = 200, 4
 
 
 @dataclass(frozen=True)
@@ -41,15 +44,95 @@ class Dependence:
         """(S, K) hat functions over the coordinate."""
         if x.whole is not None and x.window > 1:
             return x.mean(self.columns(x.whole, joint))
-        knots = np.asarray(self.knots)
-        at = np.clip(self.reads(x, joint), knots[0], knots[-1])
-        place = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, len(knots) - 2)
-        share = (at - knots[place]) / (knots[place + 1] - knots[place])
-        out = np.zeros((len(x), len(knots)))
-        rows = np.arange(len(x))
-        out[rows, place] = 1.0 - share
-        out[rows, place + 1] = share
+        out = _hats(self.reads(x, joint), self.knots)
         return out * x.sign(joint)[:, None] if self.friction else out
+
+
+@dataclass(frozen=True)
+class Place:
+    """Friction that depends on where two joints stand, in any smooth way: a hose, a cable.
+
+    Attributes:
+        name, coordinate: as of a dependence.
+        other: the second joint.
+        knots: (K,) of each of the two.
+    """
+
+    name: str
+    coordinate: str
+    other: int
+    knots: tuple[tuple[float, ...], tuple[float, ...]]
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """(S, K K) products of hat functions, times the smoothed sign."""
+        if x.whole is not None and x.window > 1:
+            return x.mean(self.columns(x.whole, joint))
+        mine, its = (
+            _hats(x.q[:, n], knots)
+            for n, knots in zip((joint, self.other), self.knots, strict=True)
+        )
+        both = mine[:, :, None] * its[:, None, :]
+        return np.asarray(both.reshape(len(x), -1) * x.sign(joint)[:, None])
+
+
+@dataclass(frozen=True)
+class Tone:
+    """A torque that swings at one frequency, whatever the arm does: a floor, a pump, a controller.
+
+    Attributes:
+        name, coordinate: as of a dependence.
+        frequency: Hz.
+    """
+
+    name: str
+    coordinate: str
+    frequency: float
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """(S, 2) cosine and sine of time; zero where nothing is known of time."""
+        if x.whole is not None and x.window > 1:
+            return x.mean(self.columns(x.whole, joint))
+        angle = 2.0 * np.pi * self.frequency * np.where(np.isfinite(x.time), x.time, 0.0)
+        waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return np.asarray(np.where(np.isfinite(x.time)[:, None], waves, 0.0))
+
+
+Unnamed = Dependence | Place | Tone
+
+
+def _hats(values: Floats, knots: Sequence[float]) -> Floats:
+    """(S, K) piecewise linear functions, each one at its knot and zero at the others."""
+    bends = np.asarray(knots)
+    at = np.clip(values, bends[0], bends[-1])
+    place = np.clip(np.searchsorted(bends, at, side="right") - 1, 0, len(bends) - 2)
+    share = (at - bends[place]) / (bends[place + 1] - bends[place])
+    out = np.zeros((len(at), len(bends)))
+    rows = np.arange(len(at))
+    out[rows, place] = 1.0 - share
+    out[rows, place + 1] = share
+    return out
+
+
+def tones(time: Floats, left: Floats) -> list[Tone]:
+    """The frequency at which what a model leaves over swings most, of each joint.
+
+    Args:
+        time: (M,) s, evenly spaced.
+        left: (M, N) N·m.
+    """
+    step = float(np.median(np.diff(time))) if len(time) > 1 else np.inf
+    if not np.isfinite(step) or len(time) < SHORTEST_TONE:
+        return []
+    window = np.hanning(len(time))[:, None]
+    size = PADDED * len(time)
+    power = np.abs(np.fft.rfft((left - left.mean(axis=0)) * window, size, axis=0)) ** 2
+    frequency = np.fft.rfftfreq(size, step)
+    band = (frequency >= TONES[0]) & (frequency <= min(TONES[1], 0.4 / step))
+    found = []
+    for joint in range(left.shape[1]):
+        best = float(frequency[band][np.argmax(power[band, joint])])
+        found.append(Tone(f"tone of {best:.2f} Hz", f"time, swinging at {best:.2f} Hz", best))
+    return found
 
 
 def told(words: str, joints: Sequence[str]) -> str:
@@ -112,14 +195,23 @@ def _neighbours(
     return make
 
 
-def _knots(values: Floats) -> tuple[float, ...]:
-    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, KNOTS)))
+def _places(x: Inputs, joint: int) -> Iterator[Place]:
+    mine = _knots(x.q[:, joint], PLACE_KNOTS)
+    for other in range(x.joints):
+        its = _knots(x.q[:, other], PLACE_KNOTS)
+        if other != joint and len(mine) >= 3 and len(its) >= 3:
+            words = f"its position and that of joint {other}, changing sign with direction"
+            yield Place(f"friction over its position and joint {other}", words, other, (mine, its))
+
+
+def _knots(values: Floats, count: int = KNOTS) -> tuple[float, ...]:
+    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count)))
     width = float(np.ptp(values))
     keep = np.concatenate([[True], np.diff(knots) > 1e-6 * width]) if width > 0.0 else [True]
     return tuple(float(v) for v in knots[keep])
 
 
-UNNAMED: tuple[Callable[[Inputs, int], Iterator[Dependence]], ...] = (
+UNNAMED: tuple[Callable[[Inputs, int], Iterator[Unnamed]], ...] = (
     _make("velocity", "velocity", _own("qd"), False),
     _make("position", "position", _own("q"), False),
     _make("acceleration", "acceleration", _own("qdd"), False),
@@ -134,5 +226,6 @@ UNNAMED: tuple[Callable[[Inputs, int], Iterator[Dependence]], ...] = (
     _neighbours("velocity of joint", "velocity of joint #", "qd", False),
     _neighbours("friction over position of joint",
                 "position of joint #, changing sign with direction", "q", True),
+    _places,
 )  # fmt: skip
 """Every dependence without a name; a new one joins here."""
