@@ -10,7 +10,6 @@ from lagrangian_ff.diagnosis.ground import Ground, tune
 from lagrangian_ff.diagnosis.search.change import AGAIN, Change, change_of, joints_of
 from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
-from lagrangian_ff.diagnosis.search.guess import hidden_by_guess
 from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
 from lagrangian_ff.diagnosis.search.rivals import rivals
 from lagrangian_ff.diagnosis.search.unnamed import told
@@ -259,7 +258,6 @@ def _confirmed(
         left = tuple(
             score.candidate.source.name for score in rivals(step.score, step.rivals, others)
         )
-        left += tuple(n for n in hidden_by_guess(found.first, candidate) if n not in left)
         reason = trial.reason
         rest = free.get(candidate.joint, 0.0)
         rest += sum(

@@ -120,11 +120,6 @@ class Effect(ABC):
         """Whether hardware could have these parameters (P,), on the joint whose hardware it is."""
         return True
 
-    @property
-    def follows_load(self) -> bool:
-        """Whether its size at each moment is that of the load."""
-        return "load" in self.uses and not self.remembers
-
     def record(self) -> dict[str, object]:
         """All that it says of itself, as JSON holds it."""
         return {

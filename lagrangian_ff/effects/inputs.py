@@ -29,6 +29,7 @@ class Inputs:
         sign_speed: (N,) rad/s, v0 of the smoothed sign tanh(qd / v0).
         whole: the uninterrupted motion that these samples were taken from; None: they are it.
         index: (M,) where in `whole` they lie.
+        rotor: (N,) kg·m², the inertia before the gears that is not counted into `load`.
         window: each sample is the mean of so many of `whole` about its place, an odd number.
     """
 
@@ -40,6 +41,7 @@ class Inputs:
     load: Floats
     torque: Floats
     sign_speed: Floats
+    rotor: Floats
     whole: "Inputs | None" = None
     index: Ints | None = None
     window: int = 1
@@ -71,6 +73,7 @@ class Inputs:
             zero if load is None else load,
             zero if torque is None else torque,
             np.full(joints, SIGN_SPEED) if sign_speed is None else sign_speed,
+            np.zeros(joints),
         )
 
     def __len__(self) -> int:
@@ -99,6 +102,7 @@ class Inputs:
             self.load[index],
             self.torque[index],
             self.sign_speed,
+            self.rotor,
             self.whole or self,
             origin,
             window if self.whole is None else self.window,

@@ -1,12 +1,13 @@
 """Friction that grows with the load on the gear."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter
 from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.link_load import ROTOR, link_load, rotors
 
 SOURCES = (
     "Gogoussis and Donath 1987, ICRA; Hamon, Gautier and Garrec 2010, IROS; "
@@ -18,10 +19,11 @@ class LoadFriction(Effect):
     """Dry friction in proportion to the torque that passes through the gear's teeth."""
 
     name = "load_friction"
-    formula = "mu |load| sign(qd)"
+    formula = "mu |load(Jr)| sign(qd)"
     source = SOURCES
     meaning = "dry friction in proportion to the load on the gear"
     parameters = (Parameter("mu", "1", "friction torque over load torque"),)
+    shapes = (ROTOR,)
     kind = "friction"
     coordinate = "load"
     shows_as = "a step at zero speed whose height follows the load, whichever its sign"
@@ -38,17 +40,22 @@ class LoadFriction(Effect):
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
-        return (np.abs(x.load[:, joint]) * x.sign(joint))[:, None]
+        return (np.abs(link_load(x, joint, shape)) * x.sign(joint))[:, None]
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """See `rotors`."""
+        return [{"Jr": inertia} for inertia in rotors(x, joint)]
 
 
 class LoadViscous(Effect):
     """Loss in proportion to speed and to the torque that passes through the gear."""
 
     name = "load_viscous"
-    formula = "mu_v |load| qd"
+    formula = "mu_v |load(Jr)| qd"
     source = SOURCES
     meaning = "viscous friction in proportion to the load on the gear"
     parameters = (Parameter("mu_v", "s/rad", "viscous torque over load torque and speed"),)
+    shapes = (ROTOR,)
     kind = "friction"
     coordinate = "load"
     shows_as = "a slope over speed that is steeper under load"
@@ -63,4 +70,8 @@ class LoadViscous(Effect):
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
-        return (np.abs(x.load[:, joint]) * x.qd[:, joint])[:, None]
+        return (np.abs(link_load(x, joint, shape)) * x.qd[:, joint])[:, None]
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """See `rotors`."""
+        return [{"Jr": inertia} for inertia in rotors(x, joint)]

@@ -1,12 +1,13 @@
 """Torque that repeats over the turn: cogging and ripple, gear mesh."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
 from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.link_load import ROTOR, link_load, rotors
 
 ORDER = Shape("order", "1", "periods in one turn of the joint", 2, 60, 6, whole=True)
 
@@ -43,14 +44,14 @@ class GearMesh(Effect):
     """An error of the teeth, or the two lobes of a harmonic drive: it grows with the load."""
 
     name = "gear_mesh"
-    formula = "|load| (a cos(order q) + b sin(order q))"
+    formula = "|load(Jr)| (a cos(order q) + b sin(order q))"
     source = "Tuttle and Seering 1996, IEEE Trans. Robotics and Automation 12(3)"
     meaning = "gear error, periodic in the joint's angle and in proportion to the load"
     parameters = (
         Parameter("a", "1", "amplitude of the cosine over the load"),
         Parameter("b", "1", "amplitude of the sine over the load"),
     )
-    shapes = (ORDER,)
+    shapes = (ORDER, ROTOR)
     kind = "transmission"
     coordinate = "order"
     shows_as = "a line in the spectrum over position that grows with the load"
@@ -65,7 +66,13 @@ class GearMesh(Effect):
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
-        return np.abs(x.load[:, [joint]]) * turning(x.q[:, joint], shape["order"])
+        load = np.abs(link_load(x, joint, shape))
+        return load[:, None] * turning(x.q[:, joint], shape["order"])
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """Every order, see `rotors` for Jr."""
+        inertias = rotors(x, joint)
+        return [{"order": order, "Jr": jr} for order in ORDER.grid() for jr in inertias]
 
 
 def turning(q: Floats, order: float) -> Floats:

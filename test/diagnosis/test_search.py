@@ -155,3 +155,16 @@ def test_plain_friction_comes_before_friction_with_a_bend() -> None:
     assert {("coulomb", 0), ("coulomb", 1)} <= set(names)
     assert {name for name, _ in names} <= {"coulomb", "viscous"}
     assert all(not step.rivals for step in found.steps)
+
+
+def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
+    """Rods that lie flat: which inertia is the rotor's no motion tells; the friction does."""
+    motion = two_rods.motion(1, 40.0)
+    still = np.zeros_like(motion.q)
+    weight = two_rods.rods(motion.q, still, still)
+    link = two_rods.rods(motion.q, motion.qd, motion.qdd) - weight
+    tau = motion.tau - weight + motion.qdd * np.array([3.0, 0.05])
+    tau[:, 0] += 0.3 * np.abs(link[:, 0]) * np.tanh(motion.qd[:, 0] / two_rods.WIDTH)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    found = search(tune(replace(motion, tau=tau), x, friction()), steps=1)
+    assert found.steps[0].score.candidate.key == ("load_friction", 0)

@@ -359,3 +359,17 @@ def test_a_gear_gives_way_under_all_of_its_load() -> None:
         assert not EFFECTS[name].possible(np.array([0.1, 0.5]))
         assert not EFFECTS[name].possible(np.array([-0.12, 0.5]))
     assert EFFECTS["viscous"].possible(np.array([-1.0]))
+
+
+def test_what_follows_the_load_asks_which_inertia_is_the_rotors(x: Inputs) -> None:
+    """Only where that matters; without a shape the load is taken as it is."""
+    gravity_free = replace(x, load=1.0 * x.qdd, rotor=np.array([3.0, 0.0, 0.02]))
+    effect = EFFECTS["load_friction"]
+    tried = [shape["Jr"] for shape in effect.candidates(gravity_free, 0)]
+    assert tried == [3.0, 2.25, 1.5, 0.75]
+    assert len(effect.candidates(gravity_free, 2)) == 1
+    column = effect.columns(gravity_free, 0, {"Jr": 1.0})[:, 0]
+    np.testing.assert_allclose(column, np.abs(3.0 * x.qdd[:, 0]) * x.sign(0))
+    as_it_is = effect.columns(gravity_free, 0, {})[:, 0]
+    np.testing.assert_allclose(as_it_is, np.abs(x.qdd[:, 0]) * x.sign(0))
+    assert {shape["Jr"] for shape in EFFECTS["gear_mesh"].candidates(gravity_free, 0)} == set(tried)

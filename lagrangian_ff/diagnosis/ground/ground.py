@@ -92,17 +92,6 @@ class Ground:
         return np.asarray(np.std(self.motion.tau, axis=0))
 
     @cached_property
-    def unsure_load(self) -> NDArray[np.bool_]:
-        """(N,) joints whose load cannot be told from what turns the rotor.
-
-        The constant part of a joint's inertia may be the rotor's, before the gear, or the link's.
-        Where it takes more torque than the load does, as on a vertical axis, the load is a guess.
-        """
-        weights = self.system.weights.reshape(len(self.index), self.joints)
-        rotors = self.prior.rotors(self.seen, self.seen, weights)
-        return np.asarray(np.mean(rotors**2, axis=0) > np.mean(self.seen.load**2, axis=0))
-
-    @cached_property
     def _coarse(self) -> "NDArray[np.float32]":
         # Below the diagonal lies what memory held before.
         return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
@@ -140,7 +129,12 @@ class Ground:
         load, torque = self._predicted(
             inputs, self.system.weights, self.system.coefficients[: self.basis.size]
         )
-        return replace(inputs, load=load, torque=torque)
+        return replace(inputs, load=load, torque=torque, rotor=self._rotor)
+
+    @property
+    def _rotor(self) -> Floats:
+        weights = self.system.weights.reshape(len(self.index), self.joints)
+        return self.prior.rotor(self.seen, weights)
 
     def unseen_inputs(self) -> Inputs:
         """The samples used as effects see them, the load predicted without their own block.
@@ -163,7 +157,7 @@ class Ground:
             load[here], torque[here] = self._predicted(
                 self.inputs.take(here), weights[:, number], coefficients
             )
-        whole = replace(self.inputs, load=load, torque=torque)
+        whole = replace(self.inputs, load=load, torque=torque, rotor=self._rotor)
         return whole.take(self.index, self.seen.window)
 
     def _predicted(self, x: Inputs, weights: Floats, coefficients: Floats) -> tuple[Floats, Floats]:

@@ -59,8 +59,12 @@ class Prior:
 
     def rotors(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
         """(M, N) N·m of the rotors, for weights (S, N)."""
+        return np.asarray(x.qdd * self.rotor(centres, weights))
+
+    def rotor(self, centres: Inputs, weights: Floats) -> Floats:
+        """(N,) kg·m² of the rotors, for weights (S, N)."""
         own = float(self.kernel.rotor[0]) * self.kernel.inertia**2
-        return np.asarray(x.qdd * (own * np.sum(centres.qdd * weights, axis=0)) * self.unit)
+        return np.asarray(own * np.sum(centres.qdd * weights, axis=0) * self.unit)
 
     @classmethod
     def start(cls, tau: Floats) -> "Prior":

@@ -56,11 +56,6 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
         )
         if still[joint]:
             reason = f"{joints[joint]} stands still"
-        elif effect.follows_load and found.first.unsure_load[joint]:
-            reason = (
-                f"what goes through the gear of {joints[joint]} cannot be told from what turns its "
-                "rotor"
-            )
         elif gain < FLOOR:
             reason = (
                 f"at {SIZE:.0%} of the joint's torque it would gain {max(gain, 0.0):.1f} nats of "
