@@ -19,9 +19,9 @@ from lagrangian_ff.diagnosis.diagnose import (
 from lagrangian_ff.diagnosis.search.forward import FLOOR
 from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.diagnosis.signature import signature
-from lagrangian_ff.diagnosis.words import listed, which
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.words import listed, which
 
 RANKED = 15
 PROMISING = 3.0 * FLOOR

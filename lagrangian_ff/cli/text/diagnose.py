@@ -6,7 +6,7 @@ from typing import Any
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.text.effects import equations, parameter_table
 from lagrangian_ff.cli.text.layout import number, table
-from lagrangian_ff.diagnosis.words import where, which
+from lagrangian_ff.words import where, which
 
 LEGEND = (
     "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lagrangian_ff.diagnosis.words import where
 from lagrangian_ff.report import html
 from lagrangian_ff.report.interactive import embed
 from lagrangian_ff.report.interactive.before_after import before_after_plot
@@ -12,6 +11,7 @@ from lagrangian_ff.report.interactive.signature import signature_plot
 from lagrangian_ff.report.numbers import number, percent
 from lagrangian_ff.report.section import Section
 from lagrangian_ff.report.words import chance, sentence, spoken
+from lagrangian_ff.words import where
 
 KINDS = {"confirmed": "good", "suggested": "fair", "ambiguous": "fair", "unexplained": "bad"}
 """The colour of each verdict."""

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-from lagrangian_ff.diagnosis.words import where, which
 from lagrangian_ff.report import html
 from lagrangian_ff.report.numbers import percent
 from lagrangian_ff.report.section import Section
 from lagrangian_ff.report.words import sentence, spoken
+from lagrangian_ff.words import where, which
 
 
 def serious_section(record: Mapping[str, Any]) -> Section | None:

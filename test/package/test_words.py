@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrangian_ff.diagnosis.words import listed, where, which
+from lagrangian_ff.words import listed, where, which
 
 ARM = ("base", "elbow", "wrist", "hand")
 
