@@ -269,7 +269,12 @@ class _View:
         candidates = _candidates(again, [leader.candidate.joint], effects)
         causes = _causes(again.basis)
         found = [s for s in best_of_each(scores(again, candidates), causes) if _possible(s, causes)]
-        best = [one for one in found if one.candidate.named and one.gain > 0.0][:REFINED]
+        # What is led by an event was never held against chance: only events may take its place.
+        best = [
+            one
+            for one in found
+            if one.candidate.named and one.gain > 0.0 and (one.once or not leader.once)
+        ][:REFINED]
         names = _plain_first(
             sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
         )
