@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from lagrangian_ff.kernels.states import States
 
@@ -146,24 +145,6 @@ class Inputs:
         for piece in self.pieces():
             if piece.stop - piece.start > 1 and np.isfinite(self.time[piece.start]):
                 out[piece] = np.gradient(values[piece], self.time[piece], axis=0)
-        return out
-
-    def smoothed(self, values: Floats, seconds: float) -> Floats:
-        """(M, ...) values weighted by a Gaussian in time; never across a segment.
-
-        Args:
-            values: (M, ...).
-            seconds: standard deviation of the Gaussian. Its tails end at three of them.
-        """
-        out = values.copy()
-        for piece in self.pieces():
-            step = self.step(piece)
-            if step > 0.0:
-                # Rounded, so that the tails do not depend on the last digit of a clock.
-                width = round(seconds / step, 6)
-                out[piece] = gaussian_filter1d(
-                    values[piece], width, axis=0, mode="nearest", truncate=3.0
-                )
         return out
 
     def step(self, piece: slice) -> float:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.ground import Ground, tune, tuning
 from lagrangian_ff.diagnosis.search.forward import search
-from lagrangian_ff.diagnosis.search.unnamed import UNNAMED, Place, Tone, tones
+from lagrangian_ff.diagnosis.search.tones import Tone, tones
+from lagrangian_ff.diagnosis.search.unnamed import UNNAMED, Place
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States

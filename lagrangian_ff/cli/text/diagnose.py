@@ -34,9 +34,9 @@ def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
         if faults:
             console.say(heading)
         for one in faults:
-            where = f"{one['source']}: " if one.get("source") else ""
+            source = f"{one['source']}: " if one.get("source") else ""
             advice = f". {one['advice']}" if one["advice"] else ""
-            console.paragraph(f"{where}{one['finding']}{advice}", "  - ", "    ")
+            console.paragraph(f"{source}{one['finding']}{advice}", "  - ", "    ")
         if faults:
             console.say()
 

@@ -92,6 +92,12 @@ class Ground:
         return np.asarray(np.std(self.motion.tau, axis=0))
 
     @cached_property
+    def starts(self) -> Ints:
+        """(B,) the first row of each block among the S N whitened rows."""
+        rows = np.repeat(self.block, self.joints)
+        return np.asarray(np.flatnonzero(np.diff(rows, prepend=-1)), dtype=np.int64)
+
+    @cached_property
     def _coarse(self) -> "NDArray[np.float32]":
         # Below the diagonal lies what memory held before.
         return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")

@@ -133,7 +133,7 @@ class Unseen:
         torque = candidate.columns(ground.seen) @ score.coefficients
         z = ground.project(ground.whiten(torque[:, None], joint))[:, 0]
         w = ground.residual + back
-        return _by_block(ground, z * (w - 0.5 * z))
+        return np.asarray(np.add.reduceat(z * (w - 0.5 * z), ground.starts))
 
 
 def _trial(ground: Ground, z: Floats) -> Trial:
@@ -162,11 +162,6 @@ def _by_piece(ground: Ground, values: Floats) -> Floats:
     changes = np.diff(ground.block) != 0
     changes |= np.diff(np.broadcast_to(piece, len(ground.block))) != 0.0
     starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) * ground.joints
-    return np.asarray(np.add.reduceat(values, starts))
-
-
-def _by_block(ground: Ground, values: Floats) -> Floats:
-    starts = np.flatnonzero(np.diff(np.repeat(ground.block, ground.joints), prepend=-1))
     return np.asarray(np.add.reduceat(values, starts))
 
 

@@ -13,7 +13,7 @@ from lagrangian_ff.diagnosis.search.change import Change, change_of
 from lagrangian_ff.diagnosis.search.gain import Score, scores
 from lagrangian_ff.diagnosis.search.refine import refined
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
-from lagrangian_ff.diagnosis.search.unnamed import tones
+from lagrangian_ff.diagnosis.search.tones import tones
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent

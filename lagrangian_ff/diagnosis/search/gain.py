@@ -82,7 +82,6 @@ def scores(
         coarse: in single precision, for a first look at many.
     """
     x = ground.seen
-    starts = np.flatnonzero(np.diff(np.repeat(ground.block, ground.joints), prepend=-1))
     for joint in range(ground.joints):
         waiting: list[tuple[Candidate, Floats]] = []
         width = 0
@@ -91,17 +90,16 @@ def scores(
             waiting.append((candidate, columns))
             width += columns.shape[1]
             if width >= COLUMNS_AT_ONCE:
-                yield from _scored(ground, joint, waiting, starts, coarse)
+                yield from _scored(ground, joint, waiting, coarse)
                 waiting, width = [], 0
         if waiting:
-            yield from _scored(ground, joint, waiting, starts, coarse)
+            yield from _scored(ground, joint, waiting, coarse)
 
 
 def _scored(
     ground: Ground,
     joint: int,
     waiting: Sequence[tuple[Candidate, Floats]],
-    starts: Ints,
     coarse: bool,
 ) -> Iterator[Score]:
     raw = np.hstack([columns for _, columns in waiting])
@@ -126,7 +124,7 @@ def _scored(
         sums = z.T @ w
         found = np.linalg.solve(information + np.eye(len(sums)), sums)
         fitted = z @ found
-        rest = np.add.reduceat(z * (w - fitted)[:, None], starts, axis=0)
+        rest = np.add.reduceat(z * (w - fitted)[:, None], ground.starts, axis=0)
         trace = float(np.trace(information))
         inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
         yield Score(
@@ -136,7 +134,7 @@ def _scored(
             float(np.sqrt(after[part].sum() / max(before[part].sum(), 1e-300))),
             found * own,
             float(np.sqrt(np.mean((columns @ (found * own)) ** 2))),
-            np.add.reduceat(z * w[:, None], starts, axis=0),
+            np.add.reduceat(z * w[:, None], ground.starts, axis=0),
             information,
-            np.add.reduceat(fitted * (w - 0.5 * fitted), starts),
+            np.add.reduceat(fitted * (w - 0.5 * fitted), ground.starts),
         )

@@ -147,8 +147,8 @@ def names_of(others: Sequence[Any]) -> list[str]:
     for one in others:
         if isinstance(one, Mapping):
             joints = one.get("joints") or ([one["joint"]] if one.get("joint") else [])
-            where = f" on {', '.join(joints)}" if joints else ""
-            names.append(f"{spoken(one['effect'])}{where}")
+            place = f" on {', '.join(joints)}" if joints else ""
+            names.append(f"{spoken(one['effect'])}{place}")
         else:
             names.append(spoken(str(one)))
     return names
