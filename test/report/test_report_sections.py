@@ -7,6 +7,7 @@ from test_report_html import PICTURE, texts
 from lagrangian_ff.report.numbers import mrad, number, percent
 from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
 from lagrangian_ff.report.sections.effects import interval
+from lagrangian_ff.report.sections.limits import serious_section
 
 
 def test_the_torque_section_shows_the_record() -> None:
@@ -67,3 +68,17 @@ def test_the_record_of_a_run_is_in_rad(name: str) -> None:
     assert record["unit"] == "rad"
     assert record["rms"] == pytest.approx(((run.error**2).mean()) ** 0.5)
     assert record["largest"] == pytest.approx(abs(run.error).max())
+
+
+@pytest.mark.parametrize(
+    ("finding", "told"),
+    [
+        ("the effort of elbow rests at 10 N·m", "The effort of elbow rests at 10 N·m. Go slower."),
+        ("it is noisy", "elbow: It is noisy. Go slower."),
+    ],
+)
+def test_a_fault_names_its_joint_once(finding: str, told: str) -> None:
+    check = {"joint": "elbow", "finding": finding, "serious": True, "advice": "go slower"}
+    section = serious_section({"preflight": [check]})
+    assert section is not None
+    assert texts(section.body) == [told]

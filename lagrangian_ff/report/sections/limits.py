@@ -19,12 +19,18 @@ def serious_section(record: Mapping[str, Any]) -> Section | None:
     serious = [one for one in record.get("preflight") or [] if one.get("serious")]
     if not serious:
         return None
-    texts = [f"{one['joint']}: {_told(one)}" if one.get("joint") else _told(one) for one in serious]
+    texts = [_named(one) for one in serious]
     return Section(
         "First: the measurement",
         "These faults look like missing physics. Mend them before believing any effect.",
         html.bullets(texts),
     )
+
+
+def _named(check: Mapping[str, Any]) -> str:
+    """What was found and what to do, with the joint where the sentence does not name it."""
+    told, joint = _told(check), check.get("joint")
+    return told if not joint or joint in told else f"{joint}: {told}"
 
 
 def checks_section(record: Mapping[str, Any]) -> Section | None:
