@@ -10,8 +10,10 @@ endif
 VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
+# Tests of processes that talk to each other: they are kept from the heavy numerics.
+PROCESSES = test/nodes
 # Tests in which processes keep time with each other: they get the machine for themselves.
-REALTIME = test/nodes test/demo
+REALTIME = test/demo
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools setup.py
@@ -44,7 +46,9 @@ test: lint types  ## everything CI checks: style, types, then all tests
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
-	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test $(REALTIME:%=--ignore=%)
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test \
+		$(addprefix --ignore=,$(PROCESSES) $(REALTIME))
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PROCESSES)
 	@$(BIN)/python -m pytest $(REALTIME)
 endif
 

@@ -106,3 +106,30 @@ def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
     scaled = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 2.0])})
     gain = lay(scaled).prior.gain
     assert gain[1] / gain[0] == pytest.approx(2.0, rel=0.15)
+
+
+def test_noise_is_not_taken_for_dynamics_where_one_joint_hides_an_effect() -> None:
+    """Few torques of six joints are fitted without any noise, and all is blamed on that joint."""
+    rng = np.random.default_rng(1)
+    t = np.arange(0.0, 60.0, 0.01)
+    q, qd, qdd = np.zeros((3, len(t), 6))
+    for _ in range(6):
+        omega, phase = rng.uniform(0.4, 4.0, 6), rng.uniform(0, 2 * np.pi, 6)
+        size = rng.uniform(0.3, 0.8, 6) / omega**0.7
+        angle = omega * t[:, None] + phase
+        q += size * np.sin(angle)
+        qd += size * omega * np.cos(angle)
+        qdd -= size * omega**2 * np.sin(angle)
+    weight = 3.0 * np.cos(np.cumsum(q, axis=1))
+    tau = 2.0 * qdd + np.cumsum(weight[:, ::-1], axis=1)[:, ::-1]
+    tau[:, 1] += 1.2 * np.cos(7.0 * q[:, 1])
+    tau += 0.2 * rng.normal(size=tau.shape)
+    names = tuple(f"joint_{n + 1}" for n in range(6))
+    motion = Motion(names, t, q, qd, qdd, tau, np.zeros(len(t), dtype=np.int64), "six joints")
+    x = Inputs.of(States.of(q, qd, qdd), t, motion.segment)
+    found = tune(motion, x, Basis(()))
+    noise = 0.2 / np.sqrt(found.seen.window)
+    others = np.delete(found.noise, 1)
+    assert np.all((others > noise / 3.0) & (others < 3.0 * noise))
+    # The hidden effect counts as noise of its own joint, and no more than that.
+    assert noise < found.noise[1] < 1.2
