@@ -84,10 +84,14 @@ def main() -> None:
     print(
         f"look {ours:.2f} s, bare solve {bound:.2f} s, ratio {ours / bound:.2f} (bound {BOUND:g})"
     )
-    began = time.perf_counter()
-    found = [f"{one.effect.name} on {one.joint}" for one in diagnose(model, first, second).findings]
-    whole = time.perf_counter() - began
-    print(f"whole diagnosis {whole:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}")
+    found: list[str] = []
+
+    def whole() -> None:
+        findings = diagnose(model, first, second).findings
+        found.extend(f"{one.effect.name} on {one.joint}" for one in findings)
+
+    took = seconds(whole)
+    print(f"whole diagnosis {took:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}")
 
 
 if __name__ == "__main__":

@@ -9,23 +9,32 @@ from lagrangian_ff.effects.base import Effect, Floats, Parameter
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.effects.link_load import ROTOR, link_load, rotors
 
-SOURCES = (
-    "Gogoussis and Donath 1987, ICRA; Hamon, Gautier and Garrec 2010, IROS; "
-    "Bittencourt and Gunnarsson 2012, ASME J. Dyn. Syst. Meas. Control 134(5)"
-)
+
+class _GearLoss(Effect):
+    """What a gear loses in proportion to the load that passes through its teeth."""
+
+    source = (
+        "Gogoussis and Donath 1987, ICRA; Hamon, Gautier and Garrec 2010, IROS; "
+        "Bittencourt and Gunnarsson 2012, ASME J. Dyn. Syst. Meas. Control 134(5)"
+    )
+    shapes = (ROTOR,)
+    kind = "friction"
+    coordinate = "load"
+    motion = "payloads"
+    uses = frozenset({"load"})
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
+        """See `rotors`."""
+        return [{"Jr": inertia} for inertia in rotors(x, joint)]
 
 
-class LoadFriction(Effect):
+class LoadFriction(_GearLoss):
     """Dry friction in proportion to the torque that passes through the gear's teeth."""
 
     name = "load_friction"
     formula = "mu |load(Jr)| sign(qd)"
-    source = SOURCES
     meaning = "dry friction in proportion to the load on the gear"
     parameters = (Parameter("mu", "1", "friction torque over load torque"),)
-    shapes = (ROTOR,)
-    kind = "friction"
-    coordinate = "load"
     shows_as = "a step at zero speed whose height follows the load, whichever its sign"
     look_alikes: ClassVar[Mapping[str, str]] = {
         "coulomb": "the step grows with the load",
@@ -34,44 +43,28 @@ class LoadFriction(Effect):
         "torque_gain": "it turns its sign with the direction of motion",
         "gear_mesh": "it does not come and go within a turn",
     }
-    motion = "payloads"
     next_motion = "repeat the same motion, with slow reversals under load, with two payloads"
-    uses = frozenset({"load"})
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return (np.abs(link_load(x, joint, shape)) * x.sign(joint))[:, None]
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """See `rotors`."""
-        return [{"Jr": inertia} for inertia in rotors(x, joint)]
 
-
-class LoadViscous(Effect):
+class LoadViscous(_GearLoss):
     """Loss in proportion to speed and to the torque that passes through the gear."""
 
     name = "load_viscous"
     formula = "mu_v |load(Jr)| qd"
-    source = SOURCES
     meaning = "viscous friction in proportion to the load on the gear"
     parameters = (Parameter("mu_v", "s/rad", "viscous torque over load torque and speed"),)
-    shapes = (ROTOR,)
-    kind = "friction"
-    coordinate = "load"
     shows_as = "a slope over speed that is steeper under load"
     look_alikes: ClassVar[Mapping[str, str]] = {
         "viscous": "the slope grows with the load",
         "load_friction": "at one load it grows with speed",
         "torque_gain": "it turns its sign with the direction of motion",
     }
-    motion = "payloads"
     next_motion = "repeat the same motion at two speeds, with two payloads"
-    uses = frozenset({"load"})
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return (np.abs(link_load(x, joint, shape)) * x.qd[:, joint])[:, None]
-
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """See `rotors`."""
-        return [{"Jr": inertia} for inertia in rotors(x, joint)]

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from sines import sines
 
 from lagrangian_ff.diagnosis.ground import Ground, tune, tuning
 from lagrangian_ff.effects import EFFECTS, Inputs
@@ -112,14 +113,7 @@ def test_noise_is_not_taken_for_dynamics_where_one_joint_hides_an_effect() -> No
     """Few torques of six joints are fitted without any noise, and all is blamed on that joint."""
     rng = np.random.default_rng(1)
     t = np.arange(0.0, 60.0, 0.01)
-    q, qd, qdd = np.zeros((3, len(t), 6))
-    for _ in range(6):
-        omega, phase = rng.uniform(0.4, 4.0, 6), rng.uniform(0, 2 * np.pi, 6)
-        size = rng.uniform(0.3, 0.8, 6) / omega**0.7
-        angle = omega * t[:, None] + phase
-        q += size * np.sin(angle)
-        qd += size * omega * np.cos(angle)
-        qdd -= size * omega**2 * np.sin(angle)
+    q, qd, qdd = sines(rng, t, 6, (0.4, 4.0))
     weight = 3.0 * np.cos(np.cumsum(q, axis=1))
     tau = 2.0 * qdd + np.cumsum(weight[:, ::-1], axis=1)[:, ::-1]
     tau[:, 1] += 1.2 * np.cos(7.0 * q[:, 1])

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from sines import sines
 
 from lagrangian_ff.recording.motion import Motion
 
@@ -50,14 +51,7 @@ def motion(
     """
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 0.01)
-    q, qd, qdd = np.zeros((3, len(t), 2))
-    for _ in range(6):
-        omega, phase = rng.uniform(0.4, 4.0, 2), rng.uniform(0, 2 * np.pi, 2)
-        size = rng.uniform(0.3, 0.8, 2) / omega**0.7
-        angle = omega * t[:, None] + phase
-        q += size * np.sin(angle)
-        qd += size * omega * np.cos(angle)
-        qdd -= size * omega**2 * np.sin(angle)
+    q, qd, qdd = sines(rng, t, 2, (0.4, 4.0))
     tau = rods(q, qd, qdd, np.where(t >= load_since, LOAD, 0.0))
     tau += np.array([2.0, 0.4]) * qd + np.array([3.0, 0.8]) * np.tanh(qd / WIDTH)
     if hidden is not None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from sines import sines
 
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
@@ -47,15 +48,7 @@ def states(seconds: float, rate: float, seed: int) -> tuple[Floats, States]:
     """A smooth motion of six random sines a joint."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, seconds, 1.0 / rate)
-    q, qd, qdd = np.zeros((3, len(t), 2))
-    for _ in range(6):
-        omega, phase = rng.uniform(0.5, 5.0, 2), rng.uniform(0, 2 * np.pi, 2)
-        size = rng.uniform(0.3, 0.8, 2) / omega**0.7
-        angle = omega * t[:, None] + phase
-        q += size * np.sin(angle)
-        qd += size * omega * np.cos(angle)
-        qdd -= size * omega**2 * np.sin(angle)
-    return t, States.of(q, qd, qdd)
+    return t, States.of(*sines(rng, t, 2, (0.5, 5.0)))
 
 
 def motion(seconds: float = 30.0, rate: float = 100.0, seed: int = 0, noise: float = 0.0) -> Motion:

@@ -64,6 +64,8 @@ class Candidate:
         """(S, P) its columns at the samples of x."""
         if isinstance(self.source, Effect):
             return self.term().columns(x)
+        if x.whole is not None and x.window > 1:
+            return x.mean(self.source.columns(x.whole, self.joint))
         return self.source.columns(x, self.joint)
 
 

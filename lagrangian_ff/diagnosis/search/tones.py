@@ -29,8 +29,6 @@ class Tone:
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """(S, 2) cosine and sine of time; zero where nothing is known of time."""
-        if x.whole is not None and x.window > 1:
-            return x.mean(self.columns(x.whole, joint))
         angle = 2.0 * np.pi * self.frequency * np.where(np.isfinite(x.time), x.time, 0.0)
         waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         return np.asarray(np.where(np.isfinite(x.time)[:, None], waves, 0.0))

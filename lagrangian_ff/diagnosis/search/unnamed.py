@@ -40,8 +40,6 @@ class Dependence:
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """(S, K) hat functions over the coordinate."""
-        if x.whole is not None and x.window > 1:
-            return x.mean(self.columns(x.whole, joint))
         out = _hats(self.reads(x, joint), self.knots)
         return out * x.sign(joint)[:, None] if self.friction else out
 
@@ -63,8 +61,6 @@ class Place:
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """(S, K K) products of hat functions, times the smoothed sign."""
-        if x.whole is not None and x.window > 1:
-            return x.mean(self.columns(x.whole, joint))
         mine, its = (
             _hats(x.q[:, n], knots)
             for n, knots in zip((joint, self.other), self.knots, strict=True)
