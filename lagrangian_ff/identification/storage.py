@@ -2,8 +2,6 @@
 
 import json
 import os
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +14,7 @@ from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.motion import Motion
 
 FORMAT = "lagrangian_ff model"
@@ -25,11 +24,6 @@ ARRAYS = {
     "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
-
-UNREADABLE = (
-    OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
-"""What reading a damaged zip raises; RuntimeError stands for flags that a flipped bit sets."""
 
 
 def save(model: Model, path: Path) -> None:
@@ -124,7 +118,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ModelError(f"no model file {path}") from error
     except IsADirectoryError as error:
         raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
-    except UNREADABLE as error:
+    except (OSError, *DAMAGED) as error:
         # NumPy's own words for this advise to load the file unsafely.
         told = "" if "pickle" in str(error) else f": {error}"
         raise ModelError(f"{path} is damaged or no model file{told}") from error

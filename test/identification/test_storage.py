@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pendulum
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lagrangian_ff.errors import ModelError
@@ -92,6 +92,7 @@ def test_an_effect_of_ones_own_is_asked_for(saved: Path, tmp_path: Path) -> None
         Model.load(rewrite(saved, tmp_path / "own.npz", own))
 
 
+@example(cut=0.0, byte=1, place=0.47343273140212017)
 @given(cut=st.floats(0.0, 0.999), byte=st.integers(0, 255), place=st.floats(0.0, 0.999))
 def test_a_damaged_file_never_passes_or_crashes(
     saved: Path, tmp_path_factory: pytest.TempPathFactory, cut: float, byte: int, place: float

@@ -4,8 +4,6 @@ The names used by other collections (`times`, `positions`, `velocities`, `torque
 well; joints without names are called joint_1, joint_2, ...
 """
 
-import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +11,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
+from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.sources.arrays import from_arrays
 
@@ -44,7 +43,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             names = [str(name) for name in archive["joints"]] if "joints" in archive else None
             start = float(archive["start"]) if "start" in archive else 0.0
             keys = list(archive)
-    except (ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error, KeyError) as error:
+    except DAMAGED as error:
         raise RecordingError(f"{path}: not a readable .npz archive: {error}") from error
     for required in ("time", "position"):
         if required not in found:
