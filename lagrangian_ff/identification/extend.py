@@ -13,10 +13,11 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.build import Blueprint, Identification, build, folds
 from lagrangian_ff.identification.fit import Choice, Scaling, fit_basis
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.search import TrainingSet, evenly, validation_score
+from lagrangian_ff.identification.search import validation_score
 from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.shapes import best_shape, fall
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.identification.training import TrainingSet, evenly
 from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +10,14 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError, RecordingError
 from lagrangian_ff.identification.build import Blueprint, Identification, build, folds, seconds
+from lagrangian_ff.identification.choosing import choose_all
 from lagrangian_ff.identification.extend import extend, step_record
 from lagrangian_ff.identification.fit import Scaling
 from lagrangian_ff.identification.kept import kept
-from lagrangian_ff.identification.search import TrainingSet, choose, evenly, starting_choice
+from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.spec import Spec, parse
+from lagrangian_ff.identification.training import TrainingSet, evenly
 from lagrangian_ff.kernels import CoupledKernel, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
@@ -67,16 +70,21 @@ def identify(
         settings=settings,
     )
     training = TrainingSet(inputs.take(index), data.tau[index], folds(blueprint))
-    choice, scaling = choose(
+    chosen = choose_all(
         spec, training, scalings, settings.selection, settings.evaluations, progress
     )
     progress(1.0, "fitting")
-    blueprint = Blueprint(
-        spec.basic, choice, scaling, choice.basis(spec, len(data.joints)), data, trained, index,
-        settings,
-    )  # fmt: skip
+    choice, spec = chosen.choice, chosen.spec
+    blueprint = replace(
+        blueprint,
+        name=spec.basic,
+        choice=choice,
+        scaling=chosen.scaling,
+        basis=choice.basis(spec, len(data.joints)),
+    )
     facts = {
         "sources": [m.source for m in motions],
+        "tried": list(chosen.tried),
         "seconds": round(time.monotonic() - began, 3),
     }
     found = build(blueprint, inputs, facts, progress=progress)

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit, with_noise
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import IndependentKernel, Kernel, States
 from lagrangian_ff.progress import Progress, silent
 
@@ -29,41 +29,6 @@ CRITERIA = ("validation", "evidence")
 STAGES = ((120, 0.7), (240, 0.3))
 """Samples used and share of the evaluations spent, stage by stage."""
 FAILED = 1e12
-
-
-@dataclass(frozen=True)
-class TrainingSet:
-    """What hyperparameters are chosen on.
-
-    Attributes:
-        x: (M, N) as effects see it.  tau: (M, N) N·m.
-        fold: (M,) the fold each sample is left out with.
-    """
-
-    x: Inputs
-    tau: Floats
-    fold: Ints
-
-    def thinned(self, samples: int) -> "TrainingSet":
-        """At most this many samples, evenly spread."""
-        index = evenly(len(self.x), samples)
-        return replace(self, x=self.x.take(index), tau=self.tau[index], fold=self.fold[index])
-
-    @property
-    def states(self) -> States:
-        """(M, N)."""
-        return States(self.x.q, self.x.qd, self.x.qdd)
-
-    def groups(self) -> list[Ints]:
-        """The samples of each fold."""
-        return [np.flatnonzero(self.fold == number) for number in np.unique(self.fold)]
-
-
-def evenly(available: int, wanted: int) -> Ints:
-    """Positions of at most `wanted` samples, evenly spread over those available."""
-    if wanted >= available:
-        return np.arange(available)
-    return np.round(np.linspace(0, available - 1, wanted)).astype(np.int64)
 
 
 def validation_score(fitted: Fit, groups: Sequence[Ints]) -> Floats:
@@ -111,13 +76,7 @@ def choose(
     Raises:
         ModelError: the criterion is unknown, or there is one fold only to validate on.
     """
-    if criterion not in CRITERIA:
-        raise ModelError(f"selection '{criterion}' is unknown; expected {' or '.join(CRITERIA)}")
-    if criterion == "validation" and len(np.unique(data.fold)) < 2:
-        raise ModelError(
-            "cross-validation needs at least two blocks of training motion, got one: "
-            "record longer, use a larger --train, shorter blocks, or --selection evidence"
-        )
+    require_folds(data, criterion)
     start = starting_choice(spec, data.states)
     per_joint = issubclass(spec.kernel, IndependentKernel) and spec.kernel.per_joint
     if not per_joint:
@@ -135,6 +94,21 @@ def choose(
         with threadpool_limits(1):
             chosen, scaling = search.run(data, chosen, [scaling], evaluations, told)
     return chosen, scaling
+
+
+def require_folds(data: TrainingSet, criterion: str) -> None:
+    """Refuse a criterion that is unknown, or for which there are too few blocks.
+
+    Raises:
+        ModelError: says which there are, or what to do.
+    """
+    if criterion not in CRITERIA:
+        raise ModelError(f"selection '{criterion}' is unknown; expected {' or '.join(CRITERIA)}")
+    if criterion == "validation" and len(np.unique(data.fold)) < 2:
+        raise ModelError(
+            "cross-validation needs at least two blocks of training motion, got one: "
+            "record longer, use a larger --train, shorter blocks, or --selection evidence"
+        )
 
 
 @dataclass(frozen=True)

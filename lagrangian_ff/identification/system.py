@@ -126,6 +126,22 @@ class System:
             - float(np.sum(np.log(seen)))
         )
 
+    def slope_by_gram(self) -> Floats:
+        """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
+        upper, info = lapack.dpotri(self.upper, lower=0)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} is zero")
+        slope = np.asarray(upper.T)
+        white = self._unwhitened_design
+        slope -= white @ self.covariance @ white.T
+        slope -= np.outer(self.weights, self.weights / self.amplitude)
+        return slope
+
+    def slope_by_design(self) -> Floats:
+        """(n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
+        moved = np.outer(self.weights, self.coefficients / self.amplitude)
+        return np.asarray(self._unwhitened_design @ self.covariance - moved)
+
     @cached_property
     def _inverse_upper(self) -> Floats:
         inverse, info = lapack.dtrtri(self.upper, lower=0)

@@ -79,6 +79,36 @@ class CoupledKernel(Kernel):
         """(M_x N, M_u N) kernel between two sets of states, sample major."""
 
 
+class DifferentiableKernel(CoupledKernel):
+    """A coupled kernel whose derivatives by its hyperparameters are known."""
+
+    differentiable: ClassVar[tuple[str, ...]]
+    """The hyperparameters, all positive, that the evidence can be climbed in."""
+
+    @abstractmethod
+    def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, "Contracted"]:
+        """What the derivative K' of the Gram matrix by each hyperparameter does, by name.
+
+        Args:
+            x: (M, N) states.
+            weights: (M N, M N) symmetric W, C-contiguous, of which the lower triangle is read.
+            vector: (M N,) a.
+        """
+
+
+@dataclass(frozen=True)
+class Contracted:
+    """The derivatives of a Gram matrix by K numbers of one name, each seen through two eyes.
+
+    Attributes:
+        total: (K,) Σ_ab W_ab K'_ab.
+        product: (K, M N) K' a.
+    """
+
+    total: Floats
+    product: Floats
+
+
 class IndependentKernel(Kernel):
     """A diagonal kernel: one scalar kernel a joint."""
 

@@ -6,8 +6,9 @@ import pytest
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.fit import Fit, Scaling, fit
-from lagrangian_ff.identification.search import evenly, starting_choice
+from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.kernels import KERNELS, States
 from lagrangian_ff.recording.motion import Motion
 

@@ -56,8 +56,10 @@ what comes out:
 
 models are one kernel and any number of effects, joined by +:
   kernels  vrbfs (the usual), vrbf, srbfs, srbf, svrbfs, svrbf, pol, motor: derive from a
-           Lagrangian, vrbf* and motor couple the joints; chain: a serial arm's rigid-body
-           dynamics, joints given from the base to the tool; rbf, rbfs: assume nothing; none
+           Lagrangian, vrbf* and motor couple the joints; rbf, rbfs: assume nothing; none.
+           energy, energy_rbf: kinetic energy quadratic in velocity, gravity apart;
+           chain, chain_rbf: the same of a serial arm, joints given from the base to the tool;
+           auto: chain or chain_rbf, whichever predicts blocks left out better
   effects  fri = viscous+coulomb+offset, or each by its name; any other of `lagrangian_ff effects`
            on all joints, or on one: vrbfs+fri+stribeck@joint_2. Which ones are missing is what
            lagrangian_ff diagnose finds out

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.kernels import States
-from lagrangian_ff.kernels.chain import Chain
+from lagrangian_ff.kernels.prefixes import Prefixes
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Prior:
             with a load at the hand, and its variance in parts of the first; None: there is none.
     """
 
-    kernel: Chain
+    kernel: Prefixes
     noise: Floats
     unit: Floats
     change: tuple[float, float, float] | None = None
@@ -73,7 +73,7 @@ class Prior:
         spread = np.std(tau, axis=0)
         unit = spread.max(initial=0.0) or 1.0
         share = np.maximum(spread / unit, 1e-4) ** 2
-        kernel = Chain(
+        kernel = Prefixes(
             inertia=np.full(joints, np.exp(-4.0)),
             potential=np.ones(1),
             wave=np.array([0.05]),
@@ -96,7 +96,7 @@ class Prior:
         """The prior with the numbers of `vector`."""
         joints = len(self.noise)
         values = np.exp(np.clip(vector, -40.0, 40.0))
-        kernel = Chain(
+        kernel = Prefixes(
             inertia=values[:joints],
             potential=values[joints : joints + 1],
             wave=np.minimum(values[joints + 1 : joints + 2], 1.0),

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import chained
+from lagrangian_ff.kernels import prefixed
 from lagrangian_ff.kernels.base import Hyperparameter, largest
 from lagrangian_ff.kernels.compiled import CompiledKernel
 from lagrangian_ff.kernels.states import States
@@ -16,8 +16,8 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Chain(CompiledKernel):
-    """One Lagrangian, a sum over the prefixes of a serial chain; see `chained`.
+class Prefixes(CompiledKernel):
+    """One Lagrangian, a sum over the prefixes of a serial chain; see `prefixed`.
 
     It holds the rigid-body dynamics of every serial arm with revolute joints, and little else:
     joints are to be given from the base to the tool.
@@ -34,8 +34,8 @@ class Chain(CompiledKernel):
     wave: Floats
     rotor: Floats
 
-    loops: ClassVar[Any] = chained
-    name: ClassVar[str] = "chain"
+    loops: ClassVar[Any] = prefixed
+    name: ClassVar[str] = "prefixes"
     meaning: ClassVar[str] = "one Lagrangian of a serial arm: quadratic in velocity, gravity apart"
     searched: ClassVar[tuple[Hyperparameter, ...]] = (
         Hyperparameter("inertia", "s²/rad²", "Λ: weight of the joints' motion", 1e-3, 1e3),
@@ -44,7 +44,7 @@ class Chain(CompiledKernel):
     )
 
     @classmethod
-    def start(cls, x: States) -> "Chain":
+    def start(cls, x: States) -> "Prefixes":
         """Every joint weighs as its velocity asks for; gravity as much as inertia."""
         return cls(
             inertia=np.array([1.0 / largest(x.qd[:, n]) ** 2 for n in range(x.joints)]),
@@ -63,7 +63,7 @@ class Chain(CompiledKernel):
             "rotor": self.rotor,
         }
 
-    def replace(self, **hyperparameters: Floats) -> "Chain":
+    def replace(self, **hyperparameters: Floats) -> "Prefixes":
         """See `Kernel.replace`."""
         return replace(self, **hyperparameters)
 

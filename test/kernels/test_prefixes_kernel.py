@@ -5,13 +5,13 @@ import sympy
 from test_kernel_list import random_states
 
 from lagrangian_ff.kernels import States
-from lagrangian_ff.kernels.chain import Chain
+from lagrangian_ff.kernels.prefixes import Prefixes
 
 INERTIA, POTENTIAL, WAVE, ROTOR = (0.7, 0.4), 1.3, 0.6, 2.0
 
 
-def kernel() -> Chain:
-    return Chain(np.array(INERTIA), np.array([POTENTIAL]), np.array([WAVE]), np.array([ROTOR]))
+def kernel() -> Prefixes:
+    return Prefixes(np.array(INERTIA), np.array([POTENTIAL]), np.array([WAVE]), np.array([ROTOR]))
 
 
 def symbolic_block(x: States, u: States) -> np.ndarray:

@@ -1,0 +1,47 @@
+"""The samples that hyperparameters are chosen on."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.kernels import States
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """What hyperparameters are chosen on.
+
+    Attributes:
+        x: (M, N) as effects see it.  tau: (M, N) N·m.
+        fold: (M,) the fold each sample is left out with.
+    """
+
+    x: Inputs
+    tau: Floats
+    fold: Ints
+
+    def thinned(self, samples: int) -> "TrainingSet":
+        """At most this many samples, evenly spread."""
+        index = evenly(len(self.x), samples)
+        return replace(self, x=self.x.take(index), tau=self.tau[index], fold=self.fold[index])
+
+    @property
+    def states(self) -> States:
+        """(M, N)."""
+        return States(self.x.q, self.x.qd, self.x.qdd)
+
+    def groups(self) -> list[Ints]:
+        """The samples of each fold."""
+        return [np.flatnonzero(self.fold == number) for number in np.unique(self.fold)]
+
+
+def evenly(available: int, wanted: int) -> Ints:
+    """Positions of at most `wanted` samples, evenly spread over those available."""
+    if wanted >= available:
+        return np.arange(available)
+    return np.round(np.linspace(0, available - 1, wanted)).astype(np.int64)
