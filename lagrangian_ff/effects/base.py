@@ -87,6 +87,8 @@ class Effect(ABC):
         look_alikes: by name of effect, what tells the two apart.
         motion: which of `MOTIONS` shows it best.
         next_motion: that motion in words.
+        side_by_side: whether joints may stand in for samples: its columns follow from its own
+            joint's state alone, and shapes may be arrays (M, 1).
         remembers: whether it depends on the past; its columns then get the whole motion.
         uses: which of `load` and `torque` of the inputs it needs.
         caution: what this effect cannot be told from by any motion; empty where nothing is.
@@ -104,6 +106,7 @@ class Effect(ABC):
     look_alikes: ClassVar[Mapping[str, str]] = {}
     motion: ClassVar[str] = "exciting"
     next_motion: ClassVar[str] = "move every joint through its whole range at several speeds"
+    side_by_side: ClassVar[bool] = False
     remembers: ClassVar[bool] = False
     uses: ClassVar[frozenset[str]] = frozenset()
     caution: ClassVar[str] = ""

@@ -35,6 +35,7 @@ class Coulomb(Effect):
     }
     motion = "reversals"
     next_motion = "reverse the joint slowly, many times, at two speeds"
+    side_by_side = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

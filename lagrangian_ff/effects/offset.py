@@ -29,6 +29,7 @@ class Offset(Effect):
     motion = "slow sweep"
     next_motion = "sweep slowly through the whole range, forth and back; read the effort at rest"
     caution = "asymmetric_coulomb is Coulomb friction plus this"
+    side_by_side = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

@@ -25,6 +25,7 @@ class RotorInertia(Effect):
     motion = "exciting"
     next_motion = "accelerate the joint in postures in which the links' inertia differs"
     caution = "a Lagrangian kernel has it already: only rigid-body (URDF) models without find it"
+    side_by_side = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

@@ -27,6 +27,7 @@ class Viscous(Effect):
     }
     motion = "speeds"
     next_motion = "drive the joint at several constant speeds, each both ways"
+    side_by_side = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

@@ -25,8 +25,8 @@ from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, part, silent
 
-STAGES = ((120, 30), (240, 12))
-"""Samples the evidence is climbed with, and steps at most."""
+FIRST, LAST = ((60, 30), (120, 12)), ((240, 12),)
+"""Samples the evidence is climbed with, and steps at most: on every way, and on the best."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 JUDGED_SAMPLES = 240
 
@@ -63,23 +63,76 @@ def choose_all(
     if not issubclass(spec.kernel, DifferentiableKernel):
         return Chosen(spec, *choose(spec, data, scalings, criterion, evaluations, progress))
     require_folds(data, criterion)
-    ways = [(one, scaling) for one in spec.alternatives for scaling in scalings]
-    found: list[tuple[float, Chosen]] = []
-    tried: list[dict[str, object]] = []
-    for number, (one, scaling) in enumerate(ways):
-        share = part(progress, number / len(ways), (number + 1) / len(ways))
-        start = starting_choice(one, data.states)
-        choice, evidence = climb(one, start, data, scaling, STAGES, share)
-        cost = -evidence
-        if criterion == "validation":
-            choice, cost = _least_error(one, choice, data, scaling)
-        found.append((cost, Chosen(one, choice, scaling)))
-        common = "common" if np.ptp(scaling.unit) == 0.0 else "joint"
-        tried.append(
-            {"kernel": one.kernel.name, "scale": common, "evidence": evidence, criterion: cost}
+    ways = [_Way.started(one, scaling, data) for one in spec.alternatives for scaling in scalings]
+    whole = len(ways) * _work(FIRST) + _work(LAST)
+    judged = [
+        way.climbed(
+            data,
+            FIRST,
+            criterion,
+            part(progress, n * _work(FIRST) / whole, (n + 1) * _work(FIRST) / whole),
         )
-    best = min(found, key=lambda item: item[0])[1]
-    return replace(best, tried=tuple(tried))
+        for n, way in enumerate(ways)
+    ]
+    best = min(judged, key=lambda way: way.cost)
+    best = best.climbed(data, LAST, criterion, part(progress, 1.0 - _work(LAST) / whole, 1.0))
+    tried = tuple(way.record(criterion) for way in (*judged, best))
+    return Chosen(best.spec, best.judged, best.scaling, tried)
+
+
+Stages = Sequence[tuple[int, int]]
+
+
+def _work(stages: Stages) -> float:
+    """What stages cost, about: pairs of samples, steps times."""
+    return float(sum(steps * samples**2 for samples, steps in stages))
+
+
+@dataclass(frozen=True)
+class _Way:
+    """A kernel and a scaling of the torques, and how far they have come.
+
+    Attributes:
+        start: before the climb.  top: where it stands.  judged: with the noise that suits best.
+        samples: it has climbed with.  evidence: there.  cost: what is made small.
+    """
+
+    spec: Spec
+    scaling: Scaling
+    start: Choice
+    top: Choice
+    judged: Choice
+    samples: int = 0
+    evidence: float = -np.inf
+    cost: float = np.inf
+
+    @classmethod
+    def started(cls, spec: Spec, scaling: Scaling, data: TrainingSet) -> "_Way":
+        start = starting_choice(spec, data.states)
+        return cls(spec, scaling, start, start, start)
+
+    def climbed(
+        self, data: TrainingSet, stages: Stages, criterion: str, progress: Progress
+    ) -> "_Way":
+        """Farther up, and judged there."""
+        top, evidence = climb(
+            self.spec, self.start, data, self.scaling, stages, progress, first=self.top
+        )
+        judged, cost = top, -evidence
+        if criterion == "validation":
+            judged, cost = _least_error(self.spec, top, data, self.scaling)
+        samples = stages[-1][0]
+        return replace(self, top=top, judged=judged, samples=samples, evidence=evidence, cost=cost)
+
+    def record(self, criterion: str) -> dict[str, object]:
+        """What it was, and what is said of it."""
+        return {
+            "kernel": self.spec.kernel.name,
+            "scale": "common" if np.ptp(self.scaling.unit) == 0.0 else "joint",
+            "samples": self.samples,
+            "evidence": self.evidence,
+            criterion: self.cost,
+        }
 
 
 def _least_error(

@@ -27,6 +27,7 @@ def climb(
     scaling: Scaling,
     stages: Sequence[tuple[int, int]],
     progress: Progress = silent,
+    first: Choice | None = None,
 ) -> tuple[Choice, float]:
     """Climb the log evidence from a start; see `ascent`.
 
@@ -37,6 +38,7 @@ def climb(
         scaling: how torques are normalised.
         stages: (samples used, steps at most) one after the other, few samples first.
         progress: told the share done.
+        first: where to begin, if not at the start.
 
     Returns:
         The choice at the top, and the log evidence there of the last stage's samples.
@@ -46,7 +48,8 @@ def climb(
     """
     total, done = sum(steps for _, steps in stages), 0
     path = _Path(spec, start)
-    point = middle = path.middle
+    middle = path.middle
+    point = middle if first is None else _Path(spec, first).middle
     evidence = -np.inf
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
@@ -62,7 +65,7 @@ def climb(
                 return fit_basis(basis, choice, part.x, part.tau, scaling)
 
             def slopes(fitted: Fit, part: TrainingSet = part) -> Slopes:
-                return _slopes(fitted, part)
+                return slopes_of(fitted, part)
 
             hill = Hill(middle, go, lambda fitted: fitted.log_evidence, slopes)
             point, fitted = hill.climb(point, steps, told)
@@ -104,7 +107,7 @@ class _Path:
         return Choice(kernel, noise, shapes)
 
 
-def _slopes(fitted: Fit, part: TrainingSet) -> Slopes:
+def slopes_of(fitted: Fit, part: TrainingSet) -> Slopes:
     """By all logarithms of a choice, in the order of `_Path`."""
     ((_, _, system),) = fitted.systems
     noise = fitted.choice.noise * fitted.scaling.noise**2

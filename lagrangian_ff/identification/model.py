@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.motion_range import MotionRange
-from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.kernels import Kernel, Learned, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
@@ -186,8 +187,13 @@ class Model:
             gravity[0], inertia[0], coriolis[0], {name: v[0] for name, v in effects.items()}
         )
 
+    @cached_property
+    def learned(self) -> Learned:
+        """The rigid-body part, in units of `unit`."""
+        return self.kernel.learned(self.centres, self.weights)
+
     def _lagrangian(self, x: States) -> Floats:
-        return self.kernel.apply(x, self.centres, self.weights) * self.unit
+        return self.learned.torque(x) * self.unit
 
     def _states(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> States:
         x = States.of(q, qd, qdd)

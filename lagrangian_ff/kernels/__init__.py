@@ -7,6 +7,7 @@ from lagrangian_ff.kernels.base import (
     Hyperparameter,
     IndependentKernel,
     Kernel,
+    Learned,
 )
 from lagrangian_ff.kernels.finite import Motor, Nothing, Pol
 from lagrangian_ff.kernels.lagrangian import Srbf, Srbfs, Svrbf, Svrbfs, Vrbf, Vrbfs
@@ -30,5 +31,6 @@ __all__ = [
     "Hyperparameter",
     "IndependentKernel",
     "Kernel",
+    "Learned",
     "States",
 ]

@@ -62,9 +62,38 @@ class Kernel(ABC):
     def apply(self, x: States, u: States, a: Floats) -> Floats:
         """(M, N) torques Σ_j K(x_i, u_j) a_j for coefficients a (M_u, N), as in (32), (33)."""
 
+    def learned(self, u: States, a: Floats) -> "Learned":
+        """The torques Σ_j K(·, u_j) a_j, in the form that is cheapest to ask again and again."""
+        return Sum(self, u, a)
+
     @abstractmethod
     def variance(self, x: States) -> Floats:
         """(M, N) the diagonal K_nn(x_i, x_i): the prior variance of each torque."""
+
+
+class Learned(ABC):
+    """Torques that were learned: a function of the state alone."""
+
+    @abstractmethod
+    def torque(self, x: States) -> Floats:
+        """(M, N) torques in the kernel's units."""
+
+
+@dataclass(frozen=True)
+class Sum(Learned):
+    """Torques as a sum over the states that they were learned from.
+
+    Attributes:
+        kernel: of the torques.  u: (M_u, N) states.  a: (M_u, N) coefficients.
+    """
+
+    kernel: Kernel
+    u: States
+    a: Floats
+
+    def torque(self, x: States) -> Floats:
+        """See `Learned.torque`."""
+        return self.kernel.apply(x, self.u, self.a)
 
 
 class CoupledKernel(Kernel):

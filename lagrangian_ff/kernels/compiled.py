@@ -1,12 +1,13 @@
 """Coupled kernels whose loops over pairs of states are compiled."""
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels.base import CoupledKernel
+from lagrangian_ff.kernels.base import CoupledKernel, Learned
 from lagrangian_ff.kernels.states import States
 
 Floats = NDArray[np.float64]
@@ -46,14 +47,30 @@ class CompiledKernel(CoupledKernel):
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
         """See `Kernel.apply`; no block is formed."""
-        out = np.empty((len(x), x.joints))
-        weights = self._weights(x.joints)
-        coefficients = np.ascontiguousarray(a)
-        self.loops.apply_blocks(prepared(x), prepared(u), *weights, coefficients, out)
-        return out
+        return self.learned(u, a).torque(x)
+
+    def learned(self, u: States, a: Floats) -> Learned:
+        """See `Kernel.learned`."""
+        return _Prepared(self, prepared(u), self._weights(u.joints), np.ascontiguousarray(a))
 
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
         out = np.empty((len(x), x.joints))
         self.loops.variances(prepared(x), *self._weights(x.joints), out)
+        return out
+
+
+@dataclass(frozen=True)
+class _Prepared(Learned):
+    """A sum over states of which sines and cosines are known."""
+
+    kernel: CompiledKernel
+    u: Prepared
+    weights: tuple[Any, ...]
+    a: Floats
+
+    def torque(self, x: States) -> Floats:
+        """See `Learned.torque`."""
+        out = np.empty_like(x.q)
+        self.kernel.loops.apply_blocks(prepared(x), self.u, *self.weights, self.a, out)
         return out

@@ -16,8 +16,8 @@ it reads
     K / k = A Bᵀ + diag(r + (c_xu − c_x c_u) w)
             − (c_xu e + c_x ū + r∘qd') eᵀ − e (c_u x̄ − r∘qd)ᵀ + ū x̄ᵀ,
 
-which equals eq. (37) of the paper with c_u read for its c_y. Applying K to coefficients needs five
-inner products a pair and no N × N block.
+which equals eq. (37) of the paper with c_u read for its c_y. How it is applied to coefficients
+without forming a block is in `side_by_side`.
 """
 
 from typing import Any
@@ -121,38 +121,6 @@ def cross_blocks(x, u, angle, alpha, w, out):  # type: ignore[no-untyped-def]
             for n in range(joints):
                 for m in range(joints):
                     out[i, n, j, m] = block[n, m]
-
-
-@njit(**_OPTIONS)
-def apply_blocks(x, u, angle, alpha, w, a, out):  # type: ignore[no-untyped-def]
-    """Write Σ_j K(x_i, u_j) a_j to out[i], without forming a block."""
-    joints = w.shape[0]
-    e, p, r = np.empty(joints), np.empty(joints), np.empty(joints)
-    for i in range(x[0].shape[0]):
-        for n in range(joints):
-            out[i, n] = 0.0
-        for j in range(u[0].shape[0]):
-            k, cx, cu, cxu = _geometry(i, j, x, u, angle, alpha, w, e, p, r)
-            ba = 0.0
-            ea = 0.0
-            ya = 0.0
-            xa = 0.0
-            for m in range(joints):
-                am = a[j, m]
-                xm = w[m] * x[2][i, m]
-                ba += (cu * e[m] - w[m] * u[2][j, m] - p[m]) * am
-                ea += e[m] * am
-                ya += (cu * xm - r[m] * x[1][i, m]) * am
-                xa += xm * am
-            for n in range(joints):
-                un = w[n] * u[2][j, n]
-                out[i, n] += k * (
-                    (cx * e[n] - w[n] * x[2][i, n] + p[n]) * ba
-                    - (cxu * e[n] + cx * un + r[n] * u[1][j, n]) * ea
-                    - e[n] * ya
-                    + un * xa
-                    + (r[n] + w[n] * (cxu - cx * cu)) * a[j, n]
-                )
 
 
 @njit(**_OPTIONS)

@@ -17,10 +17,12 @@ from lagrangian_ff.kernels.base import (
     Hyperparameter,
     IndependentKernel,
     Kernel,
+    Learned,
     largest,
     of_joint,
 )
 from lagrangian_ff.kernels.compiled import CompiledKernel, prepared
+from lagrangian_ff.kernels.side_by_side import SideBySide
 from lagrangian_ff.kernels.states import States
 
 Floats = NDArray[np.float64]
@@ -73,6 +75,10 @@ class _Vector(_Universal, CompiledKernel):
     """The vector-valued Lagrangian kernel (22)."""
 
     loops: ClassVar[Any] = fused
+
+    def learned(self, u: States, a: Floats) -> Learned:
+        """See `Kernel.learned`; no block is formed."""
+        return SideBySide.of(u, a, self._weights(u.joints))
 
     def lagrangian_row(self, x: States, u: States) -> Floats:
         """(M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34): what recovers the Lagrangian in (31)."""

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -150,3 +151,17 @@ def test_its_shape_is_told_in_words() -> None:
     gear = EFFECTS["elasticity"].shape_words({"of": 1.0, "f": 3.33333, "z": 0.1}, joints)
     assert gear == {"of": "elbow", "f": "3.33", "z": "0.1"}
     assert EFFECTS["ripple"].shape_words({"order": 18.0}, joints) == {"order": "18"}
+
+
+def test_joints_may_stand_in_for_samples_where_it_says_so(effect: Effect) -> None:
+    if not effect.side_by_side:
+        return
+    q, qd, qdd = np.random.default_rng(0).normal(size=(3, JOINTS))
+    together = Inputs.of(States.of(q[:, None], qd[:, None], qdd[:, None]))
+    one = Inputs.of(States.of(q, qd, qdd))
+    shapes = {s.name: np.geomspace(s.low, s.high, JOINTS) for s in effect.shapes}
+    columns: dict[str, Any] = {name: values[:, None] for name, values in shapes.items()}
+    found = effect.columns(together, 0, columns)
+    for joint in range(JOINTS):
+        shape = {name: float(values[joint]) for name, values in shapes.items()}
+        np.testing.assert_allclose(found[joint], effect.columns(one, joint, shape)[0])

@@ -12,11 +12,12 @@ from lagrangian_ff.kernels.base import (
     Contracted,
     DifferentiableKernel,
     Hyperparameter,
+    Learned,
     largest,
 )
 from lagrangian_ff.kernels.compiled import Prepared, prepared
 from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured import lanes
+from lagrangian_ff.kernels.structured import lanes, threads
 from lagrangian_ff.kernels.structured.factors import LINE
 
 Floats = NDArray[np.float64]
@@ -27,8 +28,8 @@ Nudge = tuple[int, int, float]
 
 ROTOR_START = 1e-3
 KINETIC, POTENTIAL = (True, False), (False, True)
-TILE_SAMPLES = 16
-"""Samples whose derivatives are taken at once, so that a tile of blocks stays in cache."""
+TILE_ENTRIES = 100_000
+"""Entries of the Gram matrix whose derivatives are taken at once, so that they stay in cache."""
 
 
 @dataclass(frozen=True)
@@ -92,27 +93,22 @@ class Structured(DifferentiableKernel):
     def gram(self, x: States) -> Floats:
         """See `CoupledKernel.gram`."""
         out = np.empty((len(x), x.joints, len(x), x.joints))
-        self._write(prepared(x), prepared(x), (0, len(x)), lanes.LOWER, out)
+        self._fill(prepared(x), prepared(x), lanes.LOWER, out)
         return out.reshape(len(x) * x.joints, -1)
 
     def cross(self, x: States, u: States) -> Floats:
         """See `CoupledKernel.cross`."""
         out = np.empty((len(x), x.joints, len(u), x.joints))
-        self._write(prepared(x), prepared(u), (0, len(x)), lanes.ALL, out)
+        self._fill(prepared(x), prepared(u), lanes.ALL, out)
         return out.reshape(len(x) * x.joints, -1)
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
         """See `Kernel.apply`; in chunks, so that memory stays bounded."""
-        torque = np.empty((len(x), x.joints))
-        at, of, flat = prepared(x), prepared(u), np.ascontiguousarray(a).ravel()
-        chunk = max(1, CHUNK_ENTRIES // max(1, flat.size * x.joints))
-        out = np.empty((min(chunk, len(x)), x.joints, len(u), x.joints))
-        for first in range(0, len(x), chunk):
-            rows = first, min(len(x), first + chunk)
-            self._write(at, of, rows, lanes.ALL, out)
-            held = out[: rows[1] - rows[0]].reshape(-1, flat.size)
-            torque[slice(*rows)] = (held @ flat).reshape(-1, x.joints)
-        return torque
+        return BlockSum(self, prepared(u), np.ravel(a)).torque(x)
+
+    def learned(self, u: States, a: Floats) -> Learned:
+        """See `Kernel.learned`."""
+        return BlockSum(self, prepared(u), np.ravel(a))
 
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
@@ -127,22 +123,35 @@ class Structured(DifferentiableKernel):
         second degree in each inertia and in each factor of the kinetic part: a value, or half the
         difference of two at any distance, is the derivative itself.
         """
-        joints, states, changes = x.joints, prepared(x), [*self._changes()]
-        found = {}
-        for name in self.differentiable:
-            count = len(getattr(self, name))
-            found[name] = Contracted(np.zeros(count), np.zeros((count, len(vector))))
-        for first in range(0, len(x), TILE_SAMPLES):
-            rows = first, min(len(x), first + TILE_SAMPLES)
-            tile = _Tile.of(weights, vector, rows, joints)
-            out = np.zeros((rows[1] - rows[0], joints, rows[1], joints))
-            for change in changes:
-                change.kernel._write(
-                    states, states, rows, lanes.LOWER, out, change.parts, change.nudge
-                )
-                into = found[change.name]
-                tile.add(out, change.factor, into.total, into.product[change.place], change.place)
-        return found
+        states, changes = prepared(x), [*self._changes()]
+        height = max(1, TILE_ENTRIES // (len(vector) * x.joints))
+        tiles = range(0, len(x), height)
+        # As many heaps of tiles as threads, so that each holds what it adds up.
+        heaps = [tiles[start :: threads.count()] for start in range(threads.count())]
+
+        def contracted(heap: range) -> Mapping[str, Contracted]:
+            found = {}
+            for name in self.differentiable:
+                count = len(getattr(self, name))
+                found[name] = Contracted(np.zeros(count), np.zeros((count, len(vector))))
+            for first in heap:
+                rows = first, min(len(x), first + height)
+                tile = _Tile.of(weights, vector, rows, x.joints)
+                out = np.zeros((rows[1] - rows[0], x.joints, rows[1], x.joints))
+                for one in changes:
+                    one.kernel._write(states, states, rows, lanes.LOWER, out, one.parts, one.nudge)
+                    into = found[one.name]
+                    tile.add(out, one.factor, into.total, into.product[one.place], one.place)
+            return found
+
+        found = threads.each(contracted, heaps, len(x) ** 2)
+        return {
+            name: Contracted(
+                np.sum([one[name].total for one in found], axis=0),
+                np.sum([one[name].product for one in found], axis=0),
+            )
+            for name in self.differentiable
+        }
 
     def _changes(self: Self) -> "Iterator[_Change[Self]]":
         """The kernels whose weighed sum is the derivative by each hyperparameter."""
@@ -163,6 +172,16 @@ class Structured(DifferentiableKernel):
                 if joint > 0 or not self.serial:
                     wave = lanes.WAVE, joint, 0.5 * sign
                     yield _Change("wave", joint, sign, bare, KINETIC, wave)
+
+    def _fill(self, x: Prepared, u: Prepared, pairs: int, out: Floats) -> None:
+        """Write all rows, in as many threads as there may be."""
+        samples = len(x[0])
+
+        def write(rows: tuple[int, int]) -> None:
+            self._write(x, u, rows, pairs, out[slice(*rows)])
+
+        ranges = threads.row_ranges(samples, pairs == lanes.LOWER)
+        threads.each(write, ranges, samples * len(u[0]))
 
     def _write(
         self,
@@ -185,6 +204,29 @@ class Structured(DifferentiableKernel):
         form = np.where(self.prismatic > 0.0, LINE, self.form)
         others = (self.wave, self.swing, self.rotor)
         return self.serial, form, self.inertia, links[0], links[1], *others
+
+
+@dataclass(frozen=True)
+class BlockSum(Learned):
+    """A sum over states: blocks, some rows at a time, times coefficients (M_u N,)."""
+
+    kernel: Structured
+    u: Prepared
+    a: Floats
+
+    def torque(self, x: States) -> Floats:
+        """See `Learned.torque`."""
+        torque = np.empty((len(x), x.joints))
+        chunk = max(1, CHUNK_ENTRIES // max(1, self.a.size * x.joints))
+        out = np.empty((min(chunk, len(x)), x.joints, len(self.u[0]), x.joints))
+        for first in range(0, len(x), chunk):
+            part = x.take(slice(first, first + chunk))
+            held = out[: len(part)]
+            self.kernel._fill(prepared(part), self.u, lanes.ALL, held)
+            torque[first : first + chunk] = (held.reshape(-1, self.a.size) @ self.a).reshape(
+                -1, x.joints
+            )
+        return torque
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,15 @@
 """Kernels of serial arms: joints in their order, base first."""
 
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.kernels.base import Learned
+from lagrangian_ff.kernels.states import States
 from lagrangian_ff.kernels.structured.base import Structured
+from lagrangian_ff.kernels.structured.collapse import MOST_JOINTS, collapsed
 from lagrangian_ff.kernels.structured.factors import BELL, COSINE
+
+Floats = NDArray[np.float64]
 
 
 class Chain(Structured):
@@ -14,6 +22,12 @@ class Chain(Structured):
     meaning = "one Lagrangian of a serial arm: quadratic in velocity, gravity apart"
     form = COSINE
     serial = True
+
+    def learned(self, u: States, a: Floats) -> Learned:
+        """See `Kernel.learned`: a polynomial, unless a joint slides or there are too many."""
+        if u.joints > MOST_JOINTS or self.prismatic.any():
+            return super().learned(u, a)
+        return collapsed(self, u, a)
 
 
 class ChainRbf(Structured):

@@ -1,0 +1,47 @@
+"""Work on pairs of states, shared by threads: the compiled loops let other threads run."""
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import TypeVar
+
+import numba
+import numpy as np
+
+Result = TypeVar("Result")
+Part = TypeVar("Part")
+
+FEWEST_PAIRS = 4000
+"""Pairs of states from which on a second thread is worth its start."""
+
+
+def count() -> int:
+    """As many as Numba may use: the processors, or NUMBA_NUM_THREADS."""
+    return int(numba.get_num_threads())
+
+
+def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> list[Result]:
+    """What the work makes of every part, in their order.
+
+    Args:
+        work: is called from several threads.
+        parts: in any number; a thread takes the next when it is free.
+        pairs: of states, in all parts together.
+    """
+    many = count() if pairs >= FEWEST_PAIRS else 1
+    if many == 1:
+        return [work(part) for part in parts]
+    with ThreadPoolExecutor(many) as pool:
+        return list(pool.map(work, parts))
+
+
+def row_ranges(rows: int, lower: bool) -> list[tuple[int, int]]:
+    """Ranges of rows for one part a thread, of as many pairs each.
+
+    Args:
+        rows: of a matrix of pairs.
+        lower: whether only pairs up to the diagonal count.
+    """
+    share = np.linspace(0.0, 1.0, count() + 1)
+    ends = np.rint(rows * (np.sqrt(share) if lower else share)).astype(int)
+    return [(a, b) for a, b in pairwise(ends.tolist()) if b > a]
