@@ -32,7 +32,7 @@ class Options:
     seed: int = 0
     duration: float = 24.0
     unseen_duration: float = 16.0
-    model: str = "vrbfs+fri"
+    model: str = "auto+fri"
     samples: int = 500
     train: float = 1.0
     through: str = "stream"

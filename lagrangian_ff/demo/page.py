@@ -82,12 +82,14 @@ def _story(findings: Findings, pictures: Pictures) -> Section:
             "controller alone. The node identify recorded joint_states at 500 Hz to a bag: "
             "position, velocity, and the effort its current sensors saw.",
             f"identify learned {options.model} from {learned}: {record['samples']} samples, "
-            f"{record['seconds']:.0f} s of computing. vrbfs is a kernel on the Lagrangian, pushed "
-            "through the Euler-Lagrange equations; fri is viscous and Coulomb friction with an "
-            "offset."
-            if options.model == "vrbfs+fri"
-            else f"identify learned {options.model} from {learned}: {record['samples']} samples, "
-            f"{record['seconds']:.0f} s of computing.",
+            f"{record['seconds']:.0f} s of computing."
+            + (
+                f" It chose {record['model']}: chain is a kernel on the Lagrangian of a serial "
+                "arm, pushed through the Euler-Lagrange equations; fri is viscous and Coulomb "
+                "friction with an offset."
+                if options.model == "auto+fri"
+                else ""
+            ),
             "The node feedforward loaded the model. For each motion it computed the torques and "
             f"sent them to the arm ({_through(options.through)}), first without the friction part, "
             "then with it.",

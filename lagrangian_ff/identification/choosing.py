@@ -27,6 +27,8 @@ from lagrangian_ff.progress import Progress, part, silent
 
 FIRST, LAST = ((60, 30), (120, 12)), ((240, 12),)
 """Samples the evidence is climbed with, and steps at most: on every way, and on the best."""
+EVALUATIONS = 90
+"""What the steps are meant for."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 JUDGED_SAMPLES = 240
 
@@ -63,24 +65,32 @@ def choose_all(
     if not issubclass(spec.kernel, DifferentiableKernel):
         return Chosen(spec, *choose(spec, data, scalings, criterion, evaluations, progress))
     require_folds(data, criterion)
+    first, last = (_for(stages, evaluations) for stages in (FIRST, LAST))
     ways = [_Way.started(one, scaling, data) for one in spec.alternatives for scaling in scalings]
-    whole = len(ways) * _work(FIRST) + _work(LAST)
+    whole = len(ways) * _work(first) + _work(last)
     judged = [
         way.climbed(
             data,
-            FIRST,
+            first,
             criterion,
-            part(progress, n * _work(FIRST) / whole, (n + 1) * _work(FIRST) / whole),
+            part(progress, n * _work(first) / whole, (n + 1) * _work(first) / whole),
         )
         for n, way in enumerate(ways)
     ]
     best = min(judged, key=lambda way: way.cost)
-    best = best.climbed(data, LAST, criterion, part(progress, 1.0 - _work(LAST) / whole, 1.0))
+    best = best.climbed(data, last, criterion, part(progress, 1.0 - _work(last) / whole, 1.0))
     tried = tuple(way.record(criterion) for way in (*judged, best))
     return Chosen(best.spec, best.judged, best.scaling, tried)
 
 
 Stages = Sequence[tuple[int, int]]
+
+
+def _for(stages: Stages, evaluations: int) -> Stages:
+    """The stages with steps in proportion to the usual number of evaluations."""
+    return [
+        (samples, max(1, round(steps * evaluations / EVALUATIONS))) for samples, steps in stages
+    ]
 
 
 def _work(stages: Stages) -> float:

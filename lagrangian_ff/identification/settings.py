@@ -15,7 +15,7 @@ class Settings:
     third what the rest needs, so two thirds are the default here.
 
     Attributes:
-        model: kernel and effects, e.g. `vrbfs+fri`.
+        model: kernel and effects, e.g. `auto+fri`.
         train: the share of each recording, from its beginning, that is learned from; 1 uses all,
             and the error is then that of blocks left out in turn.
         samples: how many training samples the kernel is built on, evenly spread.
@@ -26,10 +26,11 @@ class Settings:
             share one Lagrangian, with noise in proportion to each torque's spread; `joint`
             divides each torque by its own spread, right where the joints' units do not agree;
             `auto` tries both and keeps the better one.
-        evaluations: how many settings of hyperparameters are tried.
+        evaluations: how many settings of hyperparameters are tried; a climb of the evidence takes
+            steps in proportion.
     """
 
-    model: str = "vrbfs+fri"
+    model: str = "auto+fri"
     train: float = 2.0 / 3.0
     samples: int = 500
     block_seconds: float = 3.0

@@ -9,7 +9,7 @@ def declare(parameters: Parameters) -> None:
     """Declare all that does not depend on the joints."""
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
-    add("model", "vrbfs+fri", "model to identify, a sum of kernels and bases")
+    add("model", "auto+fri", "model to identify, a sum of kernels and bases")
     add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
         low=0.01, high=1.0)  # fmt: skip
     add("samples", 500, "samples to train on", low=10, high=20_000)

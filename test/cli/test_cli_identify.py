@@ -61,7 +61,7 @@ def test_the_record_holds_what_the_page_and_the_node_show(
     assert {
         "model", "joints", "rmse", "nmse", "samples", "seconds", "hyperparameters", "effects"
     } <= set(record)  # fmt: skip
-    assert record["model"] == "vrbfs+fri"
+    assert record["model"] == "chain+fri"
     assert record["samples"] == 60
     assert set(record["joints"]) == set(JOINTS)
     assert all(set(error) >= {"rmse", "nmse"} for error in record["joints"].values())
@@ -220,7 +220,7 @@ def test_a_held_out_part_outside_the_training_range_is_named_as_the_cause(tmp_pa
     recording = Recording(JOINTS, time, q + wider, qd, torque(q + wider, qd, qdd))
     outcome = lagrangian_ff(
         "identify", csv(tmp_path / "arm.csv", recording), *QUICK, "--train", "0.3",
-        "--output", tmp_path / "model.npz",
+        "--model", "vrbfs+fri", "--output", tmp_path / "model.npz",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     assert "of the held-out motion lies outside what was trained on" in outcome.text

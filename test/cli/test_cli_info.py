@@ -55,8 +55,8 @@ def test_a_model(tmp_path: Path) -> None:
     outcome = lagrangian_ff("info", path)
     assert outcome.code == 0, outcome
     for words in (
-        "model vrbfs+fri of shoulder, elbow", "model.csv", "in words", "τ = ", "sigma",
-        "squared length scale", "torque scale", "the motion it was identified on", "speed [rad/s]",
+        "model chain+fri of shoulder, elbow", "model.csv", "in words", "τ = ", "inertia",
+        "weight of the joints' motion", "torque scale", "the motion it was identified on", "speed [rad/s]",
     ):  # fmt: skip
         assert words in outcome.text
     record = json.loads(lagrangian_ff("info", path, "--json", "-").out)

@@ -61,7 +61,7 @@ def test_the_record_is_json_and_complete(stuck: Diagnosis) -> None:
 
 def test_what_is_confirmed_is_added_and_the_history_tells_why(stuck: Diagnosis) -> None:
     model = apply(stuck)
-    assert model.name == "vrbfs+fri+stribeck@elbow"
+    assert model.name == "chain+fri+stribeck@elbow"
     steps = history(model)["steps"]
     assert isinstance(steps, list)
     assert [step["added"] for step in steps] == ["identified", "stribeck on elbow"]

@@ -72,10 +72,11 @@ def test_states_of_another_arm_are_refused(found: Identification) -> None:
 
 def test_the_record_is_json_and_complete(found: Identification) -> None:
     record = json.loads(json.dumps(found.record, allow_nan=False))
-    assert record["model"] == "vrbfs+fri"
+    assert record["model"] == "chain+fri"
     assert set(record["joints"]) == set(pendulum.JOINTS)
     assert record["samples"] == 120
-    assert {"sigma", "velocity_scale", "gamma", "coulomb.v0"} == set(record["hyperparameters"])
+    numbers = {"inertia", "link", "potential", "wave", "swing", "rotor", "prismatic"}
+    assert numbers | {"gamma", "coulomb.v0"} == set(record["hyperparameters"])
     assert record["training_seconds"] == pytest.approx(20.0, abs=0.1)
     assert len(record["effects"]) == 6
     assert record["effects"][0]["parameters"]["B"]["unit"] == "N·m·s/rad"

@@ -270,7 +270,7 @@ def test_diagnostics_tell_the_rate_and_the_model(node: Feedforward) -> None:
 
     node.bench.until(lambda: rate() > 100.0, "a publish rate")
     values = node.bench.values("feedforward: model")
-    assert values["model"] == "vrbfs+fri"
+    assert values["model"] == "chain+fri"
     assert "held-out error a" in values
 
 

@@ -115,7 +115,7 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
 
     success, message = ask(bench, "identify")
     assert success
-    assert "started to identify vrbfs+fri" in message
+    assert "started to identify auto+fri" in message
     success, message = ask(bench, "identify")
     assert not success
     assert "wait for the end" in message

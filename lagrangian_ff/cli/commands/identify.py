@@ -55,11 +55,11 @@ what comes out:
   whether that is good or bad, and what to do next.
 
 models are one kernel and any number of effects, joined by +:
-  kernels  vrbfs (the usual), vrbf, srbfs, srbf, svrbfs, svrbf, pol, motor: derive from a
-           Lagrangian, vrbf* and motor couple the joints; rbf, rbfs: assume nothing; none.
-           energy, energy_rbf: kinetic energy quadratic in velocity, gravity apart;
-           chain, chain_rbf: the same of a serial arm, joints given from the base to the tool;
-           auto: chain or chain_rbf, whichever predicts blocks left out better
+  kernels  auto (the usual): chain or chain_rbf, whichever predicts blocks left out better;
+           chain, chain_rbf: kinetic energy quadratic in velocity, gravity apart, of a serial
+           arm, joints given from the base to the tool; energy, energy_rbf: of any arm;
+           vrbfs, vrbf, srbfs, srbf, svrbfs, svrbf, pol, motor: the paper's, from a Lagrangian,
+           vrbf* and motor couple the joints; rbf, rbfs: assume nothing; none
   effects  fri = viscous+coulomb+offset, or each by its name; any other of `lagrangian_ff effects`
            on all joints, or on one: vrbfs+fri+stribeck@joint_2. Which ones are missing is what
            lagrangian_ff diagnose finds out
@@ -80,7 +80,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--output", required=True, type=Path, metavar="MODEL.npz", help="the model file to write"
     )
     parser.add_argument(
-        "--model", metavar="NAME", help="kernel and effects, see below (default: vrbfs+fri)"
+        "--model", metavar="NAME", help="kernel and effects, see below (default: auto+fri)"
     )
     parser.add_argument(
         "--joints",

@@ -48,7 +48,7 @@ class Order:
         model_file: the model to compare, diagnose or add to.
         effects_file: Python that defines effects of the user's own; empty for none.
         joints: which to identify, in which order; empty for all that were recorded.
-        model: name of the model to identify, such as "vrbfs+fri".
+        model: name of the model to identify, such as "auto+fri".
         train: fraction of the motion to train on.
         samples: how many samples to train on.
         bandwidth: Hz of the low-pass.
@@ -64,7 +64,7 @@ class Order:
     model_file: str = ""
     effects_file: str = ""
     joints: tuple[str, ...] = ()
-    model: str = "vrbfs+fri"
+    model: str = "auto+fri"
     train: float = 2.0 / 3.0
     samples: int = 500
     bandwidth: float = 25.0
