@@ -115,6 +115,19 @@ class Effect(ABC):
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """(M, P) what each of the P parameters multiplies, for one joint's torque."""
 
+    def energies(
+        self, x: Inputs, joint: int, shape: Mapping[str, float]
+    ) -> tuple[Floats, Floats] | None:
+        """Kinetic and potential energy, for effects that keep energy and so belong to the arm.
+
+        The torque is then d/dt ∂T/∂qd − ∂T/∂q + ∂V/∂q, with T quadratic in velocity.
+
+        Returns:
+            (M, P) each, J per unit of each of the P parameters; None where the effect dissipates
+            energy, depends on more than the state, or is no matter of the arm's mechanics.
+        """
+        return None
+
     def cause(self, joint: int, shape: Mapping[str, float]) -> int:
         """The joint whose hardware it is, where it adds to the torque of this one."""
         return joint
@@ -181,3 +194,25 @@ def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Mapping[str, f
             f"{effect.parameters[column].name} at sample {row}; expected finite values"
         )
     return found
+
+
+def checked_energies(
+    effect: Effect, x: Inputs, joint: int, shape: Mapping[str, float]
+) -> tuple[Floats, Floats] | None:
+    """The energies of an effect, found to be sound; see `Effect.energies`.
+
+    Raises:
+        EffectError: they are not two arrays of the columns' shape; names the effect.
+    """
+    found = effect.energies(x, joint, shape)
+    if found is None:
+        return None
+    shapes = [np.shape(part) for part in found]
+    expected = (len(x), len(effect.parameters))
+    if shapes != [expected, expected]:
+        raise EffectError(
+            f"effect '{effect.name}': energies() gave shapes {shapes}, expected kinetic and "
+            f"potential energy, each {expected}: one row a sample and one column a parameter"
+        )
+    kinetic, potential = (np.asarray(part, dtype=np.float64) for part in found)
+    return kinetic, potential

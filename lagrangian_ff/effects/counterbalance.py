@@ -43,6 +43,12 @@ class Counterbalance(Effect):
         angle, r = x.q[:, joint] - shape["q0"], shape["r"]
         return (np.sin(angle) / np.sqrt(1.0 + r**2 - 2.0 * r * np.cos(angle)))[:, None]
 
+    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """See `Effect.energies`."""
+        angle, r = x.q[:, joint] - shape["q0"], shape["r"]
+        length = np.sqrt(1.0 + r**2 - 2.0 * r * np.cos(angle))[:, None]
+        return np.zeros_like(length), length / r
+
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
         """Lever arms by twelve angles all around the turn."""
         angles = self.shapes[1].low + 2.0 * np.pi * np.arange(12) / 12

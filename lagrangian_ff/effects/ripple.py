@@ -39,6 +39,12 @@ class Ripple(Effect):
         """See `Effect.columns`."""
         return turning(x.q[:, joint], shape["order"])
 
+    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """See `Effect.energies`."""
+        cosine, sine = turning(x.q[:, joint], shape["order"]).T
+        potential = np.stack([sine, -cosine], axis=1) / shape["order"]
+        return np.zeros_like(potential), potential
+
 
 class GearMesh(Effect):
     """An error of the teeth, or the two lobes of a harmonic drive: it grows with the load."""

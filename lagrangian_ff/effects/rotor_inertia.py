@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+
 from lagrangian_ff.effects.base import Effect, Floats, Parameter
 from lagrangian_ff.effects.inputs import Inputs
 
@@ -30,3 +32,8 @@ class RotorInertia(Effect):
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         return x.qdd[:, [joint]]
+
+    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """See `Effect.energies`."""
+        kinetic = 0.5 * x.qd[:, [joint]] ** 2
+        return kinetic, np.zeros_like(kinetic)

@@ -39,3 +39,9 @@ class Spring(Effect):
         """See `Effect.columns`."""
         q = x.q[:, joint]
         return np.stack([q, q**3], axis=1)
+
+    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
+        """See `Effect.energies`."""
+        q = x.q[:, joint]
+        potential = np.stack([q**2 / 2.0, q**4 / 4.0], axis=1)
+        return np.zeros_like(potential), potential

@@ -1,6 +1,7 @@
 """The semi-parametric model: fit, predict, evidence, blocked validation, save and load."""
 
 from lagrangian_ff.identification.build import Identification
+from lagrangian_ff.identification.dynamics import Dynamics
 from lagrangian_ff.identification.extend import extend
 from lagrangian_ff.identification.identify import identify
 from lagrangian_ff.identification.kept import kept
@@ -10,6 +11,7 @@ from lagrangian_ff.identification.score import Score
 from lagrangian_ff.identification.settings import Settings
 
 __all__ = [
+    "Dynamics",
     "Identification",
     "Model",
     "MotionRange",

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.effects import Effect, Inputs, checked_columns
+from lagrangian_ff.effects import Effect, Inputs, checked_columns, checked_energies
 from lagrangian_ff.effects.inputs import SIGN_SPEED
+from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
 
@@ -60,6 +61,16 @@ class Basis:
     def of_joints(self, joints: tuple[int, ...]) -> "Basis":
         """The terms that act on these joints."""
         return Basis(tuple(term for term in self.terms if term.joint in joints))
+
+    def conservative(self, joints: int) -> "Basis":
+        """The terms that keep energy, of an arm of so many joints; see `Effect.energies`."""
+        still = np.zeros((1, joints))
+        x = Inputs.of(States(still, still, still))
+        return Basis(
+            tuple(
+                t for t in self.terms if checked_energies(t.effect, x, t.joint, t.shape) is not None
+            )
+        )
 
     def design(self, x: Inputs) -> Floats:
         """(M, N, B) Φ(x): the torque of each joint per unit of each parameter."""

@@ -10,13 +10,18 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.calibration import factors, groups
 from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit_basis
+from lagrangian_ff.identification.intervals import LEVEL
+from lagrangian_ff.identification.mass_matrix import mass_record
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.identification.positive import Solution, keep_positive
 from lagrangian_ff.identification.records import effect_records, hyperparameter_record
 from lagrangian_ff.identification.score import Score
 from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
@@ -25,6 +30,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
+POSITIVE_STATES = 1000
+"""States along the motion at which the mass matrix is kept positive."""
 INTERVAL_BLOCK_SECONDS = 1.0
 """Samples closer than this are not counted as independent when intervals are made."""
 
@@ -72,15 +79,45 @@ class Identification:
     fitted: Fit = field(repr=False)
 
 
-def folds(blueprint: Blueprint) -> Ints:
-    """(C,) the fold each sample the kernel is built on is left out with."""
-    settings = blueprint.settings
+def blueprint_of(model: Model) -> Blueprint:
+    """What a model was made from."""
+    settings = model.record.get("settings")
+    known = Settings(**settings) if isinstance(settings, dict) else Settings()
+    return Blueprint(
+        name=model.name,
+        choice=Choice(model.kernel, model.noise, {}),
+        scaling=Scaling(model.unit, model.noise_share),
+        basis=model.basis,
+        data=model.data,
+        trained=model.trained,
+        index=model.index,
+        settings=known,
+    )
+
+
+def blocks(blueprint: Blueprint) -> Ints:
+    """(C,) the block of time each sample the kernel is built on lies in, counted from 0."""
     training = blueprint.data.take(blueprint.trained)
     block = np.full(len(blueprint.data), -1)
-    block[blueprint.trained] = training.blocks(settings.block_seconds)
-    return np.asarray(
-        np.unique(block[blueprint.index], return_inverse=True)[1] % settings.folds, dtype=np.int64
-    )
+    block[blueprint.trained] = training.blocks(blueprint.settings.block_seconds)
+    return np.asarray(np.unique(block[blueprint.index], return_inverse=True)[1], dtype=np.int64)
+
+
+def folds(blueprint: Blueprint) -> Ints:
+    """(C,) the fold each sample the kernel is built on is left out with."""
+    return blocks(blueprint) % blueprint.settings.folds
+
+
+def calibrated(blueprint: Blueprint, fitted: Fit) -> Floats:
+    """(N,) what the deviations of a fit are to be multiplied with; see `calibration`."""
+    one_by_one = groups(blocks(blueprint))
+    residual, _ = fitted.left_out(one_by_one)
+    return factors(residual, fitted.left_out_deviation(one_by_one), independent(blueprint))
+
+
+def independent(blueprint: Blueprint) -> int:
+    """How many samples the kernel is built on are counted as independent."""
+    return len(np.unique(blueprint.data.blocks(INTERVAL_BLOCK_SECONDS)[blueprint.index]))
 
 
 def build(
@@ -100,7 +137,8 @@ def build(
         progress: told the share done.
 
     Raises:
-        ModelError: the chosen noise is too small for the arithmetic.
+        ModelError: the chosen noise is too small for the arithmetic, or the mass matrix cannot be
+            kept positive.
     """
     began = time.monotonic()
     data, index, settings = blueprint.data, blueprint.index, blueprint.settings
@@ -114,18 +152,24 @@ def build(
             f"the Gram matrix of {len(index)} samples has no Cholesky factor ({error}): "
             "the chosen noise is too small for it; use fewer samples or --selection validation"
         ) from error
-    fold = folds(blueprint)
-    residual, _ = fitted.left_out([np.flatnonzero(fold == n) for n in np.unique(fold)])
+    solution = Solution(fitted.states, fitted.weights, fitted.coefficients)
+    if settings.positive:
+        seen = np.flatnonzero(blueprint.trained)
+        along = data.take(seen[evenly(len(seen), POSITIVE_STATES)])
+        at = States.of(along.q, along.qd, along.qdd)
+        solution = keep_positive(fitted, at, progress)
+    residual, _ = fitted.left_out(groups(folds(blueprint)))
     predicted_left_out = thinned.tau - residual
+    factor = calibrated(blueprint, fitted)
     training = data.take(blueprint.trained)
     model = Model(
         joints=data.joints,
         name=blueprint.name,
         kernel=fitted.choice.kernel,
         basis=fitted.basis,
-        centres=fitted.states,
-        weights=fitted.weights,
-        coefficients=fitted.coefficients,
+        centres=solution.centres,
+        weights=solution.weights,
+        coefficients=solution.coefficients,
         unit=fitted.scaling.unit,
         range=MotionRange.of(States.of(training.q, training.qd, training.qdd), training.tau),
         record={},
@@ -160,7 +204,12 @@ def build(
         "held_out_seconds": seconds(held_out),
         "hyperparameters": hyperparameter_record(blueprint.choice, blueprint.basis, len(index)),
         "scale": "common" if np.ptp(scaling.unit) == 0.0 else "joint",
-        "effects": effect_records(fitted, data.joints, fine),
+        "effects": effect_records(fitted, solution.coefficients, data.joints, fine),
+        "mass_matrix": mass_record(model),
+        "uncertainty": {
+            "level": LEVEL,
+            "factor": dict(zip(data.joints, factor.tolist(), strict=True)),
+        },
         "log_evidence": float(fitted.log_evidence),
         "range": model.range.record(),
         "settings": asdict(settings),

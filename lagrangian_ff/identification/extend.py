@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.build import Blueprint, Identification, build, folds
-from lagrangian_ff.identification.fit import Choice, Scaling, fit_basis
+from lagrangian_ff.identification.build import Blueprint, Identification, blueprint_of, build, folds
+from lagrangian_ff.identification.fit import Choice, fit_basis
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.search import validation_score
-from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.shapes import best_shape, fall
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
 from lagrangian_ff.identification.training import TrainingSet, evenly
@@ -142,22 +141,6 @@ def require_new(model: Model, effect: Effect, joint: int) -> None:
             f"the model has {effect.name} on {model.joints[joint]} already "
             f"({model.name}); one is enough"
         )
-
-
-def blueprint_of(model: Model) -> Blueprint:
-    """What a model was made from."""
-    settings = model.record.get("settings")
-    known = Settings(**settings) if isinstance(settings, dict) else Settings()
-    return Blueprint(
-        name=model.name,
-        choice=Choice(model.kernel, model.noise, {}),
-        scaling=Scaling(model.unit, model.noise_share),
-        basis=model.basis,
-        data=model.data,
-        trained=model.trained,
-        index=model.index,
-        settings=known,
-    )
 
 
 def _with_noise(blueprint: Blueprint, inputs: Inputs) -> Choice:

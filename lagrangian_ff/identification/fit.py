@@ -149,6 +149,45 @@ class Fit:
                 changed[number, places] += left.change
         return residual * self.scaling.unit, changed
 
+    def left_out_deviation(self, groups: Sequence[Ints]) -> Floats:
+        """What the model itself expects of the residuals of `left_out`.
+
+        Args:
+            groups: see `left_out`.
+
+        Returns:
+            (M, N) standard deviations in N·m, NaN where a sample is in no group.
+        """
+        found = np.full(self.states.q.shape, np.nan)
+        for joints, _, system in self.systems:
+            width, columns = len(joints), np.array(joints)
+            rows = [(g[:, None] * width + np.arange(width)).ravel() for g in groups]
+            for group, left in zip(groups, system.left_out(rows), strict=True):
+                deviation = np.sqrt(system.amplitude * left.variance)
+                found[np.ix_(group, columns)] = deviation.reshape(-1, width)
+        return found * self.scaling.unit
+
+    def variance(self, x: Inputs) -> "Variance":
+        """How sure the model is of the torques of M states; see `Variance`."""
+        states = States(x.q, x.qd, x.qdd)
+        kernel, unit = self.choice.kernel, self.scaling.unit
+        prior = kernel.variance(states)
+        known, basis_part, scale = np.empty((3, *x.q.shape))
+        for joints, basis, system in self.systems:
+            rows = list(joints)
+            if isinstance(kernel, CoupledKernel):
+                cross = kernel.cross(states, self.states)
+            else:
+                assert isinstance(kernel, IndependentKernel)
+                cross = kernel.cross(states, self.states, joints[0])
+            design = basis.design(x)[:, rows, :] / unit[rows][None, :, None]
+            found = system.variance(cross.T, design.reshape(len(x) * len(rows), -1))
+            known[:, rows], basis_part[:, rows] = (part.reshape(len(x), -1) for part in found)
+            scale[:, rows] = system.amplitude * unit[rows] ** 2
+        noise = self.choice.noise * self.scaling.noise**2
+        left = np.maximum(prior - known, 0.0)
+        return Variance(prior * scale, left * scale, basis_part * scale, noise * scale)
+
     def _gather(self, values: list[Floats]) -> Floats:
         out = np.empty(self.basis.size)
         for (_, basis, _), value in zip(self.systems, values, strict=True):
@@ -159,6 +198,28 @@ class Fit:
         wanted = {id(term) for term in basis.terms}
         places = [np.arange(p.start, p.stop) for t, p in self.basis.slices() if id(t) in wanted]
         return np.concatenate(places) if places else np.empty(0, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Variance:
+    """The variance of torques, in parts; every array is (M, N) in (N·m)².
+
+    Attributes:
+        prior: of the kernel before any data.
+        kernel: what the data leave of it.
+        basis: of the effects' parameters, as far as the kernel does not make up for them.
+        noise: of a measurement.
+    """
+
+    prior: Floats
+    kernel: Floats
+    basis: Floats
+    noise: Floats
+
+    @property
+    def whole(self) -> Floats:
+        """Of a torque that would be measured."""
+        return self.kernel + self.basis + self.noise
 
 
 def fit(spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Scaling) -> Fit:

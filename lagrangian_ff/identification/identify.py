@@ -18,7 +18,7 @@ from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.spec import Spec, parse
 from lagrangian_ff.identification.training import TrainingSet, evenly
-from lagrangian_ff.kernels import CoupledKernel, States
+from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
@@ -52,6 +52,8 @@ def identify(
     motions = [kept(m) for m in ([motion] if isinstance(motion, Motion) else motion)]
     data = concatenate(motions)
     _require_joints(spec, data)
+    if settings.positive:
+        _require_lagrangian(spec)
     trained = _trained(motions, settings)
     available = np.flatnonzero(trained)
     index = available[evenly(len(available), settings.samples)]
@@ -104,6 +106,15 @@ def _require_joints(spec: Spec, data: Motion) -> None:
             )
 
 
+def _require_lagrangian(spec: Spec) -> None:
+    if not issubclass(spec.kernel, LagrangianKernel):
+        raise ModelError(
+            f"model '{spec.text}': the joints of {spec.kernel.name} are learned apart and share no "
+            "mass matrix that could be kept positive; use auto+fri, chain+fri, energy+fri or "
+            "vrbfs+fri"
+        )
+
+
 def _trained(motions: Sequence[Motion], settings: Settings) -> Bools:
     """Which samples are learned from: the first share of every recording.
 
@@ -127,4 +138,6 @@ def _scalings(spec: Spec, settings: Settings, tau: Floats) -> list[Scaling]:
     per_joint, common = Scaling.of(tau, True), Scaling.of(tau, False)
     if not issubclass(spec.kernel, CoupledKernel):
         return [per_joint]
+    if settings.positive:
+        return [common]
     return {"auto": [common, per_joint], "joint": [per_joint], "common": [common]}[settings.scale]

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,10 @@ from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.kernels import Kernel, Learned, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification.dynamics import Dynamics
+    from lagrangian_ff.identification.uncertainty import Uncertainty
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -59,7 +64,7 @@ class Model:
         name: kernel and effects, e.g. `vrbfs+fri`.
         kernel: the Lagrangian part's kernel with its hyperparameters.
         basis: the effects and their shapes.
-        centres: (C, N) the training states.
+        centres: (C, N) the training states, and those where the mass matrix is held positive.
         weights: (C, N) a of (45), in units of `unit`.
         coefficients: (B,) b of (45), in physical units.
         unit: (N,) N·m that count as one.
@@ -67,7 +72,7 @@ class Model:
         record: what identification found, as JSON holds it.
         data: the motion learned from and that held out, at 100 Hz, so that it can be refitted.
         trained: (K,) which samples of it were learned from.
-        index: (C,) which of them are the centres.
+        index: which of them are the first of the centres.
         noise: (N,) variance of the noise in the kernel's units.
         noise_share: (N,) relative standard deviation of the noise between joints.
         steps: the model's history: how it was identified and what was added, as JSON holds it.
@@ -90,9 +95,30 @@ class Model:
     noise_share: Floats
     steps: tuple[Mapping[str, object], ...] = ()
 
+    @cached_property
+    def dynamics(self) -> "Dynamics":
+        """Mass matrix, energies, forward dynamics.
+
+        Raises:
+            ModelError: the joints share no Lagrangian; says why and what to do.
+        """
+        from lagrangian_ff.identification.dynamics import Dynamics
+
+        return Dynamics(self)
+
+    @cached_property
+    def uncertainty(self) -> "Uncertainty":
+        """How sure it is of a torque: variance, intervals, what the data say nothing about.
+
+        The first use solves the model's system again from the data that it keeps.
+        """
+        from lagrangian_ff.identification.uncertainty import Uncertainty
+
+        return Uncertainty.of(self)
+
     @property
     def training_tau(self) -> Floats:
-        """(C, N) N·m measured at the centres."""
+        """N·m measured at the training states, in the order of `index`."""
         return np.asarray(self.data.tau[self.index])
 
     def inputs_of_data(self) -> Inputs:
@@ -150,11 +176,11 @@ class Model:
         Raises:
             ModelError: the arrays are not of this model's joints.
         """
-        x = self._states(q, qd, qdd)
+        x = self.states(q, qd, qdd)
         load = np.empty_like(x.q)
         for first in range(0, len(x), CHUNK_SAMPLES):
             part = slice(first, first + CHUNK_SAMPLES)
-            load[part] = self._lagrangian(x.take(part))
+            load[part] = self.lagrangian_torque(x.take(part))
             progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
         load += self.basis.constant(len(self.joints), self.coefficients)
         speed = self.basis.sign_speed(len(self.joints))
@@ -174,9 +200,9 @@ class Model:
         Raises:
             ModelError: the arrays are not of this model's joints.
         """
-        x = self._states(q, qd, qdd)
-        gravity = self._lagrangian(x.at_rest())
-        inertia = self._lagrangian(x.without_velocity()) - gravity
+        x = self.states(q, qd, qdd)
+        gravity = self.lagrangian_torque(x.at_rest())
+        inertia = self.lagrangian_torque(x.without_velocity()) - gravity
         inputs = self.inputs(q, qd, qdd, time=time, segment=segment)
         constant = self.basis.constant(len(self.joints), self.coefficients)
         coriolis = inputs.load - constant - gravity - inertia
@@ -192,10 +218,16 @@ class Model:
         """The rigid-body part, in units of `unit`."""
         return self.kernel.learned(self.centres, self.weights)
 
-    def _lagrangian(self, x: States) -> Floats:
+    def lagrangian_torque(self, x: States) -> Floats:
+        """(M, N) N·m of the kernel alone, no effect counted."""
         return self.learned.torque(x) * self.unit
 
-    def _states(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> States:
+    def states(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> States:
+        """States of the model's joints from any arrays of one shape, (M, N) or one state (N,).
+
+        Raises:
+            ModelError: the shapes differ, or are not of this model's joints.
+        """
         x = States.of(q, qd, qdd)
         if x.joints != len(self.joints):
             raise ModelError(

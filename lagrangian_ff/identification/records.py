@@ -31,9 +31,11 @@ def hyperparameter_record(choice: Choice, basis: Basis, samples: int) -> dict[st
     return {**kernel, "gamma": plain(gamma), **shapes}
 
 
-def effect_records(fitted: Fit, joints: tuple[str, ...], block: Ints) -> list[dict[str, object]]:
-    low, high = intervals(fitted, block)
-    value = fitted.coefficients
+def effect_records(
+    fitted: Fit, value: Floats, joints: tuple[str, ...], block: Ints
+) -> list[dict[str, object]]:
+    """The effects with their parameters (B,), which a constraint may have moved, and intervals."""
+    low, high = (end + value - fitted.coefficients for end in intervals(fitted, block))
     found: list[dict[str, object]] = []
     for term, place in fitted.basis.slices():
         parameters = {

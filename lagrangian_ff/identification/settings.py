@@ -28,6 +28,8 @@ class Settings:
             `auto` tries both and keeps the better one.
         evaluations: how many settings of hyperparameters are tried; a climb of the evidence takes
             steps in proportion.
+        positive: whether the mass matrix is kept positive definite along the training motion; the
+            joints then have one unit of torque, and one Lagrangian.
     """
 
     model: str = "auto+fri"
@@ -38,6 +40,7 @@ class Settings:
     selection: str = "validation"
     scale: str = "auto"
     evaluations: int = 90
+    positive: bool = False
 
     def check(self) -> None:
         """Refuse settings that cannot work.
@@ -55,3 +58,8 @@ class Settings:
             raise ModelError(f"folds is {self.folds}, expected at least 2")
         if self.scale not in SCALES:
             raise ModelError(f"scale is '{self.scale}', expected {', '.join(SCALES)}")
+        if self.positive and self.scale == "joint":
+            raise ModelError(
+                "scale is 'joint', expected common or auto with positive: joints whose torques are "
+                "in units of their own share no mass matrix"
+            )

@@ -18,12 +18,15 @@ from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.motion import Motion
 
 FORMAT = "lagrangian_ff model"
-VERSION = 2
+VERSION = 3
+"""The newest; only a model with `MORE` needs it, all others are written as version 2."""
 ARRAYS = {
     "q": 2, "qd": 2, "qdd": 2, "tau": 2, "time": 1, "segment": 1, "trained": 1, "index": 1,
     "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
+MORE = {"more_q": 2, "more_qd": 2, "more_qdd": 2}
+"""Centres that are no samples of the data; absent where there are none."""
 
 
 def save(model: Model, path: Path) -> None:
@@ -34,7 +37,7 @@ def save(model: Model, path: Path) -> None:
     """
     header = {
         "format": FORMAT,
-        "version": VERSION,
+        "version": VERSION if len(model.centres) > len(model.index) else 2,
         "joints": list(model.joints),
         "units": {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "tau": "N·m", "time": "s"},
         "name": model.name,
@@ -66,6 +69,9 @@ def save(model: Model, path: Path) -> None:
         "noise": model.noise,
         "noise_share": model.noise_share,
     }
+    if len(model.centres) > len(model.index):
+        more = model.centres.take(slice(len(model.index), None))
+        arrays |= {"more_q": more.q, "more_qd": more.qd, "more_qdd": more.qdd}
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
@@ -126,7 +132,10 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
     joints = tuple(str(name) for name in header["joints"])
-    for name, dimensions in ARRAYS.items():
+    held = dict(ARRAYS)
+    if header["version"] > 2:
+        held |= MORE
+    for name, dimensions in held.items():
         found = arrays[name]
         if found.ndim != dimensions or found.dtype.kind not in "fi":
             raise ValueError(f"array {name} has shape {found.shape} and type {found.dtype}")
@@ -139,7 +148,11 @@ def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
         if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
             raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
     index = arrays["index"].astype(np.int64)
-    if arrays["q"].shape[1] != len(joints) or arrays["weights"].shape != (len(index), len(joints)):
+    more = [arrays.get(name, np.empty((0, len(joints)))) for name in MORE]
+    if len({one.shape for one in more}) != 1:
+        raise ValueError(f"arrays {', '.join(MORE)} have shapes {[one.shape for one in more]}")
+    centred = len(index) + len(more[0])
+    if arrays["q"].shape[1] != len(joints) or arrays["weights"].shape != (centred, len(joints)):
         raise ValueError(f"arrays of {arrays['q'].shape[1]} joints for {len(joints)} names")
     data = Motion(
         joints=joints,
@@ -151,7 +164,8 @@ def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
     )
     if len(index) and not (index.min() >= 0 and index.max() < len(data)):
         raise ValueError("the centres lie outside the data")
-    centres = States.of(data.q[index], data.qd[index], data.qdd[index])
+    seen = data.q[index], data.qd[index], data.qdd[index]
+    centres = States.of(*(np.vstack(both) for both in zip(seen, more, strict=True)))
     values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
     basis = Basis(
         tuple(

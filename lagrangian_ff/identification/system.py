@@ -15,7 +15,7 @@ without refitting.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -168,7 +168,24 @@ class System:
             half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
             projected = half @ half.T - white[rows] @ covariance @ white[rows].T
             residual = np.asarray(np.linalg.solve(projected, self.weights[rows]), dtype=np.float64)
-            yield LeftOut(rows, residual, np.asarray(-covariance @ (white[rows].T @ residual)))
+            change = np.asarray(-covariance @ (white[rows].T @ residual))
+            yield LeftOut(rows, residual, change, projected)
+
+    def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
+        """How much of a torque's variance is explained by those of the system, over s².
+
+        Args:
+            cross: (n, R) kernel between the system's rows and R torques.
+            design: (R, B) the basis there.
+
+        Returns:
+            (R,) what the prior variance of the kernel falls by, and (R,) what the uncertainty of
+            the basis adds.
+        """
+        white = solve_triangular(self.upper, cross, trans=1, check_finite=False)
+        left = design - white.T @ self.white_design
+        added = np.sum((left @ self.covariance) * left, axis=1)
+        return np.asarray(np.sum(white**2, axis=0)), np.asarray(added)
 
     def weights_without(self, left: "Sequence[LeftOut]") -> Floats:
         """(n, G) the weights of the fits that did not see a group, one column for each of G.
@@ -192,8 +209,20 @@ class LeftOut:
         rows: (R,) which.
         residual: (R,) their torque minus the prediction of a fit to all other rows.
         change: (B,) how far the basis coefficients move when these rows are left out.
+        projected: (R, R) P_ff, whose inverse is the residual's covariance over s².
     """
 
     rows: Ints
     residual: Floats
     change: Floats
+    projected: Floats = field(repr=False)
+
+    @property
+    def variance(self) -> Floats:
+        """(R,) of the residual, over s²; infinite where the other rows leave the basis open."""
+        try:
+            half = np.linalg.cholesky(self.projected)
+        except np.linalg.LinAlgError:
+            return np.full(len(self.rows), np.inf)
+        inverse = solve_triangular(half, np.eye(len(half)), lower=True, check_finite=False)
+        return np.asarray(np.sum(inverse**2, axis=0))

@@ -7,6 +7,7 @@ from lagrangian_ff.kernels.base import (
     Hyperparameter,
     IndependentKernel,
     Kernel,
+    LagrangianKernel,
     Learned,
 )
 from lagrangian_ff.kernels.finite import Motor, Nothing, Pol
@@ -31,6 +32,7 @@ __all__ = [
     "Hyperparameter",
     "IndependentKernel",
     "Kernel",
+    "LagrangianKernel",
     "Learned",
     "States",
 ]

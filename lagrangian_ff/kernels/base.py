@@ -108,6 +108,25 @@ class CoupledKernel(Kernel):
         """(M_x N, M_u N) kernel between two sets of states, sample major."""
 
 
+class LagrangianKernel(CoupledKernel):
+    """A coupled kernel whose torques derive from one Lagrangian, which it can tell.
+
+    A torque tells its Lagrangian up to a constant and a total time derivative; what comes out is
+    the member of least norm.
+    """
+
+    quadratic: ClassVar[bool]
+    """Whether kinetic energy is quadratic in velocity, so that the mass matrix is that of q."""
+
+    @abstractmethod
+    def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
+        """(M,) L(q, qd) = Σ_j T_u k_L(x_i, u_j)·a_j for coefficients a (M_u, N), eq. (31)."""
+
+    @abstractmethod
+    def momentum(self, x: States, u: States, a: Floats) -> Floats:
+        """(M, N) its derivative ∂L/∂qd."""
+
+
 class DifferentiableKernel(CoupledKernel):
     """A coupled kernel whose derivatives by its hyperparameters are known."""
 

@@ -136,6 +136,26 @@ def lagrangian_rows(x, u, angle, alpha, w, out):  # type: ignore[no-untyped-def]
 
 
 @njit(**_OPTIONS)
+def tell_lagrangian(x, u, angle, alpha, w, a, value, momentum):  # type: ignore[no-untyped-def]
+    """Write L = Σ_j Σ_m T_m,u k(x_i, u_j) a_jm to value[i], and ∂L/∂qd to momentum[i]."""
+    joints = w.shape[0]
+    e, p, r = np.empty(joints), np.empty(joints), np.empty(joints)
+    for i in range(x[0].shape[0]):
+        value[i] = 0.0
+        momentum[i, :] = 0.0
+        for j in range(u[0].shape[0]):
+            k, _, cu, _ = _geometry(i, j, x, u, angle, alpha, w, e, p, r)
+            ba = 0.0
+            ea = 0.0
+            for m in range(joints):
+                ba += (cu * e[m] - w[m] * u[2][j, m] - p[m]) * a[j, m]
+                ea += e[m] * a[j, m]
+            value[i] += k * ba
+            for n in range(joints):
+                momentum[i, n] += k * (w[n] * (u[2][j, n] * ea + cu * a[j, n]) - e[n] * ba)
+
+
+@njit(**_OPTIONS)
 def cross_diagonal(x, u, angle, alpha, w, joint, out):  # type: ignore[no-untyped-def]
     """Write the scalar kernel K_nn(x_i, u_j) of one joint n to out[i, j]."""
     joints = w.shape[0]

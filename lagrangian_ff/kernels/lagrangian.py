@@ -17,6 +17,7 @@ from lagrangian_ff.kernels.base import (
     Hyperparameter,
     IndependentKernel,
     Kernel,
+    LagrangianKernel,
     Learned,
     largest,
     of_joint,
@@ -71,10 +72,11 @@ class _Universal(Kernel):
         return np.full(joints, self.angles), np.full(joints, alpha), np.full(joints, w)
 
 
-class _Vector(_Universal, CompiledKernel):
+class _Vector(_Universal, CompiledKernel, LagrangianKernel):
     """The vector-valued Lagrangian kernel (22)."""
 
     loops: ClassVar[Any] = fused
+    quadratic: ClassVar[bool] = False
 
     def learned(self, u: States, a: Floats) -> Learned:
         """See `Kernel.learned`; no block is formed."""
@@ -85,6 +87,20 @@ class _Vector(_Universal, CompiledKernel):
         out = np.empty((len(x), len(u), x.joints))
         fused.lagrangian_rows(prepared(x), prepared(u), *self._weights(x.joints), out)
         return out
+
+    def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.lagrangian`."""
+        return self._told(x, u, a)[0]
+
+    def momentum(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.momentum`."""
+        return self._told(x, u, a)[1]
+
+    def _told(self, x: States, u: States, a: Floats) -> tuple[Floats, Floats]:
+        value, momentum = np.empty(len(x)), np.empty((len(x), x.joints))
+        weights, coefficients = self._weights(x.joints), np.ascontiguousarray(a)
+        fused.tell_lagrangian(prepared(x), prepared(u), *weights, coefficients, value, momentum)
+        return value, momentum
 
 
 class _Scalar(_Universal, IndependentKernel):

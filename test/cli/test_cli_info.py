@@ -56,7 +56,8 @@ def test_a_model(tmp_path: Path) -> None:
     assert outcome.code == 0, outcome
     for words in (
         "model chain+fri of shoulder, elbow", "model.csv", "in words", "τ = ", "inertia",
-        "weight of the joints' motion", "torque scale", "the motion it was identified on", "speed [rad/s]",
+        "weight of the joints' motion", "torque scale", "the mass matrix is positive definite",
+        "the motion it was identified on", "speed [rad/s]",
     ):  # fmt: skip
         assert words in outcome.text
     record = json.loads(lagrangian_ff("info", path, "--json", "-").out)

@@ -1,14 +1,26 @@
 """What every effect of the shared list must be."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from effect_examples import JOINTS, motion, shape_of, shapes_of
+from numpy.typing import NDArray
 
-from lagrangian_ff.effects import EFFECTS, GROUPS, KINDS, MOTIONS, Effect, Inputs, checked_columns
+from lagrangian_ff.effects import (
+    EFFECTS,
+    GROUPS,
+    KINDS,
+    MOTIONS,
+    Effect,
+    Inputs,
+    checked_columns,
+    checked_energies,
+)
+from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import States
 
 COORDINATES = {
@@ -124,6 +136,64 @@ def test_it_knows_whether_it_remembers(effect: Effect, moving: Inputs) -> None:
     shape = shapes_of(effect, moving, 1)[-1]
     same = np.array_equal(effect.columns(alone, 1, shape), effect.columns(moving, 1, shape))
     assert same != effect.remembers
+
+
+def test_what_keeps_energy_takes_power_as_its_energy_rises(effect: Effect, moving: Inputs) -> None:
+    for shape in shapes_of(effect, moving, 1):
+        found = effect.energies(moving, 1, shape)
+        if found is None:
+            continue
+        assert not effect.remembers
+        assert not effect.uses
+        kinetic, potential = found
+        assert kinetic.shape == potential.shape == (len(moving), len(effect.parameters))
+        h = 1e-5
+        later, earlier = (
+            energy(
+                effect,
+                replace(moving, q=moving.q + t * moving.qd, qd=moving.qd + t * moving.qdd),
+                shape,
+            )
+            for t in (h, -h)
+        )
+        power = effect.columns(moving, 1, shape) * moving.qd[:, [1]]
+        rate = (later - earlier) / (2.0 * h)
+        np.testing.assert_allclose(power, rate, atol=1e-5 * np.abs(power).max())
+        # At rest only potential energy is left, and twice the speed has four times the other.
+        slow = effect.energies(replace(moving, qd=0.5 * moving.qd), 1, shape)
+        assert slow is not None
+        np.testing.assert_allclose(4.0 * slow[0], kinetic, atol=1e-12)
+        np.testing.assert_array_equal(slow[1], potential)
+
+
+def energy(effect: Effect, x: Inputs, shape: dict[str, float]) -> NDArray[np.float64]:
+    """Kinetic and potential energy together, of the second joint."""
+    found = effect.energies(x, 1, shape)
+    assert found is not None
+    return found[0] + found[1]
+
+
+def test_energies_of_another_shape_are_refused(moving: Inputs) -> None:
+    class Lopsided(type(EFFECTS["spring"])):  # type: ignore[misc]
+        name = "lopsided"
+
+        def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Any, ...]:
+            return x.q[:, joint], x.q[:, [joint]]
+
+    with pytest.raises(
+        EffectError, match=r"'lopsided': energies\(\) gave shapes.*expected kinetic and potential"
+    ):
+        checked_energies(Lopsided(), moving, 0, {})
+
+
+def test_friction_keeps_no_energy(moving: Inputs) -> None:
+    kept = {
+        name
+        for name, effect in EFFECTS.items()
+        if effect.energies(moving, 0, shape_of(effect)) is not None
+    }
+    assert kept == {"rotor_inertia", "spring", "counterbalance", "ripple"}
+    assert not any(EFFECTS[name].kind == "friction" for name in kept)
 
 
 def test_groups_are_made_of_effects() -> None:

@@ -1,5 +1,6 @@
 """What every kernel of the shared list must be, whatever it models."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +10,20 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels import KERNELS, CoupledKernel, IndependentKernel, Kernel, States
+from lagrangian_ff.kernels import (
+    KERNELS,
+    CoupledKernel,
+    IndependentKernel,
+    Kernel,
+    LagrangianKernel,
+    States,
+)
 
 Floats = NDArray[np.float64]
 
 EVERY = sorted(KERNELS)
 COUPLED = [name for name in EVERY if issubclass(KERNELS[name], CoupledKernel)]
+LAGRANGIAN = [name for name in EVERY if issubclass(KERNELS[name], LagrangianKernel)]
 INDEPENDENT = [name for name in EVERY if issubclass(KERNELS[name], IndependentKernel)]
 
 
@@ -101,6 +110,40 @@ def test_says_what_it_is(case: Case) -> None:
     named = {h.name for h in case.kernel.searched}
     assert named <= set(case.kernel.hyperparameters)
     assert all(h.low < 1.0 < h.high for h in case.kernel.searched)
+
+
+@pytest.mark.parametrize("name", LAGRANGIAN)
+def test_torques_are_those_of_the_lagrangian_it_tells(name: str) -> None:
+    """Eq. (31) under the Euler-Lagrange operator, derivatives taken by differences."""
+    x, u = random_states(4, 3, 6), random_states(40, 3, 7)
+    a = np.random.default_rng(8).normal(size=(40, 3))
+    kernel = KERNELS[name].start(u)
+    rng = np.random.default_rng(9)
+    for wave in {"wave", "swing"} & set(kernel.hyperparameters):
+        kernel = kernel.replace(**{wave: rng.uniform(0.3, 2.0, 3)})
+    assert isinstance(kernel, LagrangianKernel)
+
+    def moved(step: float, q: Floats, qd: Floats) -> States:
+        return States.of(x.q + step * q, x.qd + step * qd, 0.0 * x.q)
+
+    def slope(told: Callable[[States, States, Floats], Floats], q: Floats, qd: Floats) -> Floats:
+        h = 1e-3
+        one, two = (
+            told(moved(k * h, q, qd), u, a) - told(moved(-k * h, q, qd), u, a) for k in (1, 2)
+        )
+        return np.asarray((8.0 * one - two) / (12.0 * h))
+
+    still = np.zeros((4, 3))
+    each = [still + along for along in np.eye(3)]
+    momentum = np.stack([slope(kernel.lagrangian, still, along) for along in each], axis=1)
+    scale = np.abs(momentum).max()
+    np.testing.assert_allclose(kernel.momentum(x, u, a), momentum, atol=1e-8 * scale)
+    force = np.stack([slope(kernel.lagrangian, along, still) for along in each], axis=1)
+    torque = slope(kernel.momentum, x.qd, x.qdd) - force
+    np.testing.assert_allclose(kernel.apply(x, u, a), torque, atol=1e-8 * np.abs(torque).max())
+    assert kernel.quadratic == np.allclose(
+        kernel.momentum(moved(1.0, still, x.qd), u, a), 2.0 * kernel.momentum(x, u, a)
+    )
 
 
 @pytest.mark.parametrize("name", INDEPENDENT)

@@ -126,6 +126,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="joint: each torque counts by its own spread; common: one unit for all, so that the "
         "torques derive from one Lagrangian; auto: whichever does better (default: auto)",
     )
+    group.add_argument(
+        "--positive",
+        action="store_true",
+        help="keep the mass matrix positive definite along the training motion, for simulation and "
+        "control with it; the joints then have one torque scale",
+    )
     add_conditioning(parser)
     add_effects_file(parser)
     add_json(parser)
@@ -160,7 +166,9 @@ def _settings(arguments: Namespace) -> "Settings":
     from lagrangian_ff.identification import Settings
     from lagrangian_ff.identification.spec import parse
 
-    options = ("model", "train", "samples", "block_seconds", "folds", "selection", "scale")
+    options = (
+        "model", "train", "samples", "block_seconds", "folds", "selection", "scale", "positive",
+    )  # fmt: skip
     given = {name: getattr(arguments, name) for name in options}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})
     settings.check()

@@ -24,7 +24,7 @@ SCALES = {
 
 
 def say_record(record: Mapping[str, Any], console: Console) -> None:
-    """The error table, the effects and the hyperparameters of an identification."""
+    """The error table, effects, hyperparameters and mass matrix of an identification."""
     missing = [name for name in NEEDED if name not in record]
     if missing:
         console.note(f"the model does not tell its {', '.join(missing)}")
@@ -47,6 +47,9 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
     console.say(hyperparameter_table(record))
     if record.get("scale") in SCALES:
         console.paragraph(f"torque scale {record['scale']}: {SCALES[record['scale']]}", "  ")
+    mass = record.get("mass_matrix", {})
+    if mass.get("defined"):
+        console.paragraph(mass["words"], "  ")
 
 
 def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:

@@ -12,6 +12,7 @@ from lagrangian_ff.kernels.base import (
     Contracted,
     DifferentiableKernel,
     Hyperparameter,
+    LagrangianKernel,
     Learned,
     largest,
 )
@@ -33,7 +34,7 @@ TILE_ENTRIES = 100_000
 
 
 @dataclass(frozen=True)
-class Structured(DifferentiableKernel):
+class Structured(DifferentiableKernel, LagrangianKernel):
     """A kinetic part quadratic in velocity, a potential part, and rotors.
 
     Attributes:
@@ -54,6 +55,7 @@ class Structured(DifferentiableKernel):
     rotor: Floats
     prismatic: Floats
 
+    quadratic: ClassVar[bool] = True
     form: ClassVar[int]
     serial: ClassVar[bool]
     searched: ClassVar[tuple[Hyperparameter, ...]] = (
@@ -115,6 +117,17 @@ class Structured(DifferentiableKernel):
         out = np.empty((len(x), x.joints, 1, x.joints))
         self._write(prepared(x), prepared(x), (0, len(x)), lanes.DIAGONAL, out)
         return np.ascontiguousarray(np.einsum("nmjm->nm", out))
+
+    def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.lagrangian`: kinetic energy ½ qd·p, and the potential part."""
+        out, weights = np.empty(len(x)), np.ascontiguousarray(a)
+        lanes.write_potential(prepared(x), prepared(u), self._numbers(), weights, out)
+        return out + 0.5 * np.sum(x.qd * self.momentum(x, u, a), axis=1)
+
+    def momentum(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.momentum`: M(q) qd is what qdd = qd adds to the torque at rest."""
+        moved = States(x.q, np.zeros_like(x.q), x.qd)
+        return self.apply(moved, u, a) - self.apply(x.at_rest(), u, a)
 
     def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, Contracted]:
         """See `DifferentiableKernel.contract`.

@@ -9,7 +9,7 @@ from numba import njit
 from lagrangian_ff.kernels.structured import product, serial
 from lagrangian_ff.kernels.structured.factors import factor, move
 from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
-from lagrangian_ff.kernels.structured.potential import add_potential
+from lagrangian_ff.kernels.structured.potential import add_potential, slope_along
 
 ALL, LOWER, DIAGONAL = 0, 1, 2
 """Which pairs: each with each, each with those up to itself, or each with itself."""
@@ -97,3 +97,33 @@ def write_blocks(x, u, rows, base, pairs, numbers, parts, nudge, out):  # type: 
                 for z in range(count):
                     for m in range(joints):
                         out[i - base, n, first - begin + z, m] = block[n, m, z]
+
+
+@njit(**OPTIONS)
+def write_potential(x, u, numbers, a, out):  # type: ignore[no-untyped-def]
+    """Write Σ_j Σ_m T_m,u of the potential part (x_i, u_j) a_jm to out[i]: it is ∂/∂d there.
+
+    Args:
+        x, u: states as `compiled.prepared` gives them.
+        numbers: see `write_blocks`.
+        a: (J, N).  out: (I,).
+    """
+    form, potential, swing = numbers[1], numbers[4], numbers[6]
+    joints, count = a.shape[1], a.shape[0]
+    factors = np.empty((3, joints, LANES))
+    along = np.empty((joints, LANES))
+    work = np.empty((3, LANES))
+    lanes = np.empty(LANES, np.int64)
+    for i in range(x[0].shape[0]):
+        out[i] = 0.0
+        for first in range(0, count, LANES):
+            here = min(LANES, count - first)
+            for z in range(LANES):
+                lanes[z] = first + min(z, here - 1)
+            for n in range(joints):
+                factor(form[n], swing[n], x, i, u, lanes, n, factors)
+                for z in range(LANES):
+                    along[n, z] = a[lanes[z], n]
+            slope_along(factors, potential, along, work[0], work[1], work[2])
+            for z in range(here):
+                out[i] += work[2, z]

@@ -36,3 +36,22 @@ def add_potential(g, weight, tail, head, out):  # type: ignore[no-untyped-def]
                 head[1, z] *= g[0, m, z]
                 out[n, m, z] -= both
                 out[m, n, z] -= both
+
+
+@njit(**OPTIONS)
+def slope_along(g, weight, a, product, rate, out):  # type: ignore[no-untyped-def]
+    """Write the derivative of Σ_i λ_i Π_{l≤i} g_l(d_l) along a, as d moves, to out (L,).
+
+    Args:
+        g: (3, N, L) factors and their derivatives.  weight: (N,) λ.  a: (N, L).
+        product, rate: (L,) each, to work in.
+    """
+    for z in range(LANES):
+        product[z] = 1.0
+        rate[z] = 0.0
+        out[z] = 0.0
+    for n in range(weight.shape[0]):
+        for z in range(LANES):
+            rate[z] = rate[z] * g[0, n, z] + product[z] * g[1, n, z] * a[n, z]
+            product[z] *= g[0, n, z]
+            out[z] += weight[n] * rate[z]
