@@ -33,7 +33,11 @@ EXTRAS = {
         "ros-jazzy-rclpy[fastrtps] ==7.1.6",
         "ros-jazzy-common-interfaces ==5.3.6",
     ],
+    # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
+    # ros-jazzy-pinocchio.
+    "urdf": ["pin >=2.7, <5"],
     "test": [
+        "pin >=2.7, <5",
         "pytest >=7.4.4, <10",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",

@@ -6,12 +6,14 @@ is a candidate from the boundary on, and so is a second Lagrangian, which is wha
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
 from lagrangian_ff.diagnosis.ground import Ground, evidence_of, lay, sharpen, tune
-from lagrangian_ff.diagnosis.search.change import FINE, WORTH, joints_of
+from lagrangian_ff.diagnosis.ground.ground import Extra
+from lagrangian_ff.diagnosis.search.change import FELT, FINE, WORTH, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
 from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.effects.base import Floats
@@ -36,6 +38,8 @@ class Changed:
         p_value: of chance doing as well over all candidates; None where it was not drawn.
         parameters: by name its change, in the parameter's unit: (value, unit).
         size: N·m, root mean square of the torque it adds, on the first of the joints.
+        deviations: by name the standard deviation of a parameter, where it is known.
+        rivals: changes of a known robot's bodies that explain as much.
     """
 
     what: str
@@ -44,6 +48,8 @@ class Changed:
     p_value: float | None
     parameters: Mapping[str, tuple[float, str]]
     size: float
+    deviations: Mapping[str, float] = field(default_factory=dict)
+    rivals: tuple[str, ...] = ()
 
     def record(self) -> dict[str, object]:
         """For JSON."""
@@ -53,11 +59,19 @@ class Changed:
             "evidence_gain": self.gain,
             "p_value": self.p_value,
             "change": {
-                name: {"value": value, "unit": unit}
+                name: {"value": value, "unit": unit, **self._interval(name, value)}
                 for name, (value, unit) in self.parameters.items()
             },
             "size": self.size,
+            "rivals": list(self.rivals),
         }
+
+    def _interval(self, name: str, value: float) -> dict[str, float]:
+        """The ends of a parameter's 90 % interval; empty where its deviation is not known."""
+        if name not in self.deviations:
+            return {}
+        reach = 1.645 * self.deviations[name]
+        return {"low": value - reach, "high": value + reach}
 
 
 class _Later(Effect):
@@ -102,8 +116,12 @@ def changed_since(
     both = concatenate([model.data, new])
     ground = tune(both, model.inputs_of(both), model.basis, progress)
     found = []
+    named = changed_bodies(model, ground, boundary)
     heavier = _masses(ground, boundary)
-    if heavier is not None:
+    if named is not None and named.gain > WORTH:
+        found.append(_named(named, ground, model))
+        ground = _explained(heavier[0] if heavier else ground, named)
+    elif heavier is not None:
         ground, change = heavier
         felt, _ = joints_of(ground)
         found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
@@ -129,6 +147,30 @@ def changed_since(
                 )
             )
     return tuple(found)
+
+
+def _named(change: BodyChange, ground: Ground, model: Model) -> Changed:
+    """A change of a known robot's bodies as what changed."""
+    rms = np.sqrt(np.mean(change.torque**2, axis=0))
+    order = [int(n) for n in np.argsort(-rms / ground.spread)]
+    felt = [n for n in order if rms[n] > FELT * ground.spread[n]] or order[:1]
+    return Changed(
+        change.what,
+        tuple(model.joints[n] for n in felt),
+        change.gain,
+        None,
+        {name: (value, unit) for name, (value, _, unit) in change.parameters.items()},
+        float(rms[felt[0]]),
+        {name: deviation for name, (_, deviation, _) in change.parameters.items()},
+        change.rivals,
+    )
+
+
+def _explained(ground: Ground, change: BodyChange) -> Ground:
+    """The ground with the torque of a change explained away."""
+    extra = [Extra(n, change.torque[:, n : n + 1]) for n in range(ground.joints)]
+    args = ground.motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
+    return lay(*args, (*ground.extra, *extra), ground.seen)
 
 
 def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:

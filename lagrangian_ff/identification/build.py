@@ -215,10 +215,16 @@ def build(
         "settings": asdict(settings),
         "conditioning": dict(training.conditioning),
         "notes": list(training.notes),
+        **_known(blueprint),
         **facts,
     }
     object.__setattr__(model, "record", record)
     return Identification(model, record, thinned, held_out, predicted, fitted)
+
+
+def _known(blueprint: Blueprint) -> dict[str, object]:
+    mechanism = blueprint.choice.kernel.mechanism
+    return {"mechanism": mechanism.record()} if mechanism else {}
 
 
 def seconds(motion: Motion) -> float:

@@ -18,7 +18,7 @@ from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.spec import Spec, parse
 from lagrangian_ff.identification.training import TrainingSet, evenly
-from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, States
+from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, Mechanism, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
@@ -32,6 +32,7 @@ def identify(
     motion: Motion | Sequence[Motion],
     settings: Settings | None = None,
     progress: Progress = silent,
+    mechanism: Mechanism | None = None,
 ) -> Identification:
     """Identify the inverse dynamics of an arm from inputs and outputs alone.
 
@@ -39,6 +40,7 @@ def identify(
         motion: one conditioned recording, or several of the same joints.
         settings: see `Settings`.
         progress: told what is done.
+        mechanism: what is known of the arm before, as the bodies of a URDF; None is nothing.
 
     Raises:
         ModelError: a setting is out of range, the model's name unknown, or an effect stands at a
@@ -52,6 +54,9 @@ def identify(
     motions = [kept(m) for m in ([motion] if isinstance(motion, Motion) else motion)]
     data = concatenate(motions)
     _require_joints(spec, data)
+    if mechanism is not None:
+        mechanism = mechanism.of_joints(data.joints, data.source)
+        spec = spec.within(mechanism)
     if settings.positive:
         _require_lagrangian(spec)
     trained = _trained(motions, settings)
@@ -136,6 +141,13 @@ def _trained(motions: Sequence[Motion], settings: Settings) -> Bools:
 def _scalings(spec: Spec, settings: Settings, tau: Floats) -> list[Scaling]:
     """The normalisations to try; joints that are learned apart each have their own anyway."""
     per_joint, common = Scaling.of(tau, True), Scaling.of(tau, False)
+    if spec.kernel.mechanism is not None:
+        if settings.scale == "joint":
+            raise ModelError(
+                "scale is 'joint', but what is known of a mechanism is known of all joints in one "
+                "unit; use auto or common, and bring efforts to N·m with --effort-scale"
+            )
+        return [common]
     if not issubclass(spec.kernel, CoupledKernel):
         return [per_joint]
     if settings.positive:

@@ -14,6 +14,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.kernels import Kernel, Learned, States
+from lagrangian_ff.kernels.constrained import Linkage
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
@@ -243,12 +244,16 @@ class Model:
         storage.save(self, Path(path))
 
     @classmethod
-    def load(cls, path: "str | Path") -> "Model":
+    def load(cls, path: "str | Path", linkage: Linkage | None = None) -> "Model":
         """Read a model from a file; see `storage`.
+
+        Args:
+            path: of the file.
+            linkage: of a model whose loops are closed.
 
         Raises:
             ModelError: there is no such file, it is damaged, no model, or of a newer version.
         """
         from lagrangian_ff.identification import storage
 
-        return storage.load(Path(path))
+        return storage.load(Path(path), linkage)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from lagrangian_ff.effects import EFFECTS, GROUPS, Effect
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels import KERNELS, Kernel
+from lagrangian_ff.kernels import KERNELS, Kernel, Mechanism
 
 ALTERNATIVES: Mapping[str, tuple[str, ...]] = {"auto": ("chain", "chain_rbf")}
 """Names that stand for several kernels, of which the data choose one."""
@@ -41,6 +41,11 @@ class Spec:
             replace(self, kernel=one, kernels=(), basic="+".join(_settled(self.basic, one.name)))
             for one in self.kernels or (self.kernel,)
         )
+
+    def within(self, mechanism: Mechanism) -> "Spec":
+        """The same model of a mechanism of which something is known."""
+        kernels = tuple(mechanism.around(one) for one in self.kernels)
+        return replace(self, kernel=mechanism.around(self.kernel), kernels=kernels)
 
 
 def parse(text: str) -> Spec:

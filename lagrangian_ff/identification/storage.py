@@ -13,7 +13,11 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.kernels import States
+from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.kernels.constrained.linkage import KIND as LINKAGE
+from lagrangian_ff.kernels.constrained.linkage import Linkage
+from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
+from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.motion import Motion
 
@@ -49,6 +53,7 @@ def save(model: Model, path: Path) -> None:
         "range": model.range.record(),
         "record": dict(model.record),
         "steps": [dict(step) for step in model.steps],
+        "mechanism": model.kernel.mechanism.stored() if model.kernel.mechanism else None,
         "source": model.data.source,
         "notes": list(model.data.notes),
         "conditioning": dict(model.data.conditioning),
@@ -83,8 +88,12 @@ def save(model: Model, path: Path) -> None:
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from error
 
 
-def load(path: Path) -> Model:
+def load(path: Path, linkage: Linkage | None = None) -> Model:
     """Read a model.
+
+    Args:
+        path: of the file.
+        linkage: of a model whose loops are closed: its code is not in the file.
 
     Raises:
         ModelError: there is no such file, it is damaged, no model, or of a newer version.
@@ -103,7 +112,7 @@ def load(path: Path) -> Model:
             "update lagrangian_ff, or identify the model again"
         )
     try:
-        return _build(header, arrays, path)
+        return _build(header, arrays, path, linkage)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ModelError(f"{path} is damaged: {error}; identify the model again") from error
 
@@ -130,7 +139,9 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         raise ModelError(f"{path} is damaged or no model file{told}") from error
 
 
-def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
+def _build(
+    header: dict[str, Any], arrays: dict[str, Any], path: Path, linkage: Linkage | None
+) -> Model:
     joints = tuple(str(name) for name in header["joints"])
     held = dict(ARRAYS)
     if header["version"] > 2:
@@ -180,7 +191,7 @@ def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
     return Model(
         joints=joints,
         name=str(header["name"]),
-        kernel=parse(header["name"]).kernel.start(centres).replace(**values),
+        kernel=_family(header, path, linkage).start(centres).replace(**values),
         basis=basis,
         centres=centres,
         weights=arrays["weights"],
@@ -195,6 +206,22 @@ def _build(header: dict[str, Any], arrays: dict[str, Any], path: Path) -> Model:
         noise_share=arrays["noise_share"],
         steps=tuple(header["steps"]),
     )
+
+
+def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[Kernel]:
+    family, held = parse(header["name"]).kernel, header.get("mechanism")
+    if held is None:
+        return family
+    if held["kind"] == ROBOT:
+        return Robot.from_stored(held).around(family)
+    if held["kind"] != LINKAGE:
+        raise ValueError(f"it is of an unknown kind of mechanism, {held['kind']}")
+    if given is None:
+        raise ModelError(
+            f"{path} is a model of the linkage {held['name']}, whose code is not in the file: read "
+            "it in Python, with Model.load(path, linkage=...)"
+        )
+    return given.of_joints(tuple(header["joints"]), str(path)).around(family)
 
 
 def _effect(name: str, path: Path) -> Effect:

@@ -133,8 +133,9 @@ class System:
             raise NotPositiveDefiniteError(f"pivot {info} is zero")
         slope = np.asarray(upper.T)
         white = self._unwhitened_design
-        slope -= white @ self.covariance @ white.T
-        slope -= np.outer(self.weights, self.weights / self.amplitude)
+        with np.errstate(all="ignore"):  # what memory held above the diagonal
+            slope -= white @ self.covariance @ white.T
+            slope -= np.outer(self.weights, self.weights / self.amplitude)
         return slope
 
     def slope_by_design(self) -> Floats:

@@ -12,6 +12,7 @@ from lagrangian_ff.kernels.base import (
 )
 from lagrangian_ff.kernels.finite import Motor, Nothing, Pol
 from lagrangian_ff.kernels.lagrangian import Srbf, Srbfs, Svrbf, Svrbfs, Vrbf, Vrbfs
+from lagrangian_ff.kernels.mechanism import Mechanism
 from lagrangian_ff.kernels.rbf import Rbf, Rbfs
 from lagrangian_ff.kernels.states import States
 from lagrangian_ff.kernels.structured import Chain, ChainRbf, Energy, EnergyRbf
@@ -34,5 +35,6 @@ __all__ = [
     "Kernel",
     "LagrangianKernel",
     "Learned",
+    "Mechanism",
     "States",
 ]

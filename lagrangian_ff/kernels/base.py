@@ -8,12 +8,15 @@ kernel and N systems of M equations are solved.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.kernels.states import States
+
+if TYPE_CHECKING:
+    from lagrangian_ff.kernels.mechanism import Mechanism
 
 Floats = NDArray[np.float64]
 
@@ -43,6 +46,8 @@ class Kernel(ABC):
     meaning: ClassVar[str]
     searched: ClassVar[tuple[Hyperparameter, ...]] = ()
     """The hyperparameters that are chosen by evidence or validation."""
+    mechanism: ClassVar["Mechanism | None"] = None
+    """What is known of the mechanism; None where the kernel knows nothing of it."""
 
     @classmethod
     @abstractmethod

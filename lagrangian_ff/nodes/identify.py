@@ -1,8 +1,9 @@
 """Records joint states, identifies the inverse dynamics from them, and finds what the model lacks.
 
 Topics
-    joint_states   in   sensor_msgs/JointState; best effort, so that every publisher matches
-    /diagnostics   out  progress, the held-out error of each joint, and what was found
+    joint_states        in   sensor_msgs/JointState; best effort, so that every publisher matches
+    robot_description   in   std_msgs/String, latched; used if `use_robot_description` is set
+    /diagnostics        out  progress, the held-out error of each joint, and what was found
 
 Services (std_srvs/Trigger); those of the second half begin the work and answer at once, progress
 and end are on /diagnostics and in the log
@@ -26,6 +27,7 @@ from functools import partial
 
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lagrangian_ff.errors import UserError
@@ -34,7 +36,7 @@ from lagrangian_ff.nodes.common.diagnostics import Diagnostics
 from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import RECORDING
+from lagrangian_ff.nodes.common.qos import LATCHED, RECORDING
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.identify_parameters import declare, declare_joints
@@ -60,6 +62,8 @@ class IdentifyNode(ClosingNode):
             self, JointState, "joint_states", RECORDING, raw=True
         )
         self._intake = Intake(self._subscription.take, self._complaints.add)
+        self._description = ""
+        self.create_subscription(String, "robot_description", self._on_description, LATCHED)
         self._meter, self._seen = RateMeter(), 0
         services: dict[str, Callable[[], str]] = {
             "start": self._start, "stop": self._stop, "save": self._save, "clear": self._clear,
@@ -77,6 +81,9 @@ class IdentifyNode(ClosingNode):
         self.get_logger().info(
             f"ready to record {self._subscription.topic} into {directory}; call ~/start"
         )
+
+    def _on_description(self, message: String) -> None:
+        self._description = message.data
 
     def _joints(self) -> tuple[str, ...]:
         """The joints known by now, each with its own parameters."""
@@ -137,8 +144,9 @@ class IdentifyNode(ClosingNode):
     def _begin(self, task: Task) -> str:
         """Hand a task to a process of its own."""
         order = make_order(
-            task, self._session, self._settings.value, self._subscription.topic, self._joints()
-        )
+            task, self._session, self._settings.value, self._subscription.topic, self._joints(),
+            self._description,
+        )  # fmt: skip
         self._job = Job(order)
         self._session.state = BUSY[task]
         return summary(order)

@@ -10,6 +10,9 @@ def declare(parameters: Parameters) -> None:
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
     add("model", "auto+fri", "model to identify, a sum of kernels and bases")
+    add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
+        "empty = none")  # fmt: skip
+    add("use_robot_description", False, "take the description from the topic robot_description")
     add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
         low=0.01, high=1.0)  # fmt: skip
     add("samples", 500, "samples to train on", low=10, high=20_000)

@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.text.advice import RULES, Findings, advice, usable
+from lagrangian_ff.cli.text.changed import say_changed
 from lagrangian_ff.cli.text.effects import equations, negative_friction, parameter_table
 from lagrangian_ff.cli.text.errors import error_table, grade, verdict
 from lagrangian_ff.cli.text.layout import number, table
@@ -125,6 +127,19 @@ def test_a_model_is_recommended_only_where_it_is_good() -> None:
     assert "most of the tracking error" in usable(record({"a": 0.02, "b": 0.03}))
     assert "helps" in usable(record({"a": 0.02, "b": 0.15}))
     assert usable(record({"a": 0.02, "b": 0.3})) == "Do not drive b with it."
+
+
+def test_a_change_is_told_with_its_intervals_and_rivals(capsys: pytest.CaptureFixture[str]) -> None:
+    mass = {"value": 0.5, "unit": "kg", "low": 0.4, "high": 0.6}
+    change = {
+        "what": "payload", "joints": ["a", "b"], "evidence_gain": 90.0, "p_value": None,
+        "change": {"m": mass}, "size": 1.5, "rivals": ["mass of the link of b"],
+    }  # fmt: skip
+    say_changed([change], "model.npz", Console())
+    told = capsys.readouterr().out
+    assert "m by 0.500 kg" in told
+    assert "payload, 90 % intervals: m by 0.400 to 0.600 kg" in told
+    assert "payload: mass of the link of b would explain as much" in told
 
 
 def test_nothing_is_advised_where_all_is_well() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mechanism_examples import Crossed, robot
 from numpy.typing import NDArray
 
 from lagrangian_ff.errors import ModelError
@@ -22,6 +23,12 @@ from lagrangian_ff.kernels import (
 Floats = NDArray[np.float64]
 
 EVERY = sorted(KERNELS)
+MECHANISMS = {
+    f"{name} of {about}": mechanism.around(KERNELS[name])
+    for about, mechanism in (("known bodies", robot()), ("a linkage", Crossed()))
+    for name in ("none", "rbfs", "vrbfs", "chain", "energy_rbf")
+}
+FAMILIES = {**KERNELS, **MECHANISMS}
 COUPLED = [name for name in EVERY if issubclass(KERNELS[name], CoupledKernel)]
 LAGRANGIAN = [name for name in EVERY if issubclass(KERNELS[name], LagrangianKernel)]
 INDEPENDENT = [name for name in EVERY if issubclass(KERNELS[name], IndependentKernel)]
@@ -55,11 +62,11 @@ class Case:
     u: States
 
 
-@pytest.fixture(params=EVERY)
+@pytest.fixture(params=sorted(FAMILIES))
 def case(request: pytest.FixtureRequest) -> Case:
     """Return each kernel with its starting values on three joints."""
     x, u = random_states(7, 3, 1), random_states(5, 3, 2)
-    return Case(KERNELS[request.param].start(x), x, u)
+    return Case(FAMILIES[request.param].start(x), x, u)
 
 
 def test_gram_matrix_is_symmetric_and_positive_semidefinite(case: Case) -> None:

@@ -5,6 +5,7 @@ import re
 import signal
 from collections.abc import Iterator
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,11 @@ from lagrangian_ff.arm import JOINTS, exciting_trajectory
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording import load
 
-PARAMETERS = {"samples": 60, "train": 0.6, "effort_scale.joint_1": 1.0}
+KNOWN = find_spec("pinocchio") is not None
+"""Whether the node can read the description that the arm publishes."""
+PARAMETERS = {
+    "samples": 60, "train": 0.6, "effort_scale.joint_1": 1.0, "use_robot_description": KNOWN,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -130,6 +135,8 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
     assert "RMSE" in identify.output
     model = Model.load(Path(values["model file"]))
     assert model.joints == JOINTS
+    mechanism = model.record.get("mechanism")
+    assert (isinstance(mechanism, dict) and mechanism["name"] == "arm6") == KNOWN
     success, message = ask(bench, "save")
     assert success
     saved = folder / "out" / "model.npz"

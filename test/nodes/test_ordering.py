@@ -20,7 +20,8 @@ FINDING = {
 def values(tmp_path: Path) -> dict[str, Any]:
     return {
         "output_directory": str(tmp_path), "effects_file": "", "model_file": "", "joints": [""],
-        "model": "motor+fri", "train": 0.5, "samples": 50, "bandwidth": 20.0,
+        "model": "motor+fri", "urdf": "", "use_robot_description": False,
+        "train": 0.5, "samples": 50, "bandwidth": 20.0,
         "effort_scale.a": 2.0, "effort_offset.a": 0.1, "add.effect": "", "add.joint": "",
     }  # fmt: skip
 
@@ -60,6 +61,26 @@ def test_each_task_gets_its_recordings(
     assert all(name in told for name in [*used, *confirm])
     if task is Task.DIAGNOSE:
         assert ("held back" in told) == (count == 1)
+
+
+def test_the_description_is_a_file_or_what_came_on_the_topic(
+    tmp_path: Path, values: dict[str, Any]
+) -> None:
+    session = recorded(tmp_path, 1)
+    args = Task.IDENTIFY, session, values.__getitem__, "/joint_states", ["a"]
+    assert make_order(*args, "<robot/>").urdf == ""
+    values["use_robot_description"] = True
+    with pytest.raises(UserError, match="nothing came on the topic robot_description"):
+        make_order(*args)
+    written = Path(make_order(*args, "<robot name='ü'/>").urdf)
+    assert written.read_text(encoding="utf-8") == "<robot name='ü'/>"
+    assert written.parent == tmp_path
+    values["urdf"] = str(tmp_path / "arm.urdf")
+    with pytest.raises(UserError, match="set one of the two"):
+        make_order(*args, "<robot/>")
+    values["use_robot_description"] = False
+    made = make_order(*args, "<robot/>")
+    assert Order.from_json(made.to_json()).urdf == str(tmp_path / "arm.urdf")
 
 
 def test_nothing_that_is_there_is_overwritten(tmp_path: Path, values: dict[str, Any]) -> None:

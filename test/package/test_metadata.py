@@ -22,7 +22,7 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 # Where the name to import, the name on the package index and the rosdep key differ.
 ROSDEP = {"pybullet": "python3-pybullet-pip", "rosbags": "python3-rosbags-pip"}
 WITHOUT_ROSDEP = {"lz4", "mcap", "plotly", "threadpoolctl", "zstandard"}
-DISTRIBUTION = {"pybullet_data": "pybullet", "ruamel": "ruamel.yaml"}
+DISTRIBUTION = {"pinocchio": "pin", "pybullet_data": "pybullet", "ruamel": "ruamel.yaml"}
 
 
 def setup_of(*names: str) -> dict[str, object]:
@@ -124,7 +124,10 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
         for module in imported("lagrangian_ff")
         if not is_ros(module)
     }
-    assert used == runtime()
+    extras = setup_of("EXTRAS")["EXTRAS"]
+    assert isinstance(extras, dict)
+    optional = {str(requirement).split()[0] for requirement in extras["urdf"]}
+    assert used == runtime() | optional
     keys = {ROSDEP.get(name, f"python3-{name}") for name in runtime() - WITHOUT_ROSDEP}
     assert keys <= depends("exec_depend")
 
@@ -133,7 +136,7 @@ def test_setup_lists_the_libraries_that_tests_import() -> None:
     extras = setup_of("EXTRAS")["EXTRAS"]
     assert isinstance(extras, dict)
     known = runtime() | {str(requirement).split()[0] for requirement in extras["test"]}
-    siblings = {file.stem for file in (ROOT / "test").rglob("*.py")}
+    siblings = {file.stem for part in ("test", "benchmark") for file in (ROOT / part).rglob("*.py")}
     used = (
         imported("test", "benchmark", "tools") - siblings - {"catkin_pkg"}
     )  # colcon-ros brings it

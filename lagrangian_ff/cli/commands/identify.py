@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.known_robot import known_robot
 from lagrangian_ff.cli.common.leaving import leaving
 from lagrangian_ff.cli.common.options import (
     SOURCE_HELP,
@@ -45,6 +46,7 @@ examples:
   lagrangian_ff identify bag --train 1.0 --output model.npz       learn from all of it
   lagrangian_ff identify a.csv b.csv --joints base,elbow --output model.npz
   lagrangian_ff identify bag --effort-scale elbow=13.4 wrist=-9.1 --output model.npz
+  lagrangian_ff identify bag --urdf robot.urdf --output model.npz   the bodies are known
 
 what comes out:
   what was found in each recording, and what was done to it;
@@ -88,6 +90,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="extend",
         metavar="JOINT",
         help="learn these only, a,b or a b (default: all that were recorded)",
+    )
+    parser.add_argument(
+        "--urdf",
+        type=Path,
+        metavar="FILE",
+        help="the robot's description: its rigid bodies become part of the model, their masses "
+        "learned about those of the file, and the kernel only corrects (needs the extra urdf)",
     )
     add_topic(parser)
     group = parser.add_argument_group("how it is learned and judged")
@@ -144,6 +153,7 @@ def run(arguments: Namespace) -> int:
     load_own_effects(arguments, console)
     settings = _settings(arguments)
     _check_outputs(arguments)
+    robot = known_robot(arguments.urdf)
     conditioning = conditioning_of(arguments)
     joints = names(arguments.joints or [])
     recordings = [read(path, arguments.topic) for path in arguments.sources]
@@ -154,7 +164,7 @@ def run(arguments: Namespace) -> int:
     from lagrangian_ff.identification import identify
 
     with progress_bar("identifying") as progress:
-        found = identify([reading.motion for reading in readings], settings, progress)
+        found = identify([reading.motion for reading in readings], settings, progress, robot)
     with whole(arguments.output) as path:
         found.model.save(path)
     write_record(arguments.json, found.record)
@@ -181,10 +191,10 @@ def _check_outputs(arguments: Namespace) -> None:
         if not path.exists():
             raise UserError(f"{path}: no such file or directory")
     force, output = arguments.force, arguments.output
-    check_file(output, "--output", force=force, suffix=".npz", keep=arguments.sources)
+    read = [*arguments.sources, *([arguments.urdf] if arguments.urdf else [])]
+    check_file(output, "--output", force=force, suffix=".npz", keep=read)
     if arguments.json not in (None, "-"):
-        keep = [output, *arguments.sources]
-        check_file(Path(arguments.json), "--json", force=force, keep=keep)
+        check_file(Path(arguments.json), "--json", force=force, keep=[output, *read])
 
 
 def _say(found: "Identification", readings: list[Reading], output: Path, console: Console) -> None:

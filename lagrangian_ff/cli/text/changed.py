@@ -36,3 +36,14 @@ def say_changed(changed: Sequence[Mapping[str, Any]], model: str, console: Conso
         for one in changed
     ]
     console.say(table(["what", "joint", "gain", "p", "changed", "rms [N·m]"], rows))
+    for one in changed:
+        ranges = [
+            f"{name} by {number(change['low'])} to {number(change['high'])} {change['unit']}"
+            for name, change in one["change"].items()
+            if "low" in change
+        ]
+        if ranges:
+            console.paragraph(f"{one['what']}, 90 % intervals: {', '.join(ranges)}", "  ", "    ")
+        if one["rivals"]:
+            alike = ", ".join(one["rivals"])
+            console.paragraph(f"{one['what']}: {alike} would explain as much", "  ", "    ")

@@ -35,6 +35,7 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
     )
     for text in scaling(record.get("conditioning")):
         console.say(text)
+    console.say(known(record.get("mechanism")))
     console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
     console.say(error_table(record))
     console.paragraph(LEGEND, "  ")
@@ -60,6 +61,23 @@ def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
         if values:
             shown = ", ".join(f"{joint} {number(value)}" for joint, value in values.items())
             lines.append(f"{name.replace('_', ' ')} in {unit}: {shown}")
+    return lines
+
+
+def known(mechanism: Mapping[str, Any] | None) -> list[str]:
+    """What was known of the arm before; nothing where nothing was."""
+    if not mechanism or mechanism.get("kind") != "urdf":
+        return []
+    lines = [
+        f"the bodies of {mechanism['name']} are known ({number(mechanism['mass'])} kg); "
+        "the kernel corrects them"
+    ]
+    for what, names in (
+        ("sliding joints", mechanism["prismatic"]),
+        ("not recorded and taken to stand at zero", mechanism["still"]),
+    ):
+        if names:
+            lines.append(f"{what}: {', '.join(names)}")
     return lines
 
 
@@ -89,12 +107,13 @@ def _meanings(model: str) -> dict[str, tuple[str, str]]:
     """Unit and meaning of every hyperparameter by name."""
     from lagrangian_ff.errors import ModelError
     from lagrangian_ff.identification.spec import parse
+    from lagrangian_ff.kernels.rigid.known import NUMBERS
 
     try:
         spec = parse(model)
     except ModelError:
         return {}
-    found = {h.name: (h.unit, h.meaning) for h in spec.kernel.searched}
+    found = {h.name: (h.unit, h.meaning) for h in (*spec.kernel.searched, *NUMBERS)}
     found["gamma"] = ("", "regularisation: how much noise the torques hold, (42)")
     for effect in spec.effects:
         found |= {f"{effect.name}.{s.name}": (s.unit, s.meaning) for s in effect.shapes}

@@ -49,6 +49,7 @@ class Order:
         effects_file: Python that defines effects of the user's own; empty for none.
         joints: which to identify, in which order; empty for all that were recorded.
         model: name of the model to identify, such as "auto+fri".
+        urdf: file of the robot's description; empty where nothing is known of it.
         train: fraction of the motion to train on.
         samples: how many samples to train on.
         bandwidth: Hz of the low-pass.
@@ -65,6 +66,7 @@ class Order:
     effects_file: str = ""
     joints: tuple[str, ...] = ()
     model: str = "auto+fri"
+    urdf: str = ""
     train: float = 2.0 / 3.0
     samples: int = 500
     bandwidth: float = 25.0

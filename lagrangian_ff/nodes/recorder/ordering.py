@@ -12,7 +12,12 @@ Value = Callable[[str], Any]
 
 
 def make_order(
-    task: Task, session: Session, value: Value, topic: str, joints: Sequence[str]
+    task: Task,
+    session: Session,
+    value: Value,
+    topic: str,
+    joints: Sequence[str],
+    description: str = "",
 ) -> Order:
     """What is to be done now.
 
@@ -22,9 +27,11 @@ def make_order(
         value: of a parameter.
         topic: of the joint states.
         joints: those with parameters of their own.
+        description: the URDF that came on robot_description; empty if none did.
 
     Raises:
-        UserError: there is no model, or nothing to add.
+        UserError: there is no model, nothing to add, or no description of the robot where one is
+            asked for.
     """
     bags = tuple(map(str, session.bags))
     common: dict[str, Any] = {
@@ -36,10 +43,12 @@ def make_order(
     }
     directory = directory_of(value)
     if task is Task.IDENTIFY:
+        stem = f"{session.bags[-1].name}_model"
         return Order(
             **common,
             bags=bags,
-            output=str(new_path(directory, f"{session.bags[-1].name}_model", ".npz")),
+            output=str(new_path(directory, stem, ".npz")),
+            urdf=_urdf(value, description, new_path(directory, stem, ".urdf")),
             joints=tuple(name for name in value("joints") if name),
             model=value("model"),
             train=value("train"),
@@ -131,6 +140,26 @@ def _additions(session: Session, value: Value) -> tuple[Addition, ...]:
             "name it with the parameters add.effect and add.joint"
         )
     return confirmed
+
+
+def _urdf(value: Value, description: str, file: Path) -> str:
+    """The file of the robot's description; what came on the topic is written to one."""
+    named = _path(value("urdf"))
+    if not value("use_robot_description"):
+        return named
+    if named:
+        raise UserError(
+            "the parameter urdf names a file and use_robot_description asks for the topic: "
+            "set one of the two"
+        )
+    if not description:
+        raise UserError(
+            "use_robot_description is set, but nothing came on the topic robot_description; start "
+            "robot_state_publisher, or name a file with the parameter urdf"
+        )
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(description, encoding="utf-8")
+    return str(file)
 
 
 def _path(text: str) -> str:

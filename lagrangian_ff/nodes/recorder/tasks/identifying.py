@@ -5,6 +5,7 @@ from typing import Any
 
 from lagrangian_ff.effects import load_effects, load_installed
 from lagrangian_ff.identification import Settings, identify
+from lagrangian_ff.kernels.rigid import read_urdf
 from lagrangian_ff.nodes.recorder.order import Order
 from lagrangian_ff.nodes.recorder.tasks.reading import read
 from lagrangian_ff.progress import Progress, part
@@ -31,6 +32,7 @@ def identify_bags(order: Order, progress: Progress) -> dict[str, Any]:
         motions,
         Settings(model=order.model, train=order.train, samples=order.samples),
         part(progress, 0.1, 1.0),
+        read_urdf(order.urdf) if order.urdf else None,
     )
     found.model.save(Path(order.output))
     return dict(found.record)

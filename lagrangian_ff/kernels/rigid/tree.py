@@ -1,0 +1,69 @@
+"""Rigid bodies on joints: their torques, which are linear in the bodies' inertial parameters.
+
+Body b has the ten parameters m, m c (3), and Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the origin of its
+frame. With ω, ω̇ and a the angular velocity, angular acceleration and acceleration of that frame,
+less gravity, the force and the moment that move the body are (Newton-Euler; Atkeson, An and
+Hollerbach 1986)
+
+    f = m a + (ω̇× + ω× ω×) m c,        n = m c × a + I ω̇ + ω × I ω.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.kernels.rigid.loops import write_regressor
+from lagrangian_ff.kernels.states import States
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the frame of the base
+
+
+@dataclass(frozen=True)
+class Tree:
+    """B bodies, each on one joint, that hang on each other as a tree.
+
+    Attributes:
+        parent: (B,) the body that carries each, before it in order; −1 for the base.
+        rotation: (B, 3, 3) of each joint's frame in that of the parent, at zero.
+        offset: (B, 3) m, its origin there.
+        axis: (B, 3) unit vector in the joint's own frame.
+        sliding: (B,) 1 where the joint is prismatic, 0 where it turns.
+        driver: (B,) the coordinate that moves the joint; −1 where it stands still.
+        ratio: (B,) joint position per unit of the coordinate.  shift: (B,) and at zero of it.
+        inertial: (B, 10) the parameters as the CAD has them, about the origin of the joint's frame.
+        gravity: (3,) m/s².
+    """
+
+    parent: Ints
+    rotation: Floats
+    offset: Floats
+    axis: Floats
+    sliding: Floats
+    driver: Ints
+    ratio: Floats
+    shift: Floats
+    inertial: Floats
+    gravity: Floats
+
+    @property
+    def bodies(self) -> int:
+        """B."""
+        return len(self.parent)
+
+    def torque(self, x: States) -> Floats:
+        """(M, N) N·m, or N of prismatic joints, of the bodies as the CAD has them."""
+        return np.asarray(self.regressor(x) @ self.inertial.ravel())
+
+    def regressor(self, x: States) -> Floats:
+        """(M, N, 10 B) torque of each joint per unit of each body's parameters."""
+        out = np.zeros((len(x), x.joints, self.bodies, 10))
+        tree = (
+            self.parent, self.rotation, self.offset, self.axis, self.sliding, self.driver,
+            self.ratio, self.shift,
+        )  # fmt: skip
+        write_regressor((x.q, x.qd, x.qdd), tree, self.gravity, out)
+        return out.reshape(len(x), x.joints, -1)

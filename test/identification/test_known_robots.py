@@ -1,0 +1,126 @@
+"""Models of robots whose bodies a URDF tells."""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pendulum
+import pytest
+from mechanism_examples import pendulum_urdf
+
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Identification, Model, Settings, extend, identify
+from lagrangian_ff.kernels import KERNELS
+from lagrangian_ff.kernels.rigid import Robot, robot_of
+
+pytest.importorskip("pinocchio", reason="Pinocchio, the extra urdf, is not installed")
+
+SETTINGS = Settings(samples=100, evaluations=20, train=0.2)
+
+
+def identified(robot: Robot | None, settings: Settings = SETTINGS) -> Identification:
+    """A model of the first fifth of a recording with 1 % of noise."""
+    return identify(pendulum.motion(40.0, noise=0.01), settings, mechanism=robot)
+
+
+@pytest.fixture(scope="module")
+def wrong() -> Robot:
+    """Return the pendulum with one rod too heavy and one too light by 20 %."""
+    return robot_of(pendulum_urdf(2.0 * 1.2, 1.0 * 0.8), "wrong.urdf")
+
+
+@pytest.fixture(scope="module")
+def found(wrong: Robot) -> Identification:
+    return identified(wrong)
+
+
+def error(found: Identification) -> float:
+    """N·m of the model against torques without noise, on motion not learned from."""
+    data = pendulum.motion(40.0)
+    predicted = found.model.predict(data.q, data.qd, data.qdd)
+    return float(np.sqrt(np.mean((predicted - data.tau)[len(data) // 5 :] ** 2)))
+
+
+def test_wrong_masses_and_rotors_are_learned_from_little_data(found: Identification) -> None:
+    blind = error(identified(None, replace(SETTINGS, model="vrbfs+fri")))
+    assert error(found) < 0.1 * blind
+    assert error(found) < 0.02 * pendulum.motion(40.0).tau.std()
+
+
+@pytest.mark.parametrize("name", ["chain", "rbfs", "none"])
+def test_every_sort_of_kernel_corrects(name: str, wrong: Robot) -> None:
+    assert name in KERNELS
+    some = identified(wrong, replace(SETTINGS, model=f"{name}+fri", samples=60, evaluations=6))
+    assert error(some) < 0.1 * pendulum.motion(40.0).tau.std()
+    assert some.model.name == f"{name}+fri"
+
+
+def test_what_neither_bodies_nor_friction_hold_is_left_to_the_kernel(wrong: Robot) -> None:
+    data = pendulum.motion(40.0, noise=0.01)
+    spring = 3.0 * np.sin(2.0 * data.q)
+    sprung = replace(data, tau=data.tau + spring)
+    settings = replace(SETTINGS, train=0.7)
+    rigid = identify(sprung, replace(settings, model="none+fri"), mechanism=wrong).record
+    both = identify(sprung, replace(settings, model="vrbfs+fri"), mechanism=wrong).record
+    assert float(str(both["rmse"])) < 0.2 * float(str(rigid["rmse"]))
+
+
+def test_the_record_tells_what_was_known(found: Identification) -> None:
+    record = json.loads(json.dumps(found.record, allow_nan=False))
+    assert record["mechanism"] == {
+        "kind": "urdf", "name": "pendulum", "mass": pytest.approx(3.2), "prismatic": [],
+        "still": [],
+    }  # fmt: skip
+    assert record["scale"] == "common"
+    assert {"bodies", "deviation", "armature", "correction", "inertia"} <= set(
+        record["hyperparameters"]
+    )
+
+
+def test_the_file_needs_neither_the_urdf_nor_pinocchio(
+    found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found.model.save(tmp_path / "model.npz")
+    monkeypatch.setitem(sys.modules, "pinocchio", None)
+    again = Model.load(tmp_path / "model.npz")
+    data = pendulum.motion(3.0, seed=4)
+    states = data.q, data.qd, data.qdd
+    np.testing.assert_array_equal(again.predict(*states), found.model.predict(*states))
+    assert again.kernel.mechanism is not None
+    assert again.kernel.mechanism.record() == found.record["mechanism"]
+
+
+def test_an_effect_is_added_without_forgetting_the_robot(found: Identification) -> None:
+    larger = extend(found.model, EFFECTS["quadratic_drag"], "elbow")
+    assert larger.record["mechanism"] == found.record["mechanism"]
+    assert error(larger) < 2.0 * error(found)
+
+
+def test_terms_are_those_of_the_bodies(found: Identification) -> None:
+    data = pendulum.motion(5.0, seed=3)
+    terms = found.model.terms(data.q, data.qd, data.qdd)
+    still = np.zeros_like(data.q)
+    columns = [
+        found.model.terms(data.q, still, np.broadcast_to(one, still.shape)).inertia
+        for one in np.eye(2)
+    ]
+    mass = pendulum.mass_matrix(data.q)
+    np.testing.assert_allclose(np.stack(columns, axis=2), mass, atol=0.05 * mass.max())
+    np.testing.assert_allclose(
+        terms.total, found.model.predict(data.q, data.qd, data.qdd), atol=1e-9
+    )
+
+
+def test_joints_that_the_urdf_does_not_have_are_refused(wrong: Robot) -> None:
+    data = replace(pendulum.motion(10.0), joints=("shoulder", "wrist"))
+    with pytest.raises(ModelError, match="no wrist; recorded: shoulder, wrist; movable in the URDF"
+                       ": shoulder, elbow"):  # fmt: skip
+        identify(data, SETTINGS, mechanism=wrong)
+
+
+def test_one_unit_for_all_joints_is_asked_for(wrong: Robot) -> None:
+    with pytest.raises(ModelError, match="scale is 'joint', but"):
+        identified(wrong, replace(SETTINGS, scale="joint"))
