@@ -36,6 +36,8 @@ EXTRAS = {
     # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
     # ros-jazzy-pinocchio.
     "urdf": ["pin >=2.7, <5"],
+    # What `make benchmark` compares with.
+    "benchmark": ["jax >=0.4.30, <1", "scikit-learn >=1.3, <2"],
     "test": [
         "pin >=2.7, <5",
         "pytest >=7.4.4, <10",

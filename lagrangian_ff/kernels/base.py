@@ -45,7 +45,9 @@ class Kernel(ABC):
     name: ClassVar[str]
     meaning: ClassVar[str]
     searched: ClassVar[tuple[Hyperparameter, ...]] = ()
-    """The hyperparameters that are chosen by evidence or validation."""
+    """The hyperparameters that a simplex search chooses by evidence or validation."""
+    further: ClassVar[tuple[Hyperparameter, ...]] = ()
+    """What the other numbers are; the range of these is not searched."""
     mechanism: ClassVar["Mechanism | None"] = None
     """What is known of the mechanism; None where the kernel knows nothing of it."""
 

@@ -22,7 +22,12 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 # Where the name to import, the name on the package index and the rosdep key differ.
 ROSDEP = {"pybullet": "python3-pybullet-pip", "rosbags": "python3-rosbags-pip"}
 WITHOUT_ROSDEP = {"lz4", "mcap", "plotly", "threadpoolctl", "zstandard"}
-DISTRIBUTION = {"pinocchio": "pin", "pybullet_data": "pybullet", "ruamel": "ruamel.yaml"}
+DISTRIBUTION = {
+    "sklearn": "scikit-learn",
+    "pinocchio": "pin",
+    "pybullet_data": "pybullet",
+    "ruamel": "ruamel.yaml",
+}
 
 
 def setup_of(*names: str) -> dict[str, object]:
@@ -135,7 +140,8 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
 def test_setup_lists_the_libraries_that_tests_import() -> None:
     extras = setup_of("EXTRAS")["EXTRAS"]
     assert isinstance(extras, dict)
-    known = runtime() | {str(requirement).split()[0] for requirement in extras["test"]}
+    wanted = [*extras["test"], *extras["benchmark"]]
+    known = runtime() | {str(requirement).split()[0] for requirement in wanted}
     siblings = {file.stem for part in ("test", "benchmark") for file in (ROOT / part).rglob("*.py")}
     used = (
         imported("test", "benchmark", "tools") - siblings - {"catkin_pkg"}

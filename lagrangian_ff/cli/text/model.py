@@ -113,7 +113,9 @@ def _meanings(model: str) -> dict[str, tuple[str, str]]:
         spec = parse(model)
     except ModelError:
         return {}
-    found = {h.name: (h.unit, h.meaning) for h in (*spec.kernel.searched, *NUMBERS)}
+    found = {
+        h.name: (h.unit, h.meaning) for h in (*spec.kernel.searched, *spec.kernel.further, *NUMBERS)
+    }
     found["gamma"] = ("", "regularisation: how much noise the torques hold, (42)")
     for effect in spec.effects:
         found |= {f"{effect.name}.{s.name}": (s.unit, s.meaning) for s in effect.shapes}

@@ -64,6 +64,11 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         Hyperparameter("wave", "1", "ω: how much inertia changes with the joints", 1e-2, 1e2),
         Hyperparameter("swing", "1", "ω: how much gravity changes with the joints", 1e-2, 1e2),
     )
+    further: ClassVar[tuple[Hyperparameter, ...]] = (
+        Hyperparameter("link", "1", "κ: weight of each link's kinetic energy", 1.0, 1.0),
+        Hyperparameter("rotor", "1", "ρ: weight of the rotors' own inertia", 1.0, 1.0),
+        Hyperparameter("prismatic", "", "1 where a joint slides", 1.0, 1.0),
+    )
     differentiable: ClassVar[tuple[str, ...]] = (
         "inertia", "link", "potential", "wave", "swing", "rotor",
     )  # fmt: skip
