@@ -175,8 +175,8 @@ def _explained(ground: Ground, change: BodyChange) -> Ground:
 
 def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
     """The ground with another Lagrangian added from the boundary on, if that is worth it."""
-    rows = len(ground.index) * ground.joints
-    evidence = evidence_of(ground.motion, ground.inputs, ground.basis, rows, (), ground)
+    samples = len(ground.index)
+    evidence = evidence_of(ground.motion, ground.inputs, ground.basis, samples, (), ground)
     plain = evidence(ground.prior)
     gain, share = max(
         (evidence(replace(ground.prior, change=(boundary, np.inf, one))) - plain, one)

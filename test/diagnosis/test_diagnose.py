@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from two_rods import Floats
 
 from lagrangian_ff.diagnosis import Diagnosis, add, apply, diagnose, history
 from lagrangian_ff.diagnosis.ground import tuning
@@ -118,7 +119,10 @@ def test_one_recording_is_confirmed_on_its_end() -> None:
 
 
 def test_a_motion_too_short_to_rule_out_chance_is_not_called_clean(stuck: Diagnosis) -> None:
-    motions = [two_rods.motion(seed, 7.0, two_rods.stick) for seed in (1, 2)]
+    def faint(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        return 0.4 * two_rods.stick(t, q, qd, qdd)
+
+    motions = [two_rods.motion(seed, 7.0, faint) for seed in (1, 2)]
     found = diagnose(stuck.model, motions[0], motions[1])
     assert not found.findings
     said = str(found.record()["verdict"])

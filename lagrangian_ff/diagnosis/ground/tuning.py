@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 
 ROWS = 4800
 """Torques (samples times joints) that a ground is laid on: a factor takes about a second."""
-COARSE_ROWS, FINE_ROWS, SHAPE_ROWS = 720, 1440, 2400
-"""Few torques find the way. Judged on few alone, a flexible prior takes the noise for dynamics."""
+COARSE, FINE, SHAPES = 120, 240, 400
+"""Few samples find the way. Judged on few alone, a flexible prior takes the noise for dynamics."""
 BLOCK_SECONDS = 2.0
 COARSE_SWEEPS, FINE_SWEEPS = 4, 3
 GAIN_WORTH = 100.0
@@ -45,13 +45,13 @@ def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = sile
     """
     prior = Prior.start(motion.tau)
     with threadpool_limits(1):
-        coarse = evidence_of(motion, inputs, basis, COARSE_ROWS)
+        coarse = evidence_of(motion, inputs, basis, COARSE)
         prior = _search(coarse, prior, COARSE_SWEEPS, 1.0, part(progress, 0.0, 0.1))
-        fine = evidence_of(motion, inputs, basis, FINE_ROWS)
+        fine = evidence_of(motion, inputs, basis, FINE)
         prior = _search(fine, prior, FINE_SWEEPS, 0.7, part(progress, 0.1, 0.5))
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
-        fine = evidence_of(motion, inputs, basis, FINE_ROWS)
+        fine = evidence_of(motion, inputs, basis, FINE)
         prior = _search(fine, prior, FINE_SWEEPS, 0.5, part(progress, 0.5, 0.7))
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
@@ -72,7 +72,7 @@ def sharpen(
     ground: Ground, basis: Basis, extra: tuple[Extra, ...] = (), progress: Progress = silent
 ) -> Prior:
     """The prior chosen anew with more explained: what is left then stands out more."""
-    evidence = evidence_of(ground.motion, ground.inputs, basis, FINE_ROWS, extra, ground)
+    evidence = evidence_of(ground.motion, ground.inputs, basis, FINE, extra, ground)
     with threadpool_limits(1):
         return _search(evidence, ground.prior, 2, 0.7, progress)
 
@@ -88,16 +88,15 @@ def _window(motion: Motion) -> int:
 
 
 def evidence_of(
-    motion: Motion, inputs: Inputs, basis: Basis, rows: int, extra: tuple[Extra, ...] = (),
+    motion: Motion, inputs: Inputs, basis: Basis, samples: int, extra: tuple[Extra, ...] = (),
     ground: Ground | None = None,
 ) -> Callable[[Prior], float]:  # fmt: skip
     """The log evidence in N·m of some of the samples, as a function of the prior."""
-    count = rows // len(motion.joints)
     if ground is None:
-        index = evenly(len(motion), count)
+        index = evenly(len(motion), samples)
         x = inputs.take(index, _window(motion))
     else:
-        chosen = evenly(len(ground.index), count)
+        chosen = evenly(len(ground.index), samples)
         index = ground.index[chosen]
         x = ground.seen.take(chosen)
         extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
@@ -141,7 +140,7 @@ def _search(
 
 def _gains(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Prior:
     """Units of effort that differ between joints, where the evidence for that is strong."""
-    evidence = evidence_of(motion, inputs, basis, COARSE_ROWS)
+    evidence = evidence_of(motion, inputs, basis, COARSE)
     first = evidence(prior)
     best, gain = first, prior.gain
     steps = np.full(len(gain), 0.25)
@@ -168,7 +167,7 @@ def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> 
     ]
     if not places:
         return basis
-    index = evenly(len(motion), SHAPE_ROWS // len(motion.joints))
+    index = evenly(len(motion), SHAPES)
     x = inputs.take(index, _window(motion))
     system = factored(x.mean(motion.tau), x, prior, basis)
     white = system.white_design.copy()

@@ -17,7 +17,7 @@ from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]
 
-ROWS = 1200
+SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
 """s between the moments tried, and from the ends of a motion."""
 LENGTHS = (np.inf, 5.0, 10.0)
@@ -83,7 +83,7 @@ def change_of(
     if not np.isfinite(time).all() or float(np.ptp(time)) < 2.5 * MARGIN:
         return None
     start, end = float(time.min()), float(time.max())
-    coarse = _gains(ground, ROWS)
+    coarse = _gains(ground, SAMPLES)
 
     def tried(best: Change, since: float, until: float, share: float) -> Change:
         if until > end - 1.0:
@@ -112,7 +112,7 @@ def change_of(
     best = tried(best, best.since, np.inf, best.share)
     if best.gain < beyond * max(_shuffled_gains(ground, best)):
         return None
-    best = replace(best, gain=_gains(ground, len(ground.index) * ground.joints)(best))
+    best = replace(best, gain=_gains(ground, len(ground.index))(best))
     return _with_ranges(best, coarse, (start, end)) if best.gain > WORTH else None
 
 
@@ -156,7 +156,7 @@ def _shuffled_gains(ground: Ground, change: Change) -> list[float]:
         order = np.random.default_rng(seed).permutation(len(numbers))
         time = ground.seen.time - starts[place] + starts[order][place]
         shuffled = replace(ground, seen=replace(ground.seen, time=time))
-        gains.append(_gains(shuffled, ROWS)(change))
+        gains.append(_gains(shuffled, SAMPLES)(change))
     return gains
 
 
@@ -176,7 +176,9 @@ def joints_of(ground: Ground) -> tuple[tuple[int, ...], Floats]:
     return tuple(order or [int(np.argmax(share))]), share
 
 
-def _gains(ground: Ground, rows: int) -> Callable[[Change], float]:
-    evidence = evidence_of(ground.motion, ground.inputs, ground.basis, rows, ground.extra, ground)
+def _gains(ground: Ground, samples: int) -> Callable[[Change], float]:
+    evidence = evidence_of(
+        ground.motion, ground.inputs, ground.basis, samples, ground.extra, ground
+    )
     plain = evidence(replace(ground.prior, change=None))
     return lambda change: float(evidence(replace(ground.prior, change=change.prior)) - plain)
