@@ -11,6 +11,7 @@ from lagrangian_ff.effects.inputs import SIGN_SPEED
 from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,21 @@ class Basis:
     def design(self, x: Inputs) -> Floats:
         """(M, N, B) Φ(x): the torque of each joint per unit of each parameter."""
         out = np.zeros((len(x), x.joints, self.size))
-        for term, place in self.slices():
-            out[:, term.joint, place] = term.columns(x)
+        out[:, self.joints, np.arange(self.size)] = self.columns(x)
         return out
+
+    def columns(self, x: Inputs) -> Floats:
+        """(M, B) what each parameter multiplies in the torque of its joint."""
+        out = np.empty((len(x), self.size))
+        for term, place in self.slices():
+            out[:, place] = term.columns(x)
+        return out
+
+    @property
+    def joints(self) -> Ints:
+        """(B,) the joint whose torque each parameter is of."""
+        whose = [term.joint for term in self.terms for _ in term.effect.parameters]
+        return np.array(whose, dtype=np.int64)
 
     def sign_speed(self, joints: int) -> Floats:
         """(N,) rad/s, where the smoothed sign turns over: v0 of the Coulomb terms, as found."""

@@ -4,15 +4,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.fit import Fit
 from lagrangian_ff.identification.intervals import LEVEL
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
-def groups(part: Ints) -> list[Ints]:
-    """The samples of each part, given the one that each sample lies in (M,)."""
-    return [np.flatnonzero(part == number) for number in np.unique(part)]
+def calibrated(blueprint: Blueprint, fitted: Fit) -> Floats:
+    """(N,) what the deviations of a fit are to be multiplied with."""
+    residual, _ = fitted.left_out(blueprint.apart)
+    expected = fitted.left_out_deviation(blueprint.apart)
+    return factors(residual, expected, len(np.unique(blueprint.seconds)))
 
 
 def factors(residual: Floats, deviation: Floats, independent: int) -> Floats:
@@ -24,7 +27,7 @@ def factors(residual: Floats, deviation: Floats, independent: int) -> Floats:
 
     Args:
         residual: (M, N) N·m that was met, see `Fit.left_out`.
-        deviation: (M, N) N·m that was expected, see `Fit.left_out_deviation`.
+        deviation: (M, N) N·m that was expected, see `Fit.left_out_deviation`; NaN does not count.
         independent: how many of the residuals are; the fewer, the further the quantile that is
             taken lies above `LEVEL`, as conformal prediction has it.
     """

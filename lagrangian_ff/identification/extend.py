@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.build import Blueprint, Identification, blueprint_of, build, folds
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.build import Identification, build
 from lagrangian_ff.identification.fit import Choice, fit_basis
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.search import validation_score
 from lagrangian_ff.identification.shapes import best_shape, fall
 from lagrangian_ff.identification.system import NotPositiveDefiniteError
 from lagrangian_ff.identification.training import TrainingSet, evenly
-from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.progress import Progress, part, silent
 
 Floats = NDArray[np.float64]
 
@@ -54,11 +55,11 @@ def extend(
     """
     number = joint_number(model, joint)
     require_new(model, effect, number)
-    old = blueprint_of(model)
+    old = Blueprint.of(model)
     inputs = model.inputs_of_data()
-    x = inputs.take(model.index)
+    x, tau = inputs.take(old.few), model.data.tau[old.few]
     progress(0.1, f"adding {effect.name}")
-    before = fit_basis(old.basis, old.choice, x, model.training_tau, old.scaling)
+    before = fit_basis(old.basis, old.choice, x, tau, old.scaling)
     if shape is None:
         shape = best_shape(before, effect, number, x)
     term = Term(effect, number, dict(shape))
@@ -78,9 +79,12 @@ def extend(
     new = replace(new, choice=_with_noise(new, inputs))
     progress(0.6, "fitting")
     facts = {"sources": model.record.get("sources", [])}
-    found = build(new, inputs, facts, model.steps)
-    if any(t.effect.uses for t in new.basis.terms):
-        found = build(new, found.model.inputs_of_data(), facts, model.steps)
+    again = any(t.effect.uses for t in new.basis.terms)
+    done = 0.8 if again else 1.0
+    found = build(new, inputs, facts, model.steps, part(progress, 0.6, done))
+    if again:
+        seen = found.model.inputs_of_data()
+        found = build(new, seen, facts, model.steps, part(progress, done, 1.0))
     step = step_record(f"{effect.name} on {joint}", model.record, found.record, why)
     object.__setattr__(found.model, "steps", (*model.steps, step))
     progress(1.0, "fitting")
@@ -145,10 +149,11 @@ def require_new(model: Model, effect: Effect, joint: int) -> None:
 
 def _with_noise(blueprint: Blueprint, inputs: Inputs) -> Choice:
     """The choice whose noise leaves the smallest error on blocks left out."""
-    fold = folds(blueprint)
-    index = blueprint.index
-    chosen = evenly(len(index), NOISE_SAMPLES)
-    data = TrainingSet(inputs.take(index[chosen]), blueprint.data.tau[index[chosen]], fold[chosen])
+    few = blueprint.few
+    chosen = evenly(len(few), NOISE_SAMPLES)
+    fold = blueprint.folds(few)[chosen]
+    few = few[chosen]
+    data = TrainingSet(inputs.take(few), blueprint.data.tau[few], fold)
     best, cost = blueprint.choice, np.inf
     for factor in NOISE_FACTORS:
         choice = replace(blueprint.choice, noise=blueprint.choice.noise * factor)

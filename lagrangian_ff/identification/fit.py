@@ -2,18 +2,22 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.low_rank import LowRank
+from lagrangian_ff.identification.rows import Rows, rows_of
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.identification.system import System
 from lagrangian_ff.kernels import CoupledKernel, IndependentKernel, Kernel, States
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Solved = TypeVar("Solved", bound="System | LowRank", covariant=True)
 
 
 @dataclass(frozen=True)
@@ -78,12 +82,13 @@ class Scaling:
 
 
 @dataclass(frozen=True)
-class Fit:
+class Fit(Generic[Solved]):
     """A fitted model, still in its systems: what evidence and validation are asked of.
 
     Attributes:
         choice: the hyperparameters.  scaling: of the torques.  basis: the effects' terms.
-        states: (M, N) the training states.
+        states: (C, N) what the kernel is built on: all training states, or landmarks.
+        samples: M, how many it was learned from.
         systems: which joints were solved together, their basis, and the factored system.
     """
 
@@ -91,11 +96,12 @@ class Fit:
     scaling: Scaling
     basis: Basis
     states: States
-    systems: tuple[tuple[tuple[int, ...], Basis, System], ...]
+    samples: int
+    systems: tuple[tuple[tuple[int, ...], Basis, Solved], ...]
 
     @property
     def weights(self) -> Floats:
-        """(M, N) a: what the kernel is multiplied by, in normalised torque."""
+        """(C, N) a: what the kernel is multiplied by, in normalised torque."""
         out = np.empty_like(self.states.q)
         for joints, _, system in self.systems:
             out[:, list(joints)] = system.weights.reshape(len(self.states), len(joints))
@@ -122,9 +128,9 @@ class Fit:
 
         It counts the unit of each torque, so that it can be compared between scalings.
         """
-        samples = len(self.states)
         return sum(
-            system.log_evidence - samples * float(np.sum(np.log(self.scaling.unit[list(joints)])))
+            system.log_evidence
+            - self.samples * float(np.sum(np.log(self.scaling.unit[list(joints)])))
             for joints, _, system in self.systems
         )
 
@@ -138,16 +144,24 @@ class Fit:
             (M, N) residuals in N·m, NaN where a sample is in no group; and (groups, B) the
             effects' parameters without each group.
         """
-        residual = np.full(self.states.q.shape, np.nan)
+        residual = np.full((self.samples, self.states.joints), np.nan)
         changed = np.tile(self.coefficients, (len(groups), 1))
         for joints, basis, system in self.systems:
             width, columns = len(joints), np.array(joints)
-            rows = [(g[:, None] * width + np.arange(width)).ravel() for g in groups]
+            rows = [rows_of(group, width) for group in groups]
             places = self._places(basis)
             for number, (group, left) in enumerate(zip(groups, system.left_out(rows), strict=True)):
                 residual[np.ix_(group, columns)] = left.residual.reshape(-1, width)
                 changed[number, places] += left.change
         return residual * self.scaling.unit, changed
+
+    def changed(self, groups: Sequence[Ints]) -> Floats:
+        """(groups, B) the effects' parameters without each group of samples."""
+        changed = np.tile(self.coefficients, (len(groups), 1))
+        for joints, basis, system in self.systems:
+            rows = [rows_of(group, len(joints)) for group in groups]
+            changed[:, self._places(basis)] += system.changes(rows)
+        return changed
 
     def left_out_deviation(self, groups: Sequence[Ints]) -> Floats:
         """What the model itself expects of the residuals of `left_out`.
@@ -156,14 +170,16 @@ class Fit:
             groups: see `left_out`.
 
         Returns:
-            (M, N) standard deviations in N·m, NaN where a sample is in no group.
+            (M, N) standard deviations in N·m, NaN where a sample is in no group, or is one of so
+            many that it was not looked at.
         """
-        found = np.full(self.states.q.shape, np.nan)
+        found = np.full((self.samples, self.states.joints), np.nan)
         for joints, _, system in self.systems:
             width, columns = len(joints), np.array(joints)
-            rows = [(g[:, None] * width + np.arange(width)).ravel() for g in groups]
-            for group, left in zip(groups, system.left_out(rows), strict=True):
-                deviation = np.sqrt(system.amplitude * left.variance)
+            rows = [rows_of(group, width) for group in groups]
+            variances = system.left_out_variance(rows)
+            for group, variance in zip(groups, variances, strict=True):
+                deviation = np.sqrt(system.amplitude * variance)
                 found[np.ix_(group, columns)] = deviation.reshape(-1, width)
         return found * self.scaling.unit
 
@@ -172,7 +188,7 @@ class Fit:
         states = States(x.q, x.qd, x.qdd)
         kernel, unit = self.choice.kernel, self.scaling.unit
         prior = kernel.variance(states)
-        known, basis_part, scale = np.empty((3, *x.q.shape))
+        known, added, scale, noise = np.empty((4, *x.q.shape))
         for joints, basis, system in self.systems:
             rows = list(joints)
             if isinstance(kernel, CoupledKernel):
@@ -182,11 +198,12 @@ class Fit:
                 cross = kernel.cross(states, self.states, joints[0])
             design = basis.design(x)[:, rows, :] / unit[rows][None, :, None]
             found = system.variance(cross.T, design.reshape(len(x) * len(rows), -1))
-            known[:, rows], basis_part[:, rows] = (part.reshape(len(x), -1) for part in found)
-            scale[:, rows] = system.amplitude * unit[rows] ** 2
-        noise = self.choice.noise * self.scaling.noise**2
+            known[:, rows], added[:, rows] = (part.reshape(len(x), -1) for part in found)
+            scale[:, rows] = system.prior_amplitude * unit[rows] ** 2
+            noise[:, rows] = system.amplitude * unit[rows] ** 2
+        noise *= self.choice.noise * self.scaling.noise**2
         left = np.maximum(prior - known, 0.0)
-        return Variance(prior * scale, left * scale, basis_part * scale, noise * scale)
+        return Variance(prior * scale, left * scale, added * scale, noise)
 
     def _gather(self, values: list[Floats]) -> Floats:
         out = np.empty(self.basis.size)
@@ -222,7 +239,9 @@ class Variance:
         return self.kernel + self.basis + self.noise
 
 
-def fit(spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Scaling) -> Fit:
+def fit(
+    spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Scaling
+) -> Fit[System]:
     """Solve (44) for given hyperparameters: one Cholesky factor a system.
 
     Args:
@@ -239,34 +258,43 @@ def fit(spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Sc
     return fit_basis(choice.basis(spec, inputs.joints), choice, inputs, tau, scaling)
 
 
-def fit_basis(basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling) -> Fit:
+def fit_basis(
+    basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling
+) -> Fit[System]:
     """Solve (44) for a basis whose shapes are given; see `fit`.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
-    kernel, states = choice.kernel, States(x.q, x.qd, x.qdd)
-    groups: list[tuple[int, ...]]
-    if isinstance(kernel, CoupledKernel):
-        groups = [tuple(range(states.joints))]
-    else:
-        groups = [(joint,) for joint in range(states.joints)]
-    target = tau / scaling.unit
-    noise = choice.noise * scaling.noise**2
+    states = States(x.q, x.qd, x.qdd)
     systems = []
-    for joints in groups:
-        part = basis.of_joints(joints)
-        rows = list(joints)
-        design = part.design(x)[:, rows, :] / scaling.unit[rows][None, :, None]
-        gram = _gram(kernel, states, joints)
-        system = System.factor(
-            gram,
-            np.tile(noise[rows], len(states)),
-            design.reshape(len(states) * len(rows), part.size),
-            target[:, rows].ravel(),
-        )
-        systems.append((joints, part, system))
-    return Fit(choice, scaling, basis, states, tuple(systems))
+    for joints in joints_together(choice.kernel, states.joints):
+        part, rows = rows_to_learn(basis, choice, x, tau, scaling, joints)
+        gram = _gram(choice.kernel, states, joints)
+        systems.append((joints, part, System.factor(gram, rows.noise, rows.design(), rows.target)))
+    return Fit(choice, scaling, basis, states, len(states), tuple(systems))
+
+
+def joints_together(kernel: Kernel, joints: int) -> list[tuple[int, ...]]:
+    """Which joints are solved together."""
+    if isinstance(kernel, CoupledKernel):
+        return [tuple(range(joints))]
+    return [(joint,) for joint in range(joints)]
+
+
+def rows_to_learn(
+    basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling, joints: tuple[int, ...]
+) -> tuple[Basis, Rows]:
+    """The basis of some joints, and what a system of them learns from, normalised."""
+    part, rows = basis.of_joints(joints), list(joints)
+    noise = choice.noise * scaling.noise**2
+    return part, Rows(
+        States(x.q, x.qd, x.qdd),
+        part.columns(x) / scaling.unit[part.joints],
+        np.array([joints.index(joint) for joint in part.joints], dtype=np.int64),
+        (tau[:, rows] / scaling.unit[rows]).ravel(),
+        np.tile(noise[rows], len(x)),
+    )
 
 
 def _gram(kernel: Kernel, states: States, joints: tuple[int, ...]) -> Floats:

@@ -9,21 +9,26 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError, RecordingError
-from lagrangian_ff.identification.build import Blueprint, Identification, build, folds, seconds
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.build import Identification, build, seconds
 from lagrangian_ff.identification.choosing import choose_all
 from lagrangian_ff.identification.extend import extend, step_record
 from lagrangian_ff.identification.fit import Scaling
 from lagrangian_ff.identification.kept import kept
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
+from lagrangian_ff.identification.sizing import sizes
 from lagrangian_ff.identification.spec import Spec, parse
-from lagrangian_ff.identification.training import TrainingSet, evenly
+from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, Mechanism, States
-from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+
+CHOSEN = 0.3
+"""Share of the work after which hyperparameters are chosen, where the model is on landmarks."""
 
 __all__ = ["SCALES", "Identification", "Settings", "identify"]
 
@@ -61,11 +66,13 @@ def identify(
         _require_lagrangian(spec)
     trained = _trained(motions, settings)
     available = np.flatnonzero(trained)
-    index = available[evenly(len(available), settings.samples)]
+    width = len(data.joints) if issubclass(spec.kernel, CoupledKernel) else 1
+    size = sizes(available, settings, width)
+    few = size.few
     states = States.of(data.q, data.qd, data.qdd)
     inputs = Inputs.of(states, data.time, data.segment)
-    start = starting_choice(spec, States.of(data.q[index], data.qd[index], data.qdd[index]))
-    scalings = _scalings(spec, settings, data.tau[index])
+    start = starting_choice(spec, States.of(data.q[few], data.qd[few], data.qdd[few]))
+    scalings = _scalings(spec, settings, data.tau[few])
     blueprint = Blueprint(
         name=spec.basic,
         choice=start,
@@ -73,14 +80,15 @@ def identify(
         basis=start.basis(spec, len(data.joints)),
         data=data,
         trained=trained,
-        index=index,
+        index=size.centres,
+        seen=size.seen,
         settings=settings,
     )
-    training = TrainingSet(inputs.take(index), data.tau[index], folds(blueprint))
-    chosen = choose_all(
-        spec, training, scalings, settings.selection, settings.evaluations, progress
-    )
-    progress(1.0, "fitting")
+    training = TrainingSet(inputs.take(few), data.tau[few], blueprint.folds(few))
+    chosen_at = 1.0 if blueprint.exact else CHOSEN
+    share = part(progress, 0.0, chosen_at)
+    chosen = choose_all(spec, training, scalings, settings.selection, settings.evaluations, share)
+    progress(chosen_at, "fitting")
     choice, spec = chosen.choice, chosen.spec
     blueprint = replace(
         blueprint,
@@ -92,9 +100,9 @@ def identify(
     facts = {
         "sources": [m.source for m in motions],
         "tried": list(chosen.tried),
-        "seconds": round(time.monotonic() - began, 3),
     }
-    found = build(blueprint, inputs, facts, progress=progress)
+    found = build(blueprint, inputs, facts, progress=part(progress, chosen_at, 1.0))
+    found.record["seconds"] = round(time.monotonic() - began, 3)
     object.__setattr__(found.model, "steps", (step_record("identified", None, found.record),))
     for effect, joint in spec.further:
         for name in [joint] if joint else data.joints:

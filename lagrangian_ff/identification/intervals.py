@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.training import groups
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -28,12 +29,12 @@ def intervals(fitted: Fit, block: Ints) -> tuple[Floats, Floats]:
         low (B,) and high (B,), in the parameters' physical units.
     """
     value, own = fitted.coefficients, fitted.deviations
-    groups = [np.flatnonzero(block == number) for number in np.unique(block)]
-    if len(groups) < 3 or not len(value):
-        reach = own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(groups) - 1))
+    blocks = groups(block)
+    if len(blocks) < 3 or not len(value):
+        reach = own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(blocks) - 1))
         return value - reach, value + reach
-    _, changed = fitted.left_out(groups)
-    count = len(groups)
+    changed = fitted.changed(blocks)
+    count = len(blocks)
     spread = changed - changed.mean(axis=0)
     jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
     reach = np.maximum(own, jackknife) * student.ppf(0.5 + LEVEL / 2.0, df=count - 1)

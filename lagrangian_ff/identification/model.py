@@ -65,7 +65,8 @@ class Model:
         name: kernel and effects, e.g. `vrbfs+fri`.
         kernel: the Lagrangian part's kernel with its hyperparameters.
         basis: the effects and their shapes.
-        centres: (C, N) the training states, and those where the mass matrix is held positive.
+        centres: (C, N) the states that the kernel is built on: samples, and those where the mass
+            matrix is held positive.
         weights: (C, N) a of (45), in units of `unit`.
         coefficients: (B,) b of (45), in physical units.
         unit: (N,) N·m that count as one.
@@ -74,7 +75,8 @@ class Model:
         data: the motion learned from and that held out, at 100 Hz, so that it can be refitted.
         trained: (K,) which samples of it were learned from.
         index: which of them are the first of the centres.
-        noise: (N,) variance of the noise in the kernel's units.
+        seen: (S,) which of them determine the weights: these centres, or many more.
+        noise: (N,) variance of the noise of few samples in the kernel's units.
         noise_share: (N,) relative standard deviation of the noise between joints.
         steps: the model's history: how it was identified and what was added, as JSON holds it.
     """
@@ -92,6 +94,7 @@ class Model:
     data: Motion
     trained: NDArray[np.bool_]
     index: Ints
+    seen: Ints
     noise: Floats
     noise_share: Floats
     steps: tuple[Mapping[str, object], ...] = ()
@@ -111,7 +114,8 @@ class Model:
     def uncertainty(self) -> "Uncertainty":
         """How sure it is of a torque: variance, intervals, what the data say nothing about.
 
-        The first use solves the model's system again from the data that it keeps.
+        The first use solves the model's system again from the data that it keeps, which takes as
+        long as it took when it was identified, its hyperparameters given.
         """
         from lagrangian_ff.identification.uncertainty import Uncertainty
 
@@ -119,8 +123,8 @@ class Model:
 
     @property
     def training_tau(self) -> Floats:
-        """N·m measured at the training states, in the order of `index`."""
-        return np.asarray(self.data.tau[self.index])
+        """(S, N) N·m measured at the samples learned from."""
+        return np.asarray(self.data.tau[self.seen])
 
     def inputs_of_data(self) -> Inputs:
         """All of the data as effects see it."""

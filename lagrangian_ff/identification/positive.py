@@ -24,7 +24,7 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.fit import Fit
 from lagrangian_ff.identification.forward import least, mass_of
-from lagrangian_ff.identification.system import System
+from lagrangian_ff.identification.solution import Solution
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.kernels import CoupledKernel, States
 from lagrangian_ff.progress import Progress, silent
@@ -45,7 +45,7 @@ JITTER = 1e-9
 
 
 @dataclass(frozen=True)
-class Solution:
+class Expansion:
     """What the torque is made of: see `Fit.weights` and `Fit.coefficients`.
 
     Attributes:
@@ -76,7 +76,7 @@ class _Cuts:
         return _Cuts(*(np.vstack(list(part)) for part in parts))
 
 
-def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Solution:
+def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Expansion:
     """Solve again so that the mass matrix is positive definite at some states.
 
     Args:
@@ -90,7 +90,7 @@ def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Solut
     ((_, _, system),) = fitted.systems
     none = np.empty((0, at.joints))
     cuts = _Cuts(none, none, none)
-    solution = Solution(fitted.states, fitted.weights, fitted.coefficients)
+    solution = Expansion(fitted.states, fitted.weights, fitted.coefficients)
     watched = evenly(len(at), WATCHED)
     mass = _mass(fitted, solution, at.take(watched))
     scale = np.sqrt(np.median(np.abs(np.einsum("inn->in", mass)), axis=0))
@@ -122,36 +122,34 @@ def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Solut
     )
 
 
-def _solve(fitted: Fit, system: System, cuts: _Cuts) -> Solution:
+def _solve(fitted: Fit, system: Solution, cuts: _Cuts) -> Expansion:
     """The fit under some constraints."""
     kernel = fitted.choice.kernel
     assert isinstance(kernel, CoupledKernel)
     count = len(cuts.v)
-    data = np.zeros((system.upper.shape[0], count))
-    among = np.zeros((count, count))
+    cross = np.zeros((system.weights.size, count))
+    prior = np.zeros((count, count))
     design = np.zeros((count, fitted.basis.size))
     for sign, state in cuts.sides():
-        data += sign * _along(kernel.cross(fitted.states, state), cuts.v)
+        cross += sign * _along(kernel.cross(fitted.states, state), cuts.v)
         design += sign * np.einsum("rn,rnb->rb", cuts.v, _kept_design(fitted, state))
         for other_sign, other in cuts.sides():
             block = _along(kernel.cross(other, state), cuts.v).reshape(count, -1, count)
-            among += sign * other_sign * np.einsum("rn,rns->rs", cuts.v, block)
-    white = solve_triangular(system.upper, data, trans=1, check_finite=False)
-    left = design - white.T @ system.white_design
-    covariance = among - white.T @ white + left @ system.covariance @ left.T
-    value = data.T @ system.weights + design @ system.coefficients
-    multipliers = _multipliers(covariance, FLOOR - value)
-    moved = system.covariance @ (left.T @ multipliers)
-    change = white @ multipliers + system.white_design @ moved
-    weights = system.weights - solve_triangular(system.upper, change, check_finite=False)
+            prior += sign * other_sign * np.einsum("rn,rns->rs", cuts.v, block)
+    pulled = system.pulled(prior, cross, design)
+    value = cross.T @ system.weights + design @ system.coefficients
+    multipliers = _multipliers(pulled.covariance, FLOOR - value)
+    weights, coefficients = pulled.moved(multipliers)
+    weights += system.weights
+    coefficients += system.coefficients
     active = np.flatnonzero(multipliers)
     added = multipliers[active, None] * cuts.v[active]
     sides = [(sign, state.take(active)) for sign, state in cuts.sides()]
     centres = [fitted.states, *(state for _, state in sides)]
-    return Solution(
+    return Expansion(
         States(*(np.vstack([getattr(c, name) for c in centres]) for name in ("q", "qd", "qdd"))),
         np.vstack([weights.reshape(-1, cuts.v.shape[1]), *(sign * added for sign, _ in sides)]),
-        system.coefficients + moved,
+        coefficients,
     )
 
 
@@ -178,7 +176,7 @@ def _kept_design(fitted: Fit, x: States) -> Floats:
     return out / fitted.scaling.unit[None, :, None]
 
 
-def _mass(fitted: Fit, solution: Solution, at: States) -> Floats:
+def _mass(fitted: Fit, solution: Expansion, at: States) -> Floats:
     """(M, N, N) in units of torque."""
 
     def torque(x: States) -> Floats:

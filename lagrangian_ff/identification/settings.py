@@ -18,7 +18,8 @@ class Settings:
         model: kernel and effects, e.g. `auto+fri`.
         train: the share of each recording, from its beginning, that is learned from; 1 uses all,
             and the error is then that of blocks left out in turn.
-        samples: how many training samples the kernel is built on, evenly spread.
+        samples: how many training samples hyperparameters are chosen on and an exact model is
+            made from, evenly spread.
         block_seconds: length of a block of cross-validation, s.
         folds: in how many folds the blocks are left out.
         selection: how hyperparameters are chosen, `validation` or `evidence`.
@@ -30,6 +31,9 @@ class Settings:
             steps in proportion.
         positive: whether the mass matrix is kept positive definite along the training motion; the
             joints then have one unit of torque, and one Lagrangian.
+        landmarks: how many training samples the kernel is built on where all of them are learned
+            from; 0 makes the model exactly, from `samples` of them. None is 0 for up to two
+            minutes of training motion, and 300 for more, or where `samples` are too many.
     """
 
     model: str = "auto+fri"
@@ -41,6 +45,7 @@ class Settings:
     scale: str = "auto"
     evaluations: int = 90
     positive: bool = False
+    landmarks: int | None = None
 
     def check(self) -> None:
         """Refuse settings that cannot work.
@@ -52,6 +57,8 @@ class Settings:
             raise ModelError(f"train is {self.train}, expected a share above 0 and at most 1")
         if self.samples < 10:
             raise ModelError(f"samples is {self.samples}, expected at least 10")
+        if self.landmarks is not None and self.landmarks < 0:
+            raise ModelError(f"landmarks is {self.landmarks}, expected 0 (exact) or more")
         if self.block_seconds <= 0.0:
             raise ModelError(f"block_seconds is {self.block_seconds}, expected above 0 s")
         if self.folds < 2:

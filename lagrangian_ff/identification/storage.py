@@ -23,14 +23,14 @@ from lagrangian_ff.recording.motion import Motion
 
 FORMAT = "lagrangian_ff model"
 VERSION = 3
-"""The newest; only a model with `MORE` needs it, all others are written as version 2."""
 ARRAYS = {
     "q": 2, "qd": 2, "qdd": 2, "tau": 2, "time": 1, "segment": 1, "trained": 1, "index": 1,
-    "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
+    "seen": 1, "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
+    "more_q": 2, "more_qd": 2, "more_qdd": 2,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
-MORE = {"more_q": 2, "more_qd": 2, "more_qdd": 2}
-"""Centres that are no samples of the data; absent where there are none."""
+MORE = ("more_q", "more_qd", "more_qdd")
+"""Centres that are no samples of the data."""
 
 
 def save(model: Model, path: Path) -> None:
@@ -41,7 +41,7 @@ def save(model: Model, path: Path) -> None:
     """
     header = {
         "format": FORMAT,
-        "version": VERSION if len(model.centres) > len(model.index) else 2,
+        "version": VERSION,
         "joints": list(model.joints),
         "units": {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "tau": "N·m", "time": "s"},
         "name": model.name,
@@ -58,7 +58,7 @@ def save(model: Model, path: Path) -> None:
         "notes": list(model.data.notes),
         "conditioning": dict(model.data.conditioning),
     }
-    data = model.data
+    data, more = model.data, model.centres.take(slice(len(model.index), None))
     arrays: dict[str, Any] = {
         "q": data.q,
         "qd": data.qd,
@@ -68,15 +68,14 @@ def save(model: Model, path: Path) -> None:
         "segment": data.segment,
         "trained": model.trained.astype(np.int8),
         "index": model.index,
+        "seen": model.seen,
         "weights": model.weights,
         "coefficients": model.coefficients,
         "unit": model.unit,
         "noise": model.noise,
         "noise_share": model.noise_share,
+        **dict(zip(MORE, (more.q, more.qd, more.qdd), strict=True)),
     }
-    if len(model.centres) > len(model.index):
-        more = model.centres.take(slice(len(model.index), None))
-        arrays |= {"more_q": more.q, "more_qd": more.qd, "more_qdd": more.qdd}
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
@@ -143,10 +142,10 @@ def _build(
     header: dict[str, Any], arrays: dict[str, Any], path: Path, linkage: Linkage | None
 ) -> Model:
     joints = tuple(str(name) for name in header["joints"])
-    held = dict(ARRAYS)
-    if header["version"] > 2:
-        held |= MORE
-    for name, dimensions in held.items():
+    if header["version"] == 2:  # made exactly, of samples alone
+        none = np.empty((0, len(joints)))
+        arrays = {**arrays, "seen": arrays["index"], **dict.fromkeys(MORE, none)}
+    for name, dimensions in ARRAYS.items():
         found = arrays[name]
         if found.ndim != dimensions or found.dtype.kind not in "fi":
             raise ValueError(f"array {name} has shape {found.shape} and type {found.dtype}")
@@ -158,8 +157,8 @@ def _build(
             raise ValueError(f"array {name} has {len(found)} entries, not {len(arrays['q'])}")
         if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
             raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
-    index = arrays["index"].astype(np.int64)
-    more = [arrays.get(name, np.empty((0, len(joints)))) for name in MORE]
+    index, seen = (arrays[name].astype(np.int64) for name in ("index", "seen"))
+    more = [arrays[name] for name in MORE]
     if len({one.shape for one in more}) != 1:
         raise ValueError(f"arrays {', '.join(MORE)} have shapes {[one.shape for one in more]}")
     centred = len(index) + len(more[0])
@@ -173,10 +172,11 @@ def _build(
         notes=tuple(header["notes"]),
         conditioning=header["conditioning"],
     )
-    if len(index) and not (index.min() >= 0 and index.max() < len(data)):
-        raise ValueError("the centres lie outside the data")
-    seen = data.q[index], data.qd[index], data.qdd[index]
-    centres = States.of(*(np.vstack(both) for both in zip(seen, more, strict=True)))
+    for chosen in (index, seen):
+        if len(chosen) and not (chosen.min() >= 0 and chosen.max() < len(data)):
+            raise ValueError("samples that it was made from lie outside the data")
+    sampled = data.q[index], data.qd[index], data.qdd[index]
+    centres = States.of(*(np.vstack(both) for both in zip(sampled, more, strict=True)))
     values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
     basis = Basis(
         tuple(
@@ -202,6 +202,7 @@ def _build(
         data=data,
         trained=arrays["trained"].astype(bool),
         index=index,
+        seen=seen,
         noise=arrays["noise"],
         noise_share=arrays["noise_share"],
         steps=tuple(header["steps"]),

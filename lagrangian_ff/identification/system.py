@@ -15,12 +15,14 @@ without refitting.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, solve_triangular
+
+from lagrangian_ff.identification.solution import LeftOut, Pulled, Solution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -31,7 +33,7 @@ class NotPositiveDefiniteError(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class System:
+class System(Solution):
     """The factor of G and all that was whitened with it.
 
     Attributes:
@@ -77,20 +79,15 @@ class System:
         """(B, B) Φᵀ G⁻¹ Φ."""
         return self.white_design.T @ self.white_design
 
-    @cached_property
-    def covariance(self) -> Floats:
-        """(B, B) inverse of the information; a direction nothing shows in gets no weight."""
-        scale = np.sqrt(np.diag(self.information))
-        scale[scale == 0.0] = 1.0
-        values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
-        seen = values > values.max(initial=0.0) * 1e-11
-        half = vectors[:, seen] / np.sqrt(values[seen])
-        return np.asarray(half @ half.T / np.outer(scale, scale))
+    @property
+    def count(self) -> int:
+        """n, the number of torques."""
+        return int(self.design.shape[0])
 
     @cached_property
-    def coefficients(self) -> Floats:
-        """(B,) b, what the basis is multiplied by."""
-        return np.asarray(self.covariance @ (self.white_design.T @ self.white_target))
+    def moment(self) -> Floats:
+        """(B,) Φᵀ G⁻¹ y."""
+        return np.asarray(self.white_design.T @ self.white_target)
 
     @cached_property
     def _white_residual(self) -> Floats:
@@ -102,29 +99,14 @@ class System:
         return np.asarray(solve_triangular(self.upper, self._white_residual, check_finite=False))
 
     @property
-    def degrees(self) -> int:
-        """Torques minus the directions of the basis that they determine."""
-        rows, columns = self.design.shape
-        if columns == 0:  # NumPy 1 has no rank for an empty matrix
-            return rows
-        return int(rows - np.linalg.matrix_rank(self.covariance, hermitian=True))
+    def squares(self) -> float:
+        """See `Solution.squares`."""
+        return float(self._white_residual @ self._white_residual)
 
     @property
-    def amplitude(self) -> float:
-        """The variance s² that multiplies G where the evidence is largest, yᵀ P y / degrees."""
-        return float(self._white_residual @ self._white_residual) / self.degrees
-
-    @property
-    def log_evidence(self) -> float:
-        """Restricted log evidence of the torques, its amplitude s² at the best value, in nats."""
-        log_det = 2.0 * float(np.sum(np.log(np.diag(self.upper))))
-        seen = np.linalg.eigvalsh(self.covariance)
-        seen = seen[seen > seen.max(initial=0.0) * 1e-14]
-        return -0.5 * (
-            self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
-            + log_det
-            - float(np.sum(np.log(seen)))
-        )
+    def log_det(self) -> float:
+        """log |G|."""
+        return 2.0 * float(np.sum(np.log(np.diag(self.upper))))
 
     def slope_by_gram(self) -> Floats:
         """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
@@ -154,7 +136,7 @@ class System:
     def _unwhitened_design(self) -> Floats:
         return np.asarray(solve_triangular(self.upper, self.white_design, check_finite=False))
 
-    def left_out(self, groups: Sequence[Ints]) -> "Iterator[LeftOut]":
+    def left_out(self, groups: Sequence[Ints]) -> Iterator[LeftOut]:
         """What each group of rows would meet had the fit not seen it, from the one factor.
 
         Args:
@@ -162,33 +144,63 @@ class System:
         """
         white, covariance = self._unwhitened_design, self.covariance
         for rows in groups:
-            # U⁻¹ is upper triangular: its rows reach no column before the first of the group, and
-            # what memory holds below its diagonal, NaN perhaps, must not be multiplied with.
-            first = int(rows.min())
-            inside = np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None]
-            half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
-            projected = half @ half.T - white[rows] @ covariance @ white[rows].T
-            residual = np.asarray(np.linalg.solve(projected, self.weights[rows]), dtype=np.float64)
+            residual = np.linalg.solve(self._projected(rows), self.weights[rows])
             change = np.asarray(-covariance @ (white[rows].T @ residual))
-            yield LeftOut(rows, residual, change, projected)
+            yield LeftOut(rows, np.asarray(residual, dtype=np.float64), change)
+
+    def left_out_variance(self, groups: Sequence[Ints]) -> Iterator[Floats]:
+        """(R,) for each group the variance over s² of its residuals; see `left_out`.
+
+        Infinite where the other rows leave the basis open.
+        """
+        for rows in groups:
+            try:
+                half = np.linalg.cholesky(self._projected(rows))
+            except np.linalg.LinAlgError:
+                yield np.full(len(rows), np.inf)
+                continue
+            inverse = solve_triangular(half, np.eye(len(half)), lower=True, check_finite=False)
+            yield np.asarray(np.sum(inverse**2, axis=0))
+
+    def _projected(self, rows: Ints) -> Floats:
+        """(R, R) P_ff, whose inverse is the covariance over s² of what these rows leave."""
+        # U⁻¹ is upper triangular: its rows reach no column before the first of the group, and
+        # what memory holds below its diagonal, NaN perhaps, must not be multiplied with.
+        first = int(rows.min())
+        inside = np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None]
+        half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
+        white = self._unwhitened_design[rows]
+        return np.asarray(half @ half.T - white @ self.covariance @ white.T)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
-        """How much of a torque's variance is explained by those of the system, over s².
-
-        Args:
-            cross: (n, R) kernel between the system's rows and R torques.
-            design: (R, B) the basis there.
-
-        Returns:
-            (R,) what the prior variance of the kernel falls by, and (R,) what the uncertainty of
-            the basis adds.
-        """
-        white = solve_triangular(self.upper, cross, trans=1, check_finite=False)
-        left = design - white.T @ self.white_design
+        """See `Solution.variance`."""
+        white, left = self._met(cross, design)
         added = np.sum((left @ self.covariance) * left, axis=1)
         return np.asarray(np.sum(white**2, axis=0)), np.asarray(added)
 
-    def weights_without(self, left: "Sequence[LeftOut]") -> Floats:
+    def pulled(self, prior: Floats, cross: Floats, design: Floats) -> Pulled:
+        """See `Solution.pulled`."""
+        white, left = self._met(cross, design)
+        across = self.covariance @ left.T
+
+        def moved(pull: Floats) -> tuple[Floats, Floats]:
+            change = white @ pull + self.white_design @ (across @ pull)
+            weights = -solve_triangular(self.upper, change, check_finite=False)
+            return np.asarray(weights), np.asarray(across @ pull)
+
+        return Pulled(prior - white.T @ white + left @ across, moved)
+
+    def _met(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
+        """(n, R) whitened kernel, and (R, B) what it leaves of the basis, of R torques."""
+        white = solve_triangular(self.upper, cross, trans=1, check_finite=False)
+        return white, design - white.T @ self.white_design
+
+    def changes(self, groups: Sequence[Ints]) -> Floats:
+        """(G, B) how far the basis coefficients move when each group of rows is left out."""
+        moved = [left.change for left in self.left_out(groups)]
+        return np.array(moved).reshape(len(groups), self.design.shape[1])
+
+    def weights_without(self, left: Sequence[LeftOut]) -> Floats:
         """(n, G) the weights of the fits that did not see a group, one column for each of G.
 
         Such a fit is that of all rows where those left out have the torque it predicts for them.
@@ -200,30 +212,3 @@ class System:
         white -= self.white_design @ (self.covariance @ (self.white_design.T @ white))
         back = solve_triangular(self.upper, white, check_finite=False, overwrite_b=True)
         return np.asarray(self.weights[:, None] - back)
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A group of rows the fit did not see.
-
-    Attributes:
-        rows: (R,) which.
-        residual: (R,) their torque minus the prediction of a fit to all other rows.
-        change: (B,) how far the basis coefficients move when these rows are left out.
-        projected: (R, R) P_ff, whose inverse is the residual's covariance over s².
-    """
-
-    rows: Ints
-    residual: Floats
-    change: Floats
-    projected: Floats = field(repr=False)
-
-    @property
-    def variance(self) -> Floats:
-        """(R,) of the residual, over s²; infinite where the other rows leave the basis open."""
-        try:
-            half = np.linalg.cholesky(self.projected)
-        except np.linalg.LinAlgError:
-            return np.full(len(self.rows), np.inf)
-        inverse = solve_triangular(half, np.eye(len(half)), lower=True, check_finite=False)
-        return np.asarray(np.sum(inverse**2, axis=0))

@@ -37,7 +37,12 @@ class TrainingSet:
 
     def groups(self) -> list[Ints]:
         """The samples of each fold."""
-        return [np.flatnonzero(self.fold == number) for number in np.unique(self.fold)]
+        return groups(self.fold)
+
+
+def groups(part: Ints) -> list[Ints]:
+    """The samples of each part, given the one that each sample lies in (M,)."""
+    return [np.flatnonzero(part == number) for number in np.unique(part)]
 
 
 def evenly(available: int, wanted: int) -> Ints:

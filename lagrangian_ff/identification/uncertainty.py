@@ -7,7 +7,8 @@ The factor of the training Gram matrix gives the variance of a torque,
 what the data leave of the kernel's prior, and the uncertainty of the effects' parameters (Rasmussen
 and Williams 2006, Gaussian Processes for Machine Learning, eq. (2.42)). It believes errors to be
 white noise. On real arms they are not, so that a factor a joint makes the deviations as large as
-the residuals of blocks left out ask for.
+the residuals of blocks left out ask for. Models on landmarks have a variance of the same meaning,
+see `low_rank`.
 """
 
 from collections.abc import Iterator
@@ -19,10 +20,12 @@ from scipy.stats import norm
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.build import blocks, blueprint_of, calibrated, independent
-from lagrangian_ff.identification.calibration import factors, groups
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.calibration import calibrated, factors
 from lagrangian_ff.identification.fit import Fit, Variance, fit_basis
+from lagrangian_ff.identification.low_rank import LOOKED
 from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.solving import solve
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.progress import Progress, silent
 
@@ -52,9 +55,8 @@ class Uncertainty:
     @classmethod
     def of(cls, model: Model) -> "Uncertainty":
         """Solve a model's system again from the data that it keeps."""
-        made = blueprint_of(model)
-        x, tau = _seen(model), model.training_tau
-        fitted = fit_basis(made.basis, made.choice, x, tau, made.scaling)
+        made = Blueprint.of(model)
+        fitted = solve(made, _data(model))
         return cls(model, calibrated(made, fitted), fitted)
 
     def thinned(self, samples: int) -> "Uncertainty":
@@ -71,20 +73,20 @@ class Uncertainty:
         """
         if samples < 10:
             raise ModelError(f"samples is {samples}, expected at least 10")
-        made = blueprint_of(self.model)
-        x, tau = _seen(self.model), self.model.training_tau
+        made = Blueprint.of(self.model)
+        x, tau = _data(self.model).take(made.seen), self.model.training_tau
 
         def fit(among: Ints) -> Fit:
             some = among[evenly(len(among), samples)]
             return fit_basis(made.basis, made.choice, x.take(some), tau[some], made.scaling)
 
-        left_out = groups(blocks(made))
-        expected = np.empty_like(tau)
-        for group in left_out:
+        expected = np.full_like(tau, np.nan)
+        for group in made.apart:
             others = np.setdiff1d(np.arange(len(x)), group)
-            expected[group] = fit(others).variance(x.take(group)).whole
-        residual, _ = self.fitted.left_out(left_out)
-        factor = factors(residual, np.sqrt(expected), independent(made))
+            seen = group[evenly(len(group), LOOKED)]
+            expected[seen] = fit(others).variance(x.take(seen)).whole
+        residual, _ = self.fitted.left_out(made.apart)
+        factor = factors(residual, np.sqrt(expected), len(np.unique(made.seconds)))
         return replace(self, factor=factor, fitted=fit(np.arange(len(x))))
 
     def variance(
@@ -198,10 +200,10 @@ class Uncertainty:
             progress(min(1.0, (first + chunk) / len(x)), "measuring certainty")
 
 
-def _seen(model: Model) -> Inputs:
-    """The samples that the model's kernel is built on."""
+def _data(model: Model) -> Inputs:
+    """All of the data that it keeps."""
     data = model.data
-    return _inputs(model, data.q, data.qd, data.qdd, data.time, data.segment).take(model.index)
+    return _inputs(model, data.q, data.qd, data.qdd, data.time, data.segment)
 
 
 def _inputs(

@@ -123,11 +123,11 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
         "--model", "rbf+viscous", "--train", "0.5", "--samples", "50", "--block", "0.8",
         "--folds", "4", "--selection", "evidence", "--scale", "common", "--joints", "elbow",
         "--effort-scale", "elbow=2", "--effort-offset", "elbow=-0.5", "--bandwidth", "12",
-        "--rate", "50", "--clock", "stamps",
+        "--rate", "50", "--clock", "stamps", "--landmarks", "30",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     record = json.loads(outcome.out)
-    expected = Settings("rbf+viscous", 0.5, 50, 0.8, 4, "evidence", "common")
+    expected = Settings("rbf+viscous", 0.5, 50, 0.8, 4, "evidence", "common", landmarks=30)
     assert {name: record["settings"][name] for name in vars(expected)} == vars(expected)
     conditioning = Conditioning(
         bandwidth=12.0, rate=50.0, clock="stamps", effort_scale={"elbow": 2.0},
@@ -135,6 +135,20 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
     )  # fmt: skip
     assert record["conditioning"] == vars(conditioning)
     assert list(record["joints"]) == ["elbow"]
+
+
+def test_a_model_on_landmarks_says_what_it_learned_from(tmp_path: Path) -> None:
+    source = csv(tmp_path / "arm.csv", arm(seconds=30.0))
+    outcome = lagrangian_ff(
+        "identify", source, "--output", tmp_path / "model.npz", "--json", tmp_path / "found.json",
+        "--samples", "50", "--landmarks", "30", "--model", "motor+fri",
+    )  # fmt: skip
+    assert outcome.code == 0, outcome
+    record = json.loads((tmp_path / "found.json").read_text())
+    assert record["landmarks"] == 30
+    assert record["samples"] > 500
+    assert f"of {record['samples']} samples" in outcome.out
+    assert "the kernel built on 30 of them" in outcome.out
 
 
 def test_options_left_out_leave_the_defaults_to_the_settings(tmp_path: Path) -> None:

@@ -9,7 +9,8 @@ import pendulum
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification import Identification, Settings
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.build import Blueprint, build
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.build import build
 from lagrangian_ff.identification.fit import Scaling, with_noise
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
@@ -44,6 +45,10 @@ def fitted(
     if in_turn:
         trained = data.blocks(wanted.block_seconds) % 5 != 2
     index = np.flatnonzero(trained)[evenly(int(trained.sum()), wanted.samples)]
+    centres = seen = index
+    if wanted.landmarks:
+        seen = np.flatnonzero(trained)
+        centres = seen[evenly(len(seen), wanted.landmarks)]
     states, spec = States.of(data.q, data.qd, data.qdd), parse(name)
     start = starting_choice(spec, states.take(index))
     choice = with_noise(start, np.array([noise]), states.take(index))
@@ -54,7 +59,8 @@ def fitted(
         basis=Basis((*choice.basis(spec, len(data.joints)).terms, *further)),
         data=data,
         trained=trained,
-        index=index,
+        index=centres,
+        seen=seen,
         settings=wanted,
     )
     return build(blueprint, Inputs.of(states, data.time, data.segment), {})

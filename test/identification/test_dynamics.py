@@ -251,3 +251,14 @@ def test_no_acceleration_is_made_up_where_mass_is_not_positive() -> None:
         acceleration(torque, x, np.ones((2, 2)))
     found = acceleration(torque, x.take(slice(0, 1)), np.ones((1, 2)))
     np.testing.assert_allclose(found, 1.0)
+
+
+def test_a_model_on_landmarks_tells_as_much() -> None:
+    model = fitted("chain+fri", landmarks=40).model
+    x = pendulum.states(20.0, 7.0, seed=0)[1]
+    expected = pendulum.mass_matrix(x.q)
+    np.testing.assert_allclose(
+        model.dynamics.mass_matrix(x.q), expected, atol=0.02 * expected.max()
+    )
+    torque = model.predict(x.q, x.qd, x.qdd)
+    np.testing.assert_allclose(model.dynamics.forward(x.q, x.qd, torque), x.qdd, atol=1e-6)

@@ -1,6 +1,7 @@
 """From a motion to a judged model."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pendulum
@@ -157,7 +158,8 @@ def test_the_scale_follows_whether_the_joints_share_one_lagrangian() -> None:
     assert float(str(agreed.record["nmse"])) < float(str(by_force.record["nmse"]))
 
 
-def test_a_joint_that_stands_still_is_survived() -> None:
+@pytest.mark.parametrize("landmarks", [0, 40])
+def test_a_joint_that_stands_still_is_survived(landmarks: int) -> None:
     motion = pendulum.motion(20.0)
     q, zero = motion.q.copy(), np.zeros(len(motion))
     q[:, 1] = 0.3
@@ -165,7 +167,8 @@ def test_a_joint_that_stands_still_is_survived() -> None:
     calm = np.column_stack([motion.qdd[:, 0], zero])
     tau = np.column_stack([motion.tau[:, 0], zero])
     parts = {"q": q, "qd": still, "qdd": calm, "tau": tau}
-    found = identify(type(motion)(**{**motion.__dict__, **parts}), FEW)
+    settings = replace(FEW, landmarks=landmarks)
+    found = identify(type(motion)(**{**motion.__dict__, **parts}), settings)
     assert np.isfinite(found.predicted).all()
     assert np.isfinite(found.model.coefficients).all()
 
@@ -176,6 +179,7 @@ def test_a_joint_that_stands_still_is_survived() -> None:
         (Settings(train=0.0), "train is 0"),
         (Settings(train=1.5), "train is 1.5"),
         (Settings(samples=3), "samples is 3"),
+        (Settings(landmarks=-1), "landmarks is -1"),
         (Settings(block_seconds=-1.0), "block_seconds"),
         (Settings(folds=1), "folds is 1"),
         (Settings(scale="none"), "scale is 'none'"),

@@ -58,6 +58,20 @@ def test_every_sort_of_kernel_corrects(name: str, wrong: Robot) -> None:
     assert some.model.name == f"{name}+fri"
 
 
+@pytest.mark.parametrize("name", ["auto", "rbfs", "none"])
+def test_a_known_robot_is_learned_on_landmarks(name: str, wrong: Robot, tmp_path: Path) -> None:
+    settings = replace(SETTINGS, model=f"{name}+fri", evaluations=6, landmarks=30)
+    some = identified(wrong, settings)
+    assert (some.record["samples"], some.record["landmarks"]) == (800, 30)
+    assert error(some) < 0.1 * pendulum.motion(40.0).tau.std()
+    some.model.save(tmp_path / "model.npz")
+    again, data = Model.load(tmp_path / "model.npz"), pendulum.motion(3.0, seed=4)
+    x = data.q, data.qd, data.qdd
+    np.testing.assert_array_equal(again.predict(*x), some.model.predict(*x))
+    low, high = again.uncertainty.interval(*x)
+    assert (low < high).all()
+
+
 def test_what_neither_bodies_nor_friction_hold_is_left_to_the_kernel(wrong: Robot) -> None:
     data = pendulum.motion(40.0, noise=0.01)
     spring = 3.0 * np.sin(2.0 * data.q)

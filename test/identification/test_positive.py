@@ -1,6 +1,7 @@
 """A mass matrix kept positive definite: that it is, and that nothing else is given up for it."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pendulum
@@ -20,9 +21,10 @@ NOISY = pendulum.motion(20.0, 50.0, noise=1.0, seed=3)
 """As much noise as torque: its mass matrix is anything."""
 
 
-def found(name: str, positive: bool) -> Identification:
-    """A fit of few samples of the noisy motion."""
-    return fitted(f"{name}+fri", NOISY, further=ROTOR, samples=40, noise=1e-2, positive=positive)
+def found(name: str, positive: bool, landmarks: int | None = None) -> Identification:
+    """A fit of few samples of the noisy motion, or of all of them on landmarks."""
+    how: dict[str, Any] = {"samples": 40, "positive": positive, "landmarks": landmarks}
+    return fitted(f"{name}+fri", NOISY, further=ROTOR, noise=1e-2, **how)
 
 
 def least(model: Model) -> float:
@@ -85,6 +87,17 @@ def test_it_is_the_nearest_one(name: str) -> None:
     force = np.einsum("inb,in->b", design, held.weights[:count])
     force[rotor] += np.sum(multiplier * moved.qdd[:, 1] ** 2) / unit
     np.testing.assert_allclose(force, 0.0, atol=1e-6 * np.abs(held.weights).max())
+
+
+def test_models_on_landmarks_are_kept_positive_as_well(tmp_path: Path) -> None:
+    free, kept = (found("vrbfs", positive, landmarks=20) for positive in (False, True))
+    assert least(free.model) < 0.0
+    assert least(kept.model) > 0.0
+    kept.model.save(tmp_path / "model.npz")
+    again = Model.load(tmp_path / "model.npz")
+    assert (len(again.index), len(again.seen)) == (20, 800)
+    assert least(again) == pytest.approx(least(kept.model))
+    assert least(extend(again, EFFECTS["spring"], "elbow").model) > 0.0
 
 
 def test_a_good_model_stays_as_it_is() -> None:

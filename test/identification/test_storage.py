@@ -13,8 +13,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.identification.storage import VERSION
 from lagrangian_ff.kernels import KERNELS
 
@@ -53,6 +54,19 @@ def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any]], None]
     text = json.dumps(content["header"]).encode()
     np.savez(target, **{**content, "header": np.frombuffer(text, dtype=np.uint8)})
     return target
+
+
+def test_a_model_of_version_2_was_made_exactly(saved: Path, tmp_path: Path) -> None:
+    def older(content: dict[str, Any]) -> None:
+        content["header"]["version"] = 2
+        for name in ("seen", "more_q", "more_qd", "more_qdd"):
+            del content[name]
+        del content["header"]["record"]["settings"]["landmarks"]
+
+    model = Model.load(rewrite(saved, tmp_path / "older.npz", older))
+    np.testing.assert_array_equal(model.seen, model.index)
+    more = extend(model, EFFECTS["stribeck"], "elbow")
+    assert more.record["samples"] == len(model.index)
 
 
 def test_a_newer_version_says_so(saved: Path, tmp_path: Path) -> None:

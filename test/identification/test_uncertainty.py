@@ -1,5 +1,6 @@
 """How sure a model is: against dense formulas, against refitting, and against what happens."""
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -84,11 +85,13 @@ def test_what_it_expects_of_samples_left_out_is_what_a_fit_without_them_would(na
     assert np.isnan(found[rest]).all()
 
 
-def coverage(name: str, motions: list[Motion], thinned: int = 0) -> Floats:
+def coverage(
+    name: str, motions: list[Motion], thinned: int = 0, landmarks: int | None = None
+) -> Floats:
     """The share of each joint's torques in blocks held out that its interval holds, on average."""
     shares = []
     for motion in motions:
-        found = fitted(name, motion, samples=200, noise=1e-3, in_turn=True)
+        found = fitted(name, motion, samples=200, noise=1e-3, in_turn=True, landmarks=landmarks)
         certain = found.model.uncertainty
         if thinned:
             certain = certain.thinned(thinned)
@@ -112,6 +115,15 @@ def test_they_hold_them_where_errors_are_no_white_noise(thinned: int) -> None:
     assert np.abs(coverage("vrbfs+fri", motions, thinned) - 0.9).max() < 0.05
 
 
+@pytest.mark.parametrize(
+    ("name", "thinned"), [("chain+fri", 0), ("srbfs+fri", 0), ("vrbfs+fri", 0), ("vrbfs+fri", 50)]
+)
+def test_models_on_landmarks_hold_them_as_well(name: str, thinned: int) -> None:
+    """Neighbours err alike here: 2400 samples say as much as few of them."""
+    motions = [wandering(60.0, seed) for seed in range(3)]
+    assert np.abs(coverage(name, motions, thinned, landmarks=40) - 0.9).max() < 0.05
+
+
 def test_the_record_tells_what_deviations_are_multiplied_with() -> None:
     found = fitted("vrbfs+fri", wandering(30.0, 1))
     record = found.record["uncertainty"]
@@ -123,8 +135,9 @@ def test_the_record_tells_what_deviations_are_multiplied_with() -> None:
 
 
 def test_uncertainty_grows_outside_the_data() -> None:
-    for name in ("vrbfs+fri", "chain_rbf+fri", "srbf+fri"):
-        model = fitted(name).model
+    some = ("vrbfs+fri", "chain_rbf+fri", "srbf+fri")
+    for name, landmarks in itertools.product(some, (None, 40)):
+        model = fitted(name, landmarks=landmarks).model
         q = model.data.q[0]
         steps = np.array([0.0, 1.5, 3.0, 6.0])[:, None]
         qd, far = np.tile([1.0, 1.0], (4, 1)), model.range.qd_max * steps
@@ -181,8 +194,9 @@ def test_effects_that_follow_the_torque_are_met_with_what_the_model_says_of_it()
     assert np.isfinite(variance).all()
 
 
-def test_a_model_file_is_as_sure_as_the_model(tmp_path: Path) -> None:
-    found = fitted("vrbfs+fri", samples=60)
+@pytest.mark.parametrize("landmarks", [None, 40])
+def test_a_model_file_is_as_sure_as_the_model(landmarks: int | None, tmp_path: Path) -> None:
+    found = fitted("vrbfs+fri", samples=60, landmarks=landmarks)
     found.model.save(tmp_path / "model.npz")
     again, x = Model.load(tmp_path / "model.npz"), found.held_out
     np.testing.assert_allclose(

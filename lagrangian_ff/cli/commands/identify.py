@@ -111,8 +111,16 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--samples",
         type=int,
         metavar="M",
-        help="training samples the model is built on, evenly spread (default: 500); "
-        "the time grows with the cube",
+        help="training samples an exact model is built on, evenly spread (default: 500); "
+        "the time grows with the cube; more than 1500 of six joints turn to --landmarks",
+    )
+    group.add_argument(
+        "--landmarks",
+        type=int,
+        metavar="C",
+        help="build the kernel on C samples and learn from all of them, in time linear in the "
+        "recording; 0: an exact model of --samples (default: 0 for up to two minutes of training "
+        "motion, 300 for more)",
     )
     group.add_argument(
         "--block",
@@ -178,6 +186,7 @@ def _settings(arguments: Namespace) -> "Settings":
 
     options = (
         "model", "train", "samples", "block_seconds", "folds", "selection", "scale", "positive",
+        "landmarks",
     )  # fmt: skip
     given = {name: getattr(arguments, name) for name in options}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})

@@ -33,6 +33,11 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
         f"model {record['model']} of {record['samples']} samples from "
         f"{record['training_seconds']:.1f} s of motion, found in {record['seconds']:.1f} s"
     )
+    if record.get("landmarks"):
+        console.paragraph(
+            f"all training samples were learned from, with the kernel built on "
+            f"{record['landmarks']} of them; --landmarks 0 makes an exact model of --samples"
+        )
     for text in scaling(record.get("conditioning")):
         console.say(text)
     console.say(known(record.get("mechanism")))

@@ -1,0 +1,148 @@
+"""What a solved semi-parametric model says of its basis and of itself, however it was solved.
+
+With G the covariance of n torques y and Φ their basis, everything here follows from Φᵀ G⁻¹ Φ,
+Φᵀ G⁻¹ y, yᵀ P y and log |G|; see `system` for P.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+UNSEEN = 1e-11
+"""Share of the largest eigenvalue of the scaled information below which nothing shows."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A group of rows the fit did not see.
+
+    Attributes:
+        rows: (R,) which.
+        residual: (R,) their torque minus the prediction of a fit to all other rows.
+        change: (B,) how far the basis coefficients move when these rows are left out.
+    """
+
+    rows: Ints
+    residual: Floats
+    change: Floats
+
+
+@dataclass(frozen=True)
+class Pulled:
+    """How a solution gives way where functionals of its torque are pulled at.
+
+    Attributes:
+        covariance: (R, R) of the functionals, over s²: what the data leave of their prior.
+        moved: for pulls (R,), how far the weights (C n,) and the coefficients (B,) move; besides,
+            the kernel of each functional joins the sum, multiplied by its pull.
+    """
+
+    covariance: Floats
+    moved: Callable[[Floats], tuple[Floats, Floats]]
+
+
+class Solution(ABC):
+    """The torques of the joints that are solved together, solved."""
+
+    @property
+    @abstractmethod
+    def count(self) -> int:
+        """n, the number of torques."""
+
+    @property
+    @abstractmethod
+    def information(self) -> Floats:
+        """(B, B) Φᵀ G⁻¹ Φ."""
+
+    @property
+    @abstractmethod
+    def moment(self) -> Floats:
+        """(B,) Φᵀ G⁻¹ y."""
+
+    @property
+    @abstractmethod
+    def squares(self) -> float:
+        """The whitened squares left over, yᵀ P y."""
+
+    @property
+    @abstractmethod
+    def log_det(self) -> float:
+        """log |G|."""
+
+    @property
+    @abstractmethod
+    def weights(self) -> Floats:
+        """(C n,) what the kernel at the model's centres is multiplied by."""
+
+    @abstractmethod
+    def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
+        """How much of a torque's variance the data explain, over s².
+
+        Args:
+            cross: (C n, R) kernel between the model's centres and R torques.
+            design: (R, B) the basis there.
+
+        Returns:
+            (R,) what the prior variance of the kernel falls by, and (R,) what the uncertainty of
+            the basis adds.
+        """
+
+    @abstractmethod
+    def pulled(self, prior: Floats, cross: Floats, design: Floats) -> Pulled:
+        """What some functionals of the torque, as a sum of several, may be moved to, and how.
+
+        Args:
+            prior: (R, R) their kernel.
+            cross: (C n, R) kernel between the model's centres and them.
+            design: (R, B) the basis there.
+        """
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """(B, B) inverse of the information; a direction nothing shows in gets no weight."""
+        scale = np.sqrt(np.diag(self.information))
+        scale[scale == 0.0] = 1.0
+        values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
+        seen = values > values.max(initial=0.0) * UNSEEN
+        half = vectors[:, seen] / np.sqrt(values[seen])
+        return np.asarray(half @ half.T / np.outer(scale, scale))
+
+    @cached_property
+    def coefficients(self) -> Floats:
+        """(B,) b, what the basis is multiplied by."""
+        return np.asarray(self.covariance @ self.moment)
+
+    @property
+    def degrees(self) -> int:
+        """Torques minus the directions of the basis that they determine."""
+        if len(self.moment) == 0:  # NumPy 1 has no rank for an empty matrix
+            return self.count
+        return int(self.count - np.linalg.matrix_rank(self.covariance, hermitian=True))
+
+    @property
+    def amplitude(self) -> float:
+        """The variance s² that multiplies G where the evidence is largest, yᵀ P y / degrees."""
+        return self.squares / self.degrees
+
+    @property
+    def prior_amplitude(self) -> float:
+        """The variance that multiplies the kernel and what is told by samples that err alike."""
+        return self.amplitude
+
+    @property
+    def log_evidence(self) -> float:
+        """Restricted log evidence of the torques, its amplitude s² at the best value, in nats."""
+        seen = np.linalg.eigvalsh(self.covariance)
+        seen = seen[seen > seen.max(initial=0.0) * 1e-14]
+        return -0.5 * (
+            self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
+            + self.log_det
+            - float(np.sum(np.log(seen)))
+        )
