@@ -235,6 +235,11 @@ class Dynamics:
 
 def no_lagrangian(model: Model) -> str:
     """Why a model's joints share no Lagrangian, and what to do; empty where they do."""
+    if not isinstance(model.kernel, LagrangianKernel) and model.kernel.mechanism is not None:
+        return (
+            f"the kernel {model.kernel.name} of a known mechanism tells torques only, no "
+            "Lagrangian, mass matrix or energy; of a robot from a URDF chain+fri and energy+fri do"
+        )
     if not isinstance(model.kernel, LagrangianKernel):
         return (
             f"the joints of a {model.kernel.name} model are learned apart, they share no "

@@ -28,6 +28,7 @@ from lagrangian_ff.kernels.base import (
     DifferentiableKernel,
     Hyperparameter,
     Kernel,
+    LagrangianKernel,
     Learned,
     largest,
 )
@@ -149,6 +150,10 @@ class Known(CoupledKernel):
         found = self.bodies * (alpha * tree.inertial.ravel() + delta)
         return np.asarray(found.reshape(-1, 10))
 
+    def rotors(self, u: States, a: Floats) -> Floats:
+        """(N,) kg·m² of the rotors found, for coefficients a (M_u, N)."""
+        return np.asarray(self.bodies * self.armature**2 * np.sum(u.qdd * a, axis=0))
+
     def _features(self, x: States) -> Floats:
         """(M N, F) Z with Z Zᵀ = K − c K'."""
         rows = self._rows(x)
@@ -166,6 +171,27 @@ class Known(CoupledKernel):
     def _rotors(self, x: States) -> Floats:
         weighed = np.sqrt(self.bodies) * self.armature * x.qdd
         return np.asarray((weighed[:, :, None] * np.eye(x.joints)).reshape(-1, x.joints))
+
+
+class KnownLagrangian(Known, LagrangianKernel):
+    """Known bodies and a kernel that tells its Lagrangian."""
+
+    def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.lagrangian`."""
+        assert isinstance(self.kernel, LagrangianKernel)
+        kinetic = 0.5 * np.sum(x.qd * self._momentum(x, u, a), axis=1)
+        potential = self.mechanism.tree.potential(x.q) @ self.inertial(u, a).ravel()
+        return kinetic - potential + self.correction * self.kernel.lagrangian(x, u, a)
+
+    def momentum(self, x: States, u: States, a: Floats) -> Floats:
+        """See `LagrangianKernel.momentum`."""
+        assert isinstance(self.kernel, LagrangianKernel)
+        return self._momentum(x, u, a) + self.correction * self.kernel.momentum(x, u, a)
+
+    def _momentum(self, x: States, u: States, a: Floats) -> Floats:
+        """(M, N) that of the bodies and their rotors."""
+        bodies = self.mechanism.tree.momentum(x) @ self.inertial(u, a).ravel()
+        return np.asarray(bodies + self.rotors(u, a) * x.qd)
 
 
 @dataclass(frozen=True)
@@ -215,8 +241,6 @@ class KnownDifferentiable(Known, DifferentiableKernel):
 
 def known(robot: "Robot", family: type[Kernel]) -> type[Kernel]:
     """The family of kernels of a robot that learn by another family what is not known of it."""
-    differentiable = issubclass(family, DifferentiableKernel)
-    base = KnownDifferentiable if differentiable else Known
     words: dict[str, Any] = {
         "mechanism": robot,
         "family": family,
@@ -224,6 +248,11 @@ def known(robot: "Robot", family: type[Kernel]) -> type[Kernel]:
         "meaning": f"the bodies of {robot.name}, corrected by: {family.meaning}",
         "searched": (*family.searched, CORRECTION),
     }
+    bases: list[type[Kernel]] = []
+    if issubclass(family, LagrangianKernel):
+        words["quadratic"] = family.quadratic
+        bases.append(KnownLagrangian)
     if issubclass(family, DifferentiableKernel):
         words["differentiable"] = (*family.differentiable, "deviation", "armature")
-    return type(f"Known{family.__name__}", (base,), words)
+        bases.append(KnownDifferentiable)
+    return type(f"Known{family.__name__}", tuple(bases or [Known]), words)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from lagrangian_ff.kernels.rigid.loops import write_regressor
 from lagrangian_ff.kernels.states import States
@@ -67,3 +68,33 @@ class Tree:
         )  # fmt: skip
         write_regressor((x.q, x.qd, x.qdd), tree, self.gravity, out)
         return out.reshape(len(x), x.joints, -1)
+
+    def momentum(self, x: States) -> Floats:
+        """(M, N, 10 B) momentum ∂L/∂qd of each joint per unit of each body's parameters."""
+        rest = x.at_rest()
+        return self.regressor(States(x.q, rest.qd, x.qd)) - self.regressor(rest)
+
+    def potential(self, q: Floats) -> Floats:
+        """(M, 10 B) J of potential energy per unit of each body's parameters, for q (M, N).
+
+        It is zero where a body's mass is in the origin of the base.
+        """
+        out = np.zeros((len(q), self.bodies, 10))
+        turns: list[Floats] = []
+        places: list[Floats] = []
+        for body, (parent, driver) in enumerate(zip(self.parent, self.driver, strict=True)):
+            position = np.full(len(q), self.shift[body])
+            if driver >= 0:
+                position += self.ratio[body] * q[:, driver]
+            slides = bool(self.sliding[body] > 0.0)
+            moved = self.rotation[body] @ self.axis[body] * (position * slides)[:, None]
+            own = Rotation.from_rotvec(self.axis[body] * (position * (not slides))[:, None])
+            turn, place = self.rotation[body] @ own.as_matrix(), self.offset[body] + moved
+            if parent >= 0:
+                place = places[parent] + np.einsum("mij,mj->mi", turns[parent], place)
+                turn = turns[parent] @ turn
+            turns.append(turn)
+            places.append(place)
+            out[:, body, 0] = -place @ self.gravity
+            out[:, body, 1:4] = -np.einsum("i,mij->mj", self.gravity, turn)
+        return out.reshape(len(q), -1)

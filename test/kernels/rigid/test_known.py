@@ -5,7 +5,13 @@ import pytest
 from mechanism_examples import Crossed, robot
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import KERNELS, DifferentiableKernel, Mechanism, States
+from lagrangian_ff.kernels import (
+    KERNELS,
+    DifferentiableKernel,
+    LagrangianKernel,
+    Mechanism,
+    States,
+)
 from lagrangian_ff.kernels.rigid.known import Known
 
 Floats = NDArray[np.float64]
@@ -96,3 +102,20 @@ def test_derivatives_are_those_of_differences(mechanism: Mechanism, name: str) -
             np.testing.assert_allclose(derivative.product[place], slope @ vector, atol=1e-4 * scale)
             total = float(np.sum(weights * slope))
             np.testing.assert_allclose(derivative.total[place], total, atol=1e-3 * scale)
+
+
+@pytest.mark.parametrize("name", ["chain", "vrbfs"])
+def test_the_torque_is_that_of_the_lagrangian_it_tells(name: str) -> None:
+    x, u = random_states(6, 1), random_states(20, 2)
+    kernel, a = start(name, u), np.random.default_rng(3).normal(size=(20, 3))
+    assert isinstance(kernel, LagrangianKernel)
+    step = 1e-5
+    change, force = np.zeros((2, 6, 3))
+    for sign in (1.0, -1.0):
+        later = States.of(x.q + sign * step * x.qd, x.qd + sign * step * x.qdd, x.qdd)
+        change += sign * kernel.momentum(later, u, a) / (2.0 * step)
+        for n, one in enumerate(np.eye(3)):
+            moved = States.of(x.q + sign * step * one, x.qd, x.qdd)
+            force[:, n] += sign * kernel.lagrangian(moved, u, a) / (2.0 * step)
+    expected = kernel.apply(x, u, a)
+    np.testing.assert_allclose(change - force, expected, atol=1e-6 * np.abs(expected).max())
