@@ -12,8 +12,9 @@ import numpy as np
 from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.equations import fit_basis
 from lagrangian_ff.identification.evidence import slopes_of
-from lagrangian_ff.identification.fit import Scaling, fit_basis
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.identification.training import TrainingSet

@@ -49,8 +49,8 @@ def motion(samples: int, joints: int) -> tuple[Floats, Floats, Floats, Floats, F
 def fit_one(samples: int, joints: int, landmarks: int) -> float:
     """Seconds of a whole fit on so many samples, without what is compiled at first."""
     from lagrangian_ff.effects import Inputs
-    from lagrangian_ff.identification.fit import Scaling
-    from lagrangian_ff.identification.fit_landmarks import fit_landmarks
+    from lagrangian_ff.identification.choice import Scaling
+    from lagrangian_ff.identification.fit_landmarks import LandmarkEquations
     from lagrangian_ff.identification.search import starting_choice
     from lagrangian_ff.identification.spec import parse
     from lagrangian_ff.identification.training import evenly
@@ -67,7 +67,8 @@ def fit_one(samples: int, joints: int, landmarks: int) -> float:
     def fit(count: int) -> float:
         part, groups = x.take(slice(0, count)), np.array_split(np.arange(count), 5)
         began = time.process_time()  # other work on the machine must not count
-        found = fit_landmarks(basis, choice, Inputs.of(part), tau[:count], scaling, at, groups)
+        parts = basis, choice, Inputs.of(part), tau[:count], scaling, at, groups
+        found = LandmarkEquations.of(*parts).solve()
         assert np.isfinite(found.weights).all()
         assert np.isfinite(found.coefficients).all()
         return time.process_time() - began

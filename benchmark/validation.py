@@ -13,7 +13,8 @@ import numpy as np
 from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.fit import Choice, Scaling, fit_basis
+from lagrangian_ff.identification.choice import Choice, Scaling
+from lagrangian_ff.identification.equations import fit_basis
 from lagrangian_ff.identification.search import starting_choice, validation_score
 from lagrangian_ff.identification.spec import parse
 

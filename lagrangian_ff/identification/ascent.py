@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from lagrangian_ff.identification.system import NotPositiveDefiniteError, System
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.system import System
 from lagrangian_ff.kernels import DifferentiableKernel, States
 
 Floats = NDArray[np.float64]
@@ -127,6 +128,7 @@ def slopes_by_gram(
     states: States,
     noise: Floats,
     second: Floats | None = None,
+    trust: Floats | None = None,
 ) -> Slopes:
     """By the logarithms of the kernel's numbers, in their order, and of the noise, joint by joint.
 
@@ -134,9 +136,11 @@ def slopes_by_gram(
         system: of all joints.  kernel, states: of its Gram matrix K.
         noise: (N,) variance of each joint's torque in it.
         second: (M N,) m of a Gram matrix K + K ∘ m mᵀ; without it, K alone.
+        trust: (M, N) in each torque, whose noise is 1 / trust times as large; None trusts all.
     """
     by_gram = system.slope_by_gram()
-    diagonal = np.diag(by_gram).reshape(-1, len(noise)).sum(axis=0)
+    each = np.tile(noise, (len(states), 1)) / (1.0 if trust is None else trust)
+    diagonal = (np.diag(by_gram).reshape(each.shape) * each).sum(axis=0)
     if second is not None:
         by_gram *= 1.0 + np.outer(second, second)
     found = kernel.contract(states, by_gram, system.weights)
@@ -147,8 +151,8 @@ def slopes_by_gram(
         again = kernel.contract(states, by_gram, system.weights * second)
         for product, (name, value) in zip(products, values.items(), strict=True):
             product += again[name].product * value[:, None] * second
-    own = np.tile(np.diag(noise), len(states)) * system.weights
-    slope = -0.5 * np.concatenate([*totals, diagonal * noise])
+    own = np.tile(np.eye(len(noise)), len(states)) * each.ravel() * system.weights
+    slope = -0.5 * np.concatenate([*totals, diagonal])
     moved = np.vstack([*products, own])
     white = projected(system, moved)
     shared = 0.5 * moved @ system.weights / system.amplitude

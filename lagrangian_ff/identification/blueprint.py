@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.fit import Choice, Scaling
+from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.robust import doubted
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.identification.training import evenly, groups
+from lagrangian_ff.identification.training import TrainingSet, evenly, groups
 from lagrangian_ff.recording.motion import Motion
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
@@ -33,6 +36,7 @@ class Blueprint:
         index: (C,) those the kernel is built on.
         seen: (S,) those that determine the coefficients; the same where the fit is exact.
         settings: how all this was chosen.
+        trust: (S, N) in each torque of `seen`, which Huber's loss begins with; None for squares.
     """
 
     name: str
@@ -44,12 +48,15 @@ class Blueprint:
     index: Ints
     seen: Ints
     settings: Settings
+    trust: Floats | None = None
 
     @classmethod
     def of(cls, model: Model) -> "Blueprint":
-        """What a model was made from."""
-        settings = model.record.get("settings")
-        known = Settings(**settings) if isinstance(settings, dict) else Settings()
+        """What a model was made from.
+
+        Raises:
+            ModelError: its record tells settings that cannot be.
+        """
         return cls(
             name=model.name,
             choice=Choice(model.kernel, model.noise, {}),
@@ -59,7 +66,8 @@ class Blueprint:
             trained=model.trained,
             index=model.index,
             seen=model.seen,
-            settings=known,
+            settings=Settings.from_record(model.record.get("settings", {})),
+            trust=model.trust,
         )
 
     @property
@@ -67,12 +75,18 @@ class Blueprint:
         """Whether the kernel is built on all that is learned from."""
         return np.array_equal(self.index, self.seen)
 
-    @property
-    def few(self) -> Ints:
-        """(F,) samples for what is searched: few enough for an exact fit."""
-        if self.exact:
-            return self.index
-        return np.asarray(self.seen[evenly(len(self.seen), FEW)])
+    def few(self, inputs: Inputs, most: int | None = None) -> TrainingSet:
+        """Samples for what is searched, few enough for an exact fit; outliers hardly count.
+
+        Args:
+            inputs: all of the data as effects see it.
+            most: how many there are at most.
+        """
+        at = np.arange(len(self.seen)) if self.exact else evenly(len(self.seen), FEW)
+        at = at if most is None else at[evenly(len(at), most)]
+        index = self.seen[at]
+        trust = None if self.trust is None else doubted(self.trust[at])
+        return TrainingSet(inputs.take(index), self.data.tau[index], self.folds(index), trust)
 
     def blocks(self, samples: Ints) -> Ints:
         """(F,) the block of time each of some training samples lies in, counted from 0."""

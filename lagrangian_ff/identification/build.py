@@ -15,10 +15,11 @@ from lagrangian_ff.identification.intervals import LEVEL
 from lagrangian_ff.identification.mass_matrix import mass_record
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.identification.outliers import doubtful, outlier_record
 from lagrangian_ff.identification.positive import Expansion, keep_positive
 from lagrangian_ff.identification.records import effect_records, hyperparameter_record
 from lagrangian_ff.identification.score import Score
-from lagrangian_ff.identification.solving import notes_of, solve
+from lagrangian_ff.identification.solving import solve
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
@@ -67,16 +68,21 @@ def build(
         progress: told the share done.
 
     Raises:
-        ModelError: the chosen noise is too small for the arithmetic, the landmarks take too much
-            memory, or the mass matrix cannot be kept positive.
+        ModelError: no noise makes the Gram matrix fit for the arithmetic, or the mass matrix cannot
+            be kept positive.
     """
     began = time.monotonic()
     data, learned = blueprint.data, blueprint.data.take(blueprint.seen)
-    fitted = solve(blueprint, inputs, part(progress, 0.0, 0.8))
+    solved = solve(blueprint, inputs, part(progress, 0.0, 0.8))
+    fitted = solved.fitted
     expansion = _expansion(blueprint, fitted, part(progress, 0.8, 0.9))
     residual, _ = fitted.left_out(blueprint.folded)
     left_out = learned.tau - residual
     training = data.take(blueprint.trained)
+    believed, trust = training.tau, None
+    if solved.threshold is not None:
+        trust = fitted.trust
+        believed = np.where(doubtful(trust), 0.0, learned.tau)
     model = Model(
         joints=data.joints,
         name=blueprint.name,
@@ -86,15 +92,16 @@ def build(
         weights=expansion.weights,
         coefficients=expansion.coefficients,
         unit=fitted.scaling.unit,
-        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), training.tau),
+        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), believed),
         record={},
         data=data,
         trained=blueprint.trained,
         index=blueprint.index,
         seen=blueprint.seen,
-        noise=blueprint.choice.noise,
+        noise=solved.noise,
         noise_share=blueprint.scaling.noise,
         steps=steps,
+        trust=trust,
     )
     if blueprint.trained.all():
         held_out, predicted = learned, left_out
@@ -106,7 +113,7 @@ def build(
         whole = model.predict(*states, share, time=data.time, segment=data.segment)
         predicted = whole[~blueprint.trained]
         judged = "motion after the training part"
-    factor = calibrated(blueprint, fitted).tolist()
+    factor = calibrated(blueprint, solved).tolist()
     values = expansion.coefficients
     record: dict[str, object] = {
         "model": blueprint.name,
@@ -120,7 +127,7 @@ def build(
         "held_out_seconds": seconds(held_out),
         "hyperparameters": hyperparameter_record(fitted.choice, blueprint.basis, len(learned)),
         "scale": "common" if np.ptp(fitted.scaling.unit) == 0.0 else "joint",
-        "effects": effect_records(fitted, values, data.joints, blueprint.seconds),
+        "effects": effect_records(solved.weighed, values, data.joints, blueprint.seconds),
         "mass_matrix": mass_record(model),
         "uncertainty": {
             "level": LEVEL,
@@ -130,10 +137,12 @@ def build(
         "range": model.range.record(),
         "settings": asdict(blueprint.settings),
         "conditioning": dict(training.conditioning),
-        "notes": [*training.notes, *notes_of(blueprint, fitted)],
+        "notes": [*training.notes, *solved.notes],
         **_known(blueprint),
         **facts,
     }
+    if solved.threshold is not None:
+        record["outliers"] = outlier_record(fitted.trust, solved.threshold, learned, residual)
     object.__setattr__(model, "record", record)
     return Identification(model, record, learned, held_out, predicted, fitted)
 

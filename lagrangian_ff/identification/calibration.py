@@ -5,16 +5,18 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from lagrangian_ff.identification.blueprint import Blueprint
-from lagrangian_ff.identification.fit import Fit
 from lagrangian_ff.identification.intervals import LEVEL
+from lagrangian_ff.identification.outliers import doubtful
+from lagrangian_ff.identification.solving import Solved
 
 Floats = NDArray[np.float64]
 
 
-def calibrated(blueprint: Blueprint, fitted: Fit) -> Floats:
-    """(N,) what the deviations of a fit are to be multiplied with."""
-    residual, _ = fitted.left_out(blueprint.apart)
-    expected = fitted.left_out_deviation(blueprint.apart)
+def calibrated(blueprint: Blueprint, solved: Solved) -> Floats:
+    """(N,) what the deviations of a fit are to be multiplied with; outliers do not count."""
+    residual, _ = solved.weighed.left_out(blueprint.apart)
+    expected = solved.weighed.left_out_deviation(blueprint.apart)
+    expected[doubtful(solved.fitted.trust)] = np.nan
     return factors(residual, expected, len(np.unique(blueprint.seconds)))
 
 

@@ -11,16 +11,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.choice import Choice, Scaling
+from lagrangian_ff.identification.equations import fit
 from lagrangian_ff.identification.evidence import climb
-from lagrangian_ff.identification.fit import Choice, Scaling, fit
 from lagrangian_ff.identification.search import (
     choose,
     require_folds,
     starting_choice,
     validation_score,
 )
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
-from lagrangian_ff.identification.system import NotPositiveDefiniteError
 from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, part, silent
@@ -59,8 +61,7 @@ def choose_all(
     """Choose everything about a model that is not linear in the torques; see `search.choose`.
 
     Raises:
-        ModelError: the criterion is unknown, or there is one fold only to validate on.
-        NotPositiveDefiniteError: no start has a factor.
+        ModelError: there is one fold only to validate on, or no start has a factor.
     """
     if not issubclass(spec.kernel, DifferentiableKernel):
         return Chosen(spec, *choose(spec, data, scalings, criterion, evaluations, progress))
@@ -68,15 +69,20 @@ def choose_all(
     first, last = (_for(stages, evaluations) for stages in (FIRST, LAST))
     ways = [_Way.started(one, scaling, data) for one in spec.alternatives for scaling in scalings]
     whole = len(ways) * _work(first) + _work(last)
-    judged = [
-        way.climbed(
-            data,
-            first,
-            criterion,
-            part(progress, n * _work(first) / whole, (n + 1) * _work(first) / whole),
+    judged = []
+    for number, way in enumerate(ways):
+        told = part(progress, number * _work(first) / whole, (number + 1) * _work(first) / whole)
+        try:
+            judged.append(way.climbed(data, first, criterion, told))
+        except NotPositiveDefiniteError:
+            continue
+    if not judged:
+        raise ModelError(
+            f"the Gram matrix of {spec.text} has no Cholesky factor on this motion, however much "
+            "noise is assumed: look for impossible velocities and accelerations in the recording "
+            f"(up to {np.abs(data.x.qd).max():.3g} rad/s and {np.abs(data.x.qdd).max():.3g} rad/s² "
+            "here)"
         )
-        for n, way in enumerate(ways)
-    ]
     best = min(judged, key=lambda way: way.cost)
     best = best.climbed(data, last, criterion, part(progress, 1.0 - _work(last) / whole, 1.0))
     tried = tuple(way.record(criterion) for way in (*judged, best))
@@ -155,7 +161,7 @@ def _least_error(
     for factor in NOISE_FACTORS:
         tried = replace(choice, noise=choice.noise * factor)
         try:
-            fitted = fit(spec, tried, thinned.x, thinned.tau, scaling)
+            fitted = fit(spec, tried, thinned.x, thinned.tau, scaling, thinned.trust)
             score = float(np.nanmean(validation_score(fitted, groups)))
         except (NotPositiveDefiniteError, np.linalg.LinAlgError):
             continue

@@ -1,6 +1,6 @@
 """Climbing the log evidence of a model: its kernel's numbers, its noise, its effects' shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +9,10 @@ from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.identification.ascent import Hill, Slopes, numbers, projected, slopes_by_gram
 from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit_basis
+from lagrangian_ff.identification.choice import Choice, Scaling
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.solution import STRONGER, NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import DifferentiableKernel
@@ -44,7 +47,7 @@ def climb(
         The choice at the top, and the log evidence there of the last stage's samples.
 
     Raises:
-        NotPositiveDefiniteError: at the start the noise is too small for the arithmetic.
+        NotPositiveDefiniteError: even with much more noise the start has no factor.
     """
     total, done = sum(steps for _, steps in stages), 0
     path = _Path(spec, start)
@@ -62,16 +65,33 @@ def climb(
             def go(at: Floats, part: TrainingSet = part) -> Fit:
                 choice = path.at(at)
                 basis = choice.basis(spec, part.x.joints)
-                return fit_basis(basis, choice, part.x, part.tau, scaling)
+                return fit_basis(basis, choice, part.x, part.tau, scaling, part.trust)
 
             def slopes(fitted: Fit, part: TrainingSet = part) -> Slopes:
                 return slopes_of(fitted, part)
 
             hill = Hill(middle, go, lambda fitted: fitted.log_evidence, slopes)
-            point, fitted = hill.climb(point, steps, told)
+            point, fitted = hill.climb(_footing(point, path, go), steps, told)
             evidence = fitted.log_evidence
             done += steps
     return path.at(point), float(evidence)
+
+
+def _footing(point: Floats, path: "_Path", go: Callable[[Floats], Fit]) -> Floats:
+    """The point with the least noise added that there is a factor with.
+
+    Raises:
+        NotPositiveDefiniteError: there is none.
+    """
+    for factor in STRONGER:
+        raised = point.copy()
+        raised[path.noise] += np.log(factor)
+        try:
+            go(raised)
+        except NotPositiveDefiniteError:
+            continue
+        return raised
+    raise NotPositiveDefiniteError(f"no factor with {STRONGER[-1]:g} times the noise either")
 
 
 @dataclass(frozen=True)
@@ -87,6 +107,12 @@ class _Path:
         parts = [*numbers(_kernel(self.start)).values(), self.start.noise]
         parts += [v for shapes in self.start.shapes.values() for v in shapes.values()]
         return np.asarray(np.log(np.concatenate(parts)))
+
+    @property
+    def noise(self) -> slice:
+        """Where the noise of each joint stands."""
+        first = sum(len(value) for value in numbers(_kernel(self.start)).values())
+        return slice(first, first + len(self.start.noise))
 
     def at(self, point: Floats) -> Choice:
         """The choice at a point."""
@@ -111,7 +137,7 @@ def slopes_of(fitted: Fit, part: TrainingSet) -> Slopes:
     """By all logarithms of a choice, in the order of `_Path`."""
     ((_, _, system),) = fitted.systems
     noise = fitted.choice.noise * fitted.scaling.noise**2
-    gram = slopes_by_gram(system, _kernel(fitted.choice), fitted.states, noise)
+    gram = slopes_by_gram(system, _kernel(fitted.choice), fitted.states, noise, trust=fitted.trust)
     by_shape, changes = _by_shapes(fitted, part)
     first, size = len(gram.slope), len(gram.slope) + len(by_shape)
     information = np.zeros((size, size))

@@ -12,12 +12,13 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
-from lagrangian_ff.identification.fit import Choice, fit_basis
+from lagrangian_ff.identification.choice import Choice
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.search import validation_score
 from lagrangian_ff.identification.shapes import best_shape, fall
-from lagrangian_ff.identification.system import NotPositiveDefiniteError
-from lagrangian_ff.identification.training import TrainingSet, evenly
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, part, silent
 
 Floats = NDArray[np.float64]
@@ -51,19 +52,22 @@ def extend(
         progress: told the share done.
 
     Raises:
-        ModelError: there is no such joint, or the model has the effect, or an equal one, already.
+        ModelError: there is no such joint, the model has the effect, or an equal one, already, or
+            there is not enough memory.
     """
     number = joint_number(model, joint)
     require_new(model, effect, number)
     old = Blueprint.of(model)
     inputs = model.inputs_of_data()
-    x, tau = inputs.take(old.few), model.data.tau[old.few]
+    few = old.few(inputs)
+    require_room(old, len(few.x))
     progress(0.1, f"adding {effect.name}")
-    before = fit_basis(old.basis, old.choice, x, tau, old.scaling)
+    before = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling, few.trust)
     if shape is None:
-        shape = best_shape(before, effect, number, x)
+        shape = best_shape(before, effect, number, few.x)
     term = Term(effect, number, dict(shape))
-    _, own = fall(before, term, x)
+    _, own = fall(before, term, few.x)
+    del before  # its factor is as large as that of the fit to come
     if own < SAME:
         raise ModelError(
             f"{effect.name} on {joint} is a torque that the model has already under another name "
@@ -149,16 +153,14 @@ def require_new(model: Model, effect: Effect, joint: int) -> None:
 
 def _with_noise(blueprint: Blueprint, inputs: Inputs) -> Choice:
     """The choice whose noise leaves the smallest error on blocks left out."""
-    few = blueprint.few
-    chosen = evenly(len(few), NOISE_SAMPLES)
-    fold = blueprint.folds(few)[chosen]
-    few = few[chosen]
-    data = TrainingSet(inputs.take(few), blueprint.data.tau[few], fold)
+    data = blueprint.few(inputs, NOISE_SAMPLES)
     best, cost = blueprint.choice, np.inf
     for factor in NOISE_FACTORS:
         choice = replace(blueprint.choice, noise=blueprint.choice.noise * factor)
         try:
-            fitted = fit_basis(blueprint.basis, choice, data.x, data.tau, blueprint.scaling)
+            fitted = fit_basis(
+                blueprint.basis, choice, data.x, data.tau, blueprint.scaling, data.trust
+            )
             score = float(np.nanmean(validation_score(fitted, data.groups())))
         except (NotPositiveDefiniteError, np.linalg.LinAlgError):
             continue

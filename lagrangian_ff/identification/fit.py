@@ -1,84 +1,24 @@
-"""Fitting the semi-parametric model (44) with every hyperparameter given."""
+"""A fitted model, still in its systems."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.low_rank import LowRank
-from lagrangian_ff.identification.rows import Rows, rows_of
-from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.identification.rows import rows_of
 from lagrangian_ff.identification.system import System
-from lagrangian_ff.kernels import CoupledKernel, IndependentKernel, Kernel, States
+from lagrangian_ff.kernels import States
+from lagrangian_ff.kernels.dense import cross_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Solved = TypeVar("Solved", bound="System | LowRank", covariant=True)
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Everything about a model that is not linear in the torques.
-
-    Attributes:
-        kernel: with its hyperparameters.
-        noise: (N,) variance of each normalised torque, γ M of (42) in the kernel's units.
-        shapes: for each effect that has them, (N,) of each shape parameter.
-    """
-
-    kernel: Kernel
-    noise: Floats
-    shapes: Mapping[str, Mapping[str, Floats]]
-
-    def basis(self, spec: Spec, joints: int) -> Basis:
-        """Every effect of the model on every joint, joint by joint."""
-        return Basis(
-            tuple(
-                Term(
-                    effect,
-                    joint,
-                    {name: float(v[joint]) for name, v in self.shapes.get(effect.name, {}).items()},
-                )
-                for joint in range(joints)
-                for effect in spec.effects
-            )
-        )
-
-
-@dataclass(frozen=True)
-class Scaling:
-    """How torques are normalised before the kernel sees them.
-
-    Attributes:
-        unit: (N,) N·m that count as one; undone on the way out.
-        noise: (N,) relative standard deviation of the noise between joints, in those units.
-    """
-
-    unit: Floats
-    noise: Floats
-
-    @classmethod
-    def of(cls, tau: Floats, per_joint: bool = True) -> "Scaling":
-        """Per joint, each torque is divided by its own spread; else all by the largest.
-
-        With one unit for all joints the predicted torques still derive from one Lagrangian, and
-        the noise is taken in proportion to each joint's spread instead.
-        """
-        spread = np.std(tau, axis=0)
-        largest = spread.max(initial=0.0) or 1.0
-        spread = np.where(spread > 1e-9 * largest, spread, largest)
-        if per_joint:
-            return cls(spread, np.ones_like(spread))
-        return cls(np.full_like(spread, largest), spread / largest)
-
-    @property
-    def spread(self) -> Floats:
-        """(N,) N·m, the spread of each joint's torque."""
-        return self.unit * self.noise
 
 
 @dataclass(frozen=True)
@@ -90,6 +30,8 @@ class Fit(Generic[Solved]):
         states: (C, N) what the kernel is built on: all training states, or landmarks.
         samples: M, how many it was learned from.
         systems: which joints were solved together, their basis, and the factored system.
+        trust: (M, N) the share of its weight that each torque has in the sum of squares: its
+            noise is taken 1 / trust times as large.
     """
 
     choice: Choice
@@ -98,6 +40,7 @@ class Fit(Generic[Solved]):
     states: States
     samples: int
     systems: tuple[tuple[tuple[int, ...], Basis, Solved], ...]
+    trust: Floats
 
     @property
     def weights(self) -> Floats:
@@ -106,6 +49,21 @@ class Fit(Generic[Solved]):
         for joints, _, system in self.systems:
             out[:, list(joints)] = system.weights.reshape(len(self.states), len(joints))
         return out
+
+    @property
+    def residual(self) -> Floats:
+        """(M, N) N·m, torque minus what is predicted for it."""
+        out = np.empty((self.samples, self.states.joints))
+        for joints, _, system in self.systems:
+            out[:, list(joints)] = system.residual.reshape(self.samples, len(joints))
+        return out * self.scaling.unit
+
+    def torque(self, x: Inputs) -> Floats:
+        """(M, N) N·m, predicted for any states."""
+        kernel = self.choice.kernel.learned(self.states, self.weights)
+        effects = self.basis.torque(x, self.coefficients).values()
+        rigid = kernel.torque(States(x.q, x.qd, x.qdd)) * self.scaling.unit
+        return np.asarray(sum(effects, rigid))
 
     @property
     def coefficients(self) -> Floats:
@@ -191,11 +149,7 @@ class Fit(Generic[Solved]):
         known, added, scale, noise = np.empty((4, *x.q.shape))
         for joints, basis, system in self.systems:
             rows = list(joints)
-            if isinstance(kernel, CoupledKernel):
-                cross = kernel.cross(states, self.states)
-            else:
-                assert isinstance(kernel, IndependentKernel)
-                cross = kernel.cross(states, self.states, joints[0])
+            cross = cross_of(kernel, states, self.states, joints)
             design = basis.design(x)[:, rows, :] / unit[rows][None, :, None]
             found = system.variance(cross.T, design.reshape(len(x) * len(rows), -1))
             known[:, rows], added[:, rows] = (part.reshape(len(x), -1) for part in found)
@@ -237,82 +191,3 @@ class Variance:
     def whole(self) -> Floats:
         """Of a torque that would be measured."""
         return self.kernel + self.basis + self.noise
-
-
-def fit(
-    spec: Spec, choice: Choice, x: States | Inputs, tau: Floats, scaling: Scaling
-) -> Fit[System]:
-    """Solve (44) for given hyperparameters: one Cholesky factor a system.
-
-    Args:
-        spec: the kernel's family and the effects.
-        choice: hyperparameters and shapes.
-        x: (M, N) training states, as inputs where an effect needs more than the state.
-        tau: (M, N) N·m.
-        scaling: how torques are normalised.
-
-    Raises:
-        NotPositiveDefiniteError: the noise is too small for the arithmetic.
-    """
-    inputs = x if isinstance(x, Inputs) else Inputs.of(x)
-    return fit_basis(choice.basis(spec, inputs.joints), choice, inputs, tau, scaling)
-
-
-def fit_basis(
-    basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling
-) -> Fit[System]:
-    """Solve (44) for a basis whose shapes are given; see `fit`.
-
-    Raises:
-        NotPositiveDefiniteError: the noise is too small for the arithmetic.
-    """
-    states = States(x.q, x.qd, x.qdd)
-    systems = []
-    for joints in joints_together(choice.kernel, states.joints):
-        part, rows = rows_to_learn(basis, choice, x, tau, scaling, joints)
-        gram = _gram(choice.kernel, states, joints)
-        systems.append((joints, part, System.factor(gram, rows.noise, rows.design(), rows.target)))
-    return Fit(choice, scaling, basis, states, len(states), tuple(systems))
-
-
-def joints_together(kernel: Kernel, joints: int) -> list[tuple[int, ...]]:
-    """Which joints are solved together."""
-    if isinstance(kernel, CoupledKernel):
-        return [tuple(range(joints))]
-    return [(joint,) for joint in range(joints)]
-
-
-def rows_to_learn(
-    basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling, joints: tuple[int, ...]
-) -> tuple[Basis, Rows]:
-    """The basis of some joints, and what a system of them learns from, normalised."""
-    part, rows = basis.of_joints(joints), list(joints)
-    noise = choice.noise * scaling.noise**2
-    return part, Rows(
-        States(x.q, x.qd, x.qdd),
-        part.columns(x) / scaling.unit[part.joints],
-        np.array([joints.index(joint) for joint in part.joints], dtype=np.int64),
-        (tau[:, rows] / scaling.unit[rows]).ravel(),
-        np.tile(noise[rows], len(x)),
-    )
-
-
-def _gram(kernel: Kernel, states: States, joints: tuple[int, ...]) -> Floats:
-    if isinstance(kernel, CoupledKernel):
-        return kernel.gram(states)
-    assert isinstance(kernel, IndependentKernel)
-    return np.ascontiguousarray(kernel.gram(states, joints[0]))
-
-
-def with_noise(choice: Choice, relative: Floats, states: States) -> Choice:
-    """The choice with its noise set relative to the kernel's mean prior variance.
-
-    Args:
-        relative: (N,) or (1,) ratio of noise variance to prior variance.
-        states: (M, N) where the prior variance is taken.
-    """
-    prior = choice.kernel.variance(states).mean(axis=0)
-    if isinstance(choice.kernel, CoupledKernel):
-        prior = np.full_like(prior, prior.mean())
-    prior = np.where(prior > 0.0, prior, 1.0)
-    return replace(choice, noise=np.broadcast_to(relative, prior.shape) * prior)

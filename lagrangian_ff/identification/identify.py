@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,12 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError, RecordingError
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build, seconds
+from lagrangian_ff.identification.choice import Scaling
 from lagrangian_ff.identification.choosing import choose_all
+from lagrangian_ff.identification.choosing_robustly import choose_robustly, trust_beyond
 from lagrangian_ff.identification.extend import extend, step_record
-from lagrangian_ff.identification.fit import Scaling
 from lagrangian_ff.identification.kept import kept
+from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.sizing import sizes
@@ -49,7 +52,7 @@ def identify(
 
     Raises:
         ModelError: a setting is out of range, the model's name unknown, or an effect stands at a
-            joint that is not there.
+            joint that is not there; or there is not enough memory for the model.
         RecordingError: there is less training motion than one block.
     """
     began = time.monotonic()
@@ -72,11 +75,11 @@ def identify(
     states = States.of(data.q, data.qd, data.qdd)
     inputs = Inputs.of(states, data.time, data.segment)
     start = starting_choice(spec, States.of(data.q[few], data.qd[few], data.qdd[few]))
-    scalings = _scalings(spec, settings, data.tau[few])
+    scalings = partial(_scalings, spec, settings)
     blueprint = Blueprint(
         name=spec.basic,
         choice=start,
-        scaling=scalings[0],
+        scaling=scalings(data.tau[few])[0],
         basis=start.basis(spec, len(data.joints)),
         data=data,
         trained=trained,
@@ -84,10 +87,18 @@ def identify(
         seen=size.seen,
         settings=settings,
     )
+    require_room(blueprint, len(few))
     training = TrainingSet(inputs.take(few), data.tau[few], blueprint.folds(few))
     chosen_at = 1.0 if blueprint.exact else CHOSEN
-    share = part(progress, 0.0, chosen_at)
-    chosen = choose_all(spec, training, scalings, settings.selection, settings.evaluations, share)
+    how = settings.selection, settings.evaluations, part(progress, 0.0, chosen_at)
+    trust = None
+    if settings.loss == "huber":
+        chosen, trust = choose_robustly(spec, training, scalings, *how)
+        if not blueprint.exact:
+            seen = size.seen
+            trust = trust_beyond(chosen, training, trust, inputs.take(seen), data.tau[seen])
+    else:
+        chosen = choose_all(spec, training, scalings(training.tau), *how)
     progress(chosen_at, "fitting")
     choice, spec = chosen.choice, chosen.spec
     blueprint = replace(
@@ -96,6 +107,7 @@ def identify(
         choice=choice,
         scaling=chosen.scaling,
         basis=choice.basis(spec, len(data.joints)),
+        trust=trust,
     )
     facts = {
         "sources": [m.source for m in motions],
@@ -146,9 +158,11 @@ def _trained(motions: Sequence[Motion], settings: Settings) -> Bools:
     return np.concatenate(parts)
 
 
-def _scalings(spec: Spec, settings: Settings, tau: Floats) -> list[Scaling]:
+def _scalings(
+    spec: Spec, settings: Settings, tau: Floats, trust: Floats | None = None
+) -> list[Scaling]:
     """The normalisations to try; joints that are learned apart each have their own anyway."""
-    per_joint, common = Scaling.of(tau, True), Scaling.of(tau, False)
+    per_joint, common = (Scaling.of(tau, each, trust) for each in (True, False))
     if spec.kernel.mechanism is not None:
         if settings.scale == "joint":
             raise ModelError(

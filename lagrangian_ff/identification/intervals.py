@@ -14,8 +14,8 @@ LEVEL = 0.9
 """The share of such intervals that should hold the true value."""
 
 
-def intervals(fitted: Fit, block: Ints) -> tuple[Floats, Floats]:
-    """Lower and upper ends of 90 % intervals of the effects' parameters.
+def reach(fitted: Fit, block: Ints) -> Floats:
+    """How far 90 % intervals of the effects' parameters reach to both sides.
 
     The wider of two is taken: the model's own standard deviation, which believes the noise to be
     independent, and the jackknife over blocks of time (Künsch 1989), which does not. Both follow
@@ -26,16 +26,15 @@ def intervals(fitted: Fit, block: Ints) -> tuple[Floats, Floats]:
         block: (M,) the block of time each training sample lies in.
 
     Returns:
-        low (B,) and high (B,), in the parameters' physical units.
+        (B,) in the parameters' physical units.
     """
-    value, own = fitted.coefficients, fitted.deviations
+    own = fitted.deviations
     blocks = groups(block)
-    if len(blocks) < 3 or not len(value):
-        reach = own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(blocks) - 1))
-        return value - reach, value + reach
+    if len(blocks) < 3 or not len(own):
+        return np.asarray(own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(blocks) - 1)))
     changed = fitted.changed(blocks)
     count = len(blocks)
     spread = changed - changed.mean(axis=0)
     jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-    reach = np.maximum(own, jackknife) * student.ppf(0.5 + LEVEL / 2.0, df=count - 1)
-    return value - reach, value + reach
+    factor = student.ppf(0.5 + LEVEL / 2.0, df=count - 1)
+    return np.asarray(np.maximum(own, jackknife) * factor)

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, solve_triangular
 
-from lagrangian_ff.kernels import CoupledKernel, IndependentKernel, Kernel, States
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
+from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.kernels.base import CHUNK_ENTRIES
+from lagrangian_ff.kernels.dense import cross_of, gram_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,13 +45,15 @@ class Landmarks:
 
     @classmethod
     def of(cls, kernel: Kernel, states: States, joints: tuple[int, ...]) -> "Landmarks":
-        """Factor the Gram matrix of some states."""
-        if isinstance(kernel, CoupledKernel):
-            gram = kernel.gram(states)
-        else:
-            assert isinstance(kernel, IndependentKernel)
-            gram = np.ascontiguousarray(kernel.gram(states, joints[0]))
+        """Factor the Gram matrix of some states.
+
+        Raises:
+            NotPositiveDefiniteError: it is not finite.
+        """
+        gram = gram_of(kernel, states, joints)
         scale = np.sqrt(np.diag(gram))
+        if not np.isfinite(scale).all():
+            raise NotPositiveDefiniteError(f"the Gram matrix of {len(states)} states is not finite")
         scale[scale == 0.0] = 1.0
         with np.errstate(all="ignore"):  # above the diagonal lies what memory held before
             gram /= scale[:, None]
@@ -74,10 +78,7 @@ class Landmarks:
 
     def cross(self, x: States) -> Floats:
         """(R n, C n) the kernel between R states and all landmarks, sample major."""
-        if isinstance(self.kernel, CoupledKernel):
-            return self.kernel.cross(x, self.states)
-        assert isinstance(self.kernel, IndependentKernel)
-        return self.kernel.cross(x, self.states, self.joints[0])
+        return cross_of(self.kernel, x, self.states, self.joints)
 
     def features(self, x: States) -> Floats:
         """(R n, M) ψ of R states."""

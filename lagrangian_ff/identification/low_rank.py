@@ -24,7 +24,12 @@ from scipy.linalg import cholesky, solve_triangular
 
 from lagrangian_ff.identification.landmarks import Landmarks
 from lagrangian_ff.identification.rows import Rows
-from lagrangian_ff.identification.solution import LeftOut, Pulled, Solution
+from lagrangian_ff.identification.solution import (
+    LeftOut,
+    NotPositiveDefiniteError,
+    Pulled,
+    Solution,
+)
 from lagrangian_ff.identification.sums import Sums
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.progress import Progress, part, silent
@@ -63,7 +68,10 @@ class Reduced(Solution):
         size = self.landmarks.size
         inner = self.sums.products[:size, :size] / self.factor
         inner[np.diag_indices(size)] += 1.0
-        return np.asarray(cholesky(inner, lower=True, check_finite=False, overwrite_a=True))
+        try:
+            return np.asarray(cholesky(inner, lower=True, check_finite=False, overwrite_a=True))
+        except np.linalg.LinAlgError as error:
+            raise NotPositiveDefiniteError(f"the features have no factor: {error}") from error
 
     @cached_property
     def _white(self) -> Floats:
@@ -230,16 +238,24 @@ class LowRank(Reduced):
 
     def _without_seeing(self, samples: Ints, part: Sums) -> LeftOut:
         without = self.without(part)
-        weights, coefficients = without.weights, without.coefficients
-        rows = self.rows.of(samples)
-        residual = self.rows.target[rows]
-        first = 0
+        residual = self._residual(samples, without.weights, without.coefficients)
+        change = without.coefficients - self.coefficients
+        return LeftOut(self.rows.of(samples), residual, change)
+
+    @cached_property
+    def residual(self) -> Floats:
+        """See `System.residual`."""
+        return self._residual(np.arange(len(self.rows.states)), self.weights, self.coefficients)
+
+    def _residual(self, samples: Ints, weights: Floats, coefficients: Floats) -> Floats:
+        """(R n,) the torques of some samples, less those of a model on the landmarks."""
+        left, first = self.rows.target[self.rows.of(samples)], 0
         for chunk in self.landmarks.chunks(samples):
             cross = self.landmarks.cross(self.rows.states.take(chunk))
             here = slice(first, first + len(cross))
-            residual[here] -= cross @ weights + self.rows.design(chunk) @ coefficients
+            left[here] -= cross @ weights + self.rows.design(chunk) @ coefficients
             first = here.stop
-        return LeftOut(rows, residual, coefficients - self.coefficients)
+        return left
 
     def changes(self, groups: Sequence[Ints]) -> Floats:
         """(G, B) how far the basis coefficients move when each group of rows is left out.

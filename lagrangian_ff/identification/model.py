@@ -79,6 +79,7 @@ class Model:
         noise: (N,) variance of the noise of few samples in the kernel's units.
         noise_share: (N,) relative standard deviation of the noise between joints.
         steps: the model's history: how it was identified and what was added, as JSON holds it.
+        trust: (S, N) in each torque learned from, with Huber's loss; None for squares.
     """
 
     joints: tuple[str, ...]
@@ -98,6 +99,7 @@ class Model:
     noise: Floats
     noise_share: Floats
     steps: tuple[Mapping[str, object], ...] = ()
+    trust: Floats | None = None
 
     @cached_property
     def dynamics(self) -> "Dynamics":

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.fit import Choice, Fit
-from lagrangian_ff.identification.intervals import intervals
+from lagrangian_ff.identification.choice import Choice
+from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.intervals import reach
 from lagrangian_ff.kernels import CoupledKernel
 
 Floats = NDArray[np.float64]
@@ -34,8 +35,16 @@ def hyperparameter_record(choice: Choice, basis: Basis, samples: int) -> dict[st
 def effect_records(
     fitted: Fit, value: Floats, joints: tuple[str, ...], block: Ints
 ) -> list[dict[str, object]]:
-    """The effects with their parameters (B,), which a constraint may have moved, and intervals."""
-    low, high = (end + value - fitted.coefficients for end in intervals(fitted, block))
+    """Every effect on every joint, its parameters with 90 % intervals.
+
+    Args:
+        fitted: the fit that intervals are made from.
+        value: (B,) the parameters found, which a constraint or another loss may have moved.
+        joints: names.
+        block: (M,) the block of time each training sample lies in.
+    """
+    away = reach(fitted, block)
+    low, high = value - away, value + away
     found: list[dict[str, object]] = []
     for term, place in fitted.basis.slices():
         parameters = {

@@ -1,6 +1,6 @@
 """What the joints that are solved together learn from, in the order of their system."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,10 @@ class Rows:
     joint: Ints
     target: Floats
     noise: Floats
+
+    def trusted(self, trust: Floats) -> "Rows":
+        """These with the noise of each torque 1 / trust (S, n) times as large."""
+        return replace(self, noise=self.noise / trust.ravel())
 
     def of(self, samples: Ints) -> Ints:
         """(R n,) the rows of these samples."""

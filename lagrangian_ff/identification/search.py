@@ -13,9 +13,11 @@ from scipy.optimize import minimize
 from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.fit import Choice, Fit, Scaling, fit, with_noise
+from lagrangian_ff.identification.choice import Choice, Scaling, with_noise
+from lagrangian_ff.identification.equations import fit
+from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
-from lagrangian_ff.identification.system import NotPositiveDefiniteError
 from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import IndependentKernel, Kernel, States
 from lagrangian_ff.progress import Progress, silent
@@ -25,7 +27,6 @@ Ints = NDArray[np.int64]
 
 NOISE_RANGE = (1e-6, 0.5)
 NOISE_START = 1e-2
-CRITERIA = ("validation", "evidence")
 STAGES = ((120, 0.7), (240, 0.3))
 """Samples used and share of the evaluations spent, stage by stage."""
 FAILED = 1e12
@@ -34,14 +35,14 @@ FAILED = 1e12
 def validation_score(fitted: Fit, groups: Sequence[Ints]) -> Floats:
     """(N,) mean squared error of each joint on left-out folds, over its torque's variance.
 
-    NaN for a joint that was not fitted.
+    Each torque counts as much as the fit trusts it. NaN for a joint that was not fitted.
     """
     residual, _ = fitted.left_out(groups)
-    errors = (residual / fitted.scaling.spread) ** 2
-    seen = np.isfinite(errors).any(axis=0)
-    score = np.full(errors.shape[1], np.nan)
-    score[seen] = np.nanmean(errors[:, seen], axis=0)
-    return score
+    errors = fitted.trust * (residual / fitted.scaling.spread) ** 2
+    seen = np.isfinite(errors)
+    counted = np.sum(fitted.trust, axis=0, where=seen)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sum(errors, axis=0, where=seen) / counted)
 
 
 def starting_choice(spec: Spec, states: States) -> Choice:
@@ -74,7 +75,7 @@ def choose(
         progress: told the share done.
 
     Raises:
-        ModelError: the criterion is unknown, or there is one fold only to validate on.
+        ModelError: there is one fold only to validate on.
     """
     require_folds(data, criterion)
     start = starting_choice(spec, data.states)
@@ -97,13 +98,11 @@ def choose(
 
 
 def require_folds(data: TrainingSet, criterion: str) -> None:
-    """Refuse a criterion that is unknown, or for which there are too few blocks.
+    """Refuse a criterion for which there are too few blocks.
 
     Raises:
-        ModelError: says which there are, or what to do.
+        ModelError: says what to do.
     """
-    if criterion not in CRITERIA:
-        raise ModelError(f"selection '{criterion}' is unknown; expected {' or '.join(CRITERIA)}")
     if criterion == "validation" and len(np.unique(data.fold)) < 2:
         raise ModelError(
             "cross-validation needs at least two blocks of training motion, got one: "
@@ -173,7 +172,7 @@ class _Search:
         choice = _at(start, self.axes, values, self.joint, part.states)
         joint = self.joint
         try:
-            fitted = fit(self.spec, choice, part.x, part.tau, scaling)
+            fitted = fit(self.spec, choice, part.x, part.tau, scaling, part.trust)
             if joint is not None:
                 fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
             if self.criterion == "evidence":

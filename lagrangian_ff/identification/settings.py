@@ -1,10 +1,14 @@
 """How a model is identified."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from math import inf
+from numbers import Integral
 
 from lagrangian_ff.errors import ModelError
 
 SCALES = ("auto", "joint", "common")
+CRITERIA = ("validation", "evidence")
+LOSSES = ("square", "huber")
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,8 @@ class Settings:
         landmarks: how many training samples the kernel is built on where all of them are learned
             from; 0 makes the model exactly, from `samples` of them. None is 0 for up to two
             minutes of training motion, and 300 for more, or where `samples` are too many.
+        loss: what a residual costs. `square`; or `huber`, which a contact or another gross error
+            in the recording cannot drag.
     """
 
     model: str = "auto+fri"
@@ -46,6 +52,28 @@ class Settings:
     evaluations: int = 90
     positive: bool = False
     landmarks: int | None = None
+    loss: str = "square"
+
+    @classmethod
+    def from_record(cls, record: object) -> "Settings":
+        """The settings that a model's record tells; those it does not tell are the usual ones.
+
+        Raises:
+            ModelError: it tells some that there are not, or that cannot be.
+        """
+        known = [field.name for field in fields(cls)]
+        if not isinstance(record, dict):
+            raise ModelError(f"the model's settings are {record!r}, expected them by name")
+        strange = sorted(str(name) for name in record if name not in known)
+        if strange:
+            raise ModelError(
+                f"the model's settings hold {', '.join(strange)}, which this version does not "
+                f"know; it knows {', '.join(known)}: update lagrangian_ff, or identify the model "
+                "again"
+            )
+        settings = cls(**record)
+        settings.check()
+        return settings
 
     def check(self) -> None:
         """Refuse settings that cannot work.
@@ -53,20 +81,26 @@ class Settings:
         Raises:
             ModelError: names the setting, what it was and what it may be.
         """
-        if not 0.0 < self.train <= 1.0:
+        if not (isinstance(self.train, (int, float)) and 0.0 < self.train <= 1.0):
             raise ModelError(f"train is {self.train}, expected a share above 0 and at most 1")
-        if self.samples < 10:
-            raise ModelError(f"samples is {self.samples}, expected at least 10")
-        if self.landmarks is not None and self.landmarks < 0:
-            raise ModelError(f"landmarks is {self.landmarks}, expected 0 (exact) or more")
-        if self.block_seconds <= 0.0:
+        if not (isinstance(self.block_seconds, (int, float)) and 0.0 < self.block_seconds < inf):
             raise ModelError(f"block_seconds is {self.block_seconds}, expected above 0 s")
-        if self.folds < 2:
-            raise ModelError(f"folds is {self.folds}, expected at least 2")
-        if self.scale not in SCALES:
-            raise ModelError(f"scale is '{self.scale}', expected {', '.join(SCALES)}")
+        for name, least in (("samples", 10), ("folds", 2), ("evaluations", 1)):
+            value = getattr(self, name)
+            if not _whole(value, least):
+                raise ModelError(f"{name} is {value}, expected a whole number of at least {least}")
+        if self.landmarks is not None and not _whole(self.landmarks, 0):
+            raise ModelError(f"landmarks is {self.landmarks}, expected 0 (exact) or more")
+        for name, known in (("selection", CRITERIA), ("scale", SCALES), ("loss", LOSSES)):
+            value = getattr(self, name)
+            if value not in known:
+                raise ModelError(f"{name} is '{value}', expected {', '.join(known)}")
         if self.positive and self.scale == "joint":
             raise ModelError(
                 "scale is 'joint', expected common or auto with positive: joints whose torques are "
                 "in units of their own share no mass matrix"
             )
+
+
+def _whole(value: object, least: int) -> bool:
+    return isinstance(value, Integral) and int(value) >= least

@@ -19,6 +19,14 @@ UNSEEN = 1e-11
 """Share of the largest eigenvalue of the scaled information below which nothing shows."""
 
 
+STRONGER = 10.0 ** np.arange(7)
+"""What too little noise is multiplied with, one after the other, until there is a factor."""
+
+
+class NotPositiveDefiniteError(ArithmeticError):
+    """The regularised Gram matrix has no Cholesky factor: more regularisation is needed."""
+
+
 @dataclass(frozen=True)
 class LeftOut:
     """A group of rows the fit did not see.

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.errors import ModelError
@@ -21,6 +22,8 @@ from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.motion import Motion
 
+Floats = NDArray[np.float64]
+
 FORMAT = "lagrangian_ff model"
 VERSION = 3
 ARRAYS = {
@@ -31,6 +34,8 @@ ARRAYS = {
 """Every array of the file and its number of dimensions."""
 MORE = ("more_q", "more_qd", "more_qdd")
 """Centres that are no samples of the data."""
+TRUST = "trust"
+"""An array more, one number for each torque learned from, where the loss is not the square."""
 
 
 def save(model: Model, path: Path) -> None:
@@ -76,6 +81,8 @@ def save(model: Model, path: Path) -> None:
         "noise_share": model.noise_share,
         **dict(zip(MORE, (more.q, more.qd, more.qdd), strict=True)),
     }
+    if model.trust is not None:
+        arrays[TRUST] = model.trust
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
@@ -157,6 +164,8 @@ def _build(
             raise ValueError(f"array {name} has {len(found)} entries, not {len(arrays['q'])}")
         if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
             raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
+        if name in ("unit", "noise", "noise_share") and not (found > 0.0).all():
+            raise ValueError(f"array {name} holds {found.tolist()}, expected above 0")
     index, seen = (arrays[name].astype(np.int64) for name in ("index", "seen"))
     more = [arrays[name] for name in MORE]
     if len({one.shape for one in more}) != 1:
@@ -177,7 +186,9 @@ def _build(
             raise ValueError("samples that it was made from lie outside the data")
     sampled = data.q[index], data.qd[index], data.qdd[index]
     centres = States.of(*(np.vstack(both) for both in zip(sampled, more, strict=True)))
-    values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
+    trust = arrays.get(TRUST)
+    if trust is not None:
+        _require_trust(trust, (len(seen), len(joints)))
     basis = Basis(
         tuple(
             Term(_effect(entry["effect"], path), int(entry["joint"]), dict(entry["shape"]))
@@ -191,7 +202,7 @@ def _build(
     return Model(
         joints=joints,
         name=str(header["name"]),
-        kernel=_family(header, path, linkage).start(centres).replace(**values),
+        kernel=_kernel(header, _family(header, path, linkage), centres),
         basis=basis,
         centres=centres,
         weights=arrays["weights"],
@@ -206,6 +217,7 @@ def _build(
         noise=arrays["noise"],
         noise_share=arrays["noise_share"],
         steps=tuple(header["steps"]),
+        trust=trust,
     )
 
 
@@ -223,6 +235,29 @@ def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[K
             "it in Python, with Model.load(path, linkage=...)"
         )
     return given.of_joints(tuple(header["joints"]), str(path)).around(family)
+
+
+def _kernel(header: dict[str, Any], family: type[Kernel], centres: States) -> Kernel:
+    """The kernel with the hyperparameters that the file tells."""
+    start = family.start(centres)
+    values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
+    searched = {h.name for h in start.searched}
+    for name, value in values.items():
+        usual = np.shape(start.hyperparameters[name])
+        if value.shape not in (usual, (1,), (centres.joints,)):
+            raise ValueError(f"hyperparameter {name} has shape {value.shape}, expected {usual}")
+        # What is not searched may be 0, as the mark of a joint that turns.
+        least = np.nextafter(0.0, 1.0) if name in searched else 0.0
+        if not (np.isfinite(value).all() and (value >= least).all()):
+            raise ValueError(f"hyperparameter {name} is {value.tolist()}, out of range")
+    return start.replace(**values)
+
+
+def _require_trust(trust: Floats, shape: tuple[int, ...]) -> None:
+    if trust.shape != shape or trust.dtype.kind != "f":
+        raise ValueError(f"array {TRUST} has shape {trust.shape} and type {trust.dtype}")
+    if not ((trust > 0.0) & (trust <= 1.0)).all():
+        raise ValueError(f"array {TRUST} holds values outside 0 to 1")
 
 
 def _effect(name: str, path: Path) -> Effect:

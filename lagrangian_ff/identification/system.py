@@ -22,14 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, solve_triangular
 
-from lagrangian_ff.identification.solution import LeftOut, Pulled, Solution
+from lagrangian_ff.identification.solution import (
+    LeftOut,
+    NotPositiveDefiniteError,
+    Pulled,
+    Solution,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-class NotPositiveDefiniteError(ArithmeticError):
-    """The regularised Gram matrix has no Cholesky factor: more regularisation is needed."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class System(Solution):
         upper: (n, n) U with Uᵀ U = G, n = samples × joints of this system.
         design: (n, B) the basis Φ.
         target: (n,) the torques y.
+        noise: (n,) variance of each, D.
         white_design: (n, B) U⁻ᵀ Φ.
         white_target: (n,) U⁻ᵀ y.
     """
@@ -47,6 +49,7 @@ class System(Solution):
     upper: Floats
     design: Floats
     target: Floats
+    noise: Floats
     white_design: Floats
     white_target: Floats
 
@@ -61,7 +64,8 @@ class System(Solution):
             target: (n,).
 
         Raises:
-            NotPositiveDefiniteError: rounding left a pivot that is not positive.
+            NotPositiveDefiniteError: rounding left a pivot that is not positive, or the Gram matrix
+                is not finite.
         """
         size = gram.shape[0]
         gram.flat[:: size + 1] += noise
@@ -69,10 +73,12 @@ class System(Solution):
         upper, info = lapack.dpotrf(gram.T, lower=0, clean=0, overwrite_a=1)
         if info != 0:
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
+        if not np.isfinite(np.diag(upper)).all():  # which the factorisation need not notice
+            raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
         white = solve_triangular(
             upper, np.column_stack([design, target]), trans=1, check_finite=False
         )
-        return cls(upper, design, target, white[:, :-1], white[:, -1])
+        return cls(upper, design, target, noise, white[:, :-1], white[:, -1])
 
     @cached_property
     def information(self) -> Floats:
@@ -97,6 +103,11 @@ class System(Solution):
     def weights(self) -> Floats:
         """(n,) a = P y, what the kernel is multiplied by."""
         return np.asarray(solve_triangular(self.upper, self._white_residual, check_finite=False))
+
+    @property
+    def residual(self) -> Floats:
+        """(n,) torque minus what is predicted for it: the noise times a."""
+        return self.noise * self.weights
 
     @property
     def squares(self) -> float:

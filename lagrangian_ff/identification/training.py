@@ -19,16 +19,21 @@ class TrainingSet:
     Attributes:
         x: (M, N) as effects see it.  tau: (M, N) N·m.
         fold: (M,) the fold each sample is left out with.
+        trust: (M, N) in each torque, for the fits and for what they are judged by; None trusts all.
     """
 
     x: Inputs
     tau: Floats
     fold: Ints
+    trust: Floats | None = None
 
     def thinned(self, samples: int) -> "TrainingSet":
         """At most this many samples, evenly spread."""
         index = evenly(len(self.x), samples)
-        return replace(self, x=self.x.take(index), tau=self.tau[index], fold=self.fold[index])
+        trust = None if self.trust is None else self.trust[index]
+        return replace(
+            self, x=self.x.take(index), tau=self.tau[index], fold=self.fold[index], trust=trust
+        )
 
     @property
     def states(self) -> States:

@@ -22,9 +22,11 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.calibration import calibrated, factors
-from lagrangian_ff.identification.fit import Fit, Variance, fit_basis
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.fit import Fit, Variance
 from lagrangian_ff.identification.low_rank import LOOKED
 from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.outliers import doubtful
 from lagrangian_ff.identification.solving import solve
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.progress import Progress, silent
@@ -56,8 +58,8 @@ class Uncertainty:
     def of(cls, model: Model) -> "Uncertainty":
         """Solve a model's system again from the data that it keeps."""
         made = Blueprint.of(model)
-        fitted = solve(made, _data(model))
-        return cls(model, calibrated(made, fitted), fitted)
+        solved = solve(made, _data(model))
+        return cls(model, calibrated(made, solved), solved.weighed)
 
     def thinned(self, samples: int) -> "Uncertainty":
         """A cheap form, from fewer of the samples: for one state at a time in a loop.
@@ -75,16 +77,21 @@ class Uncertainty:
             raise ModelError(f"samples is {samples}, expected at least 10")
         made = Blueprint.of(self.model)
         x, tau = _data(self.model).take(made.seen), self.model.training_tau
+        trust = self.fitted.trust
 
         def fit(among: Ints) -> Fit:
             some = among[evenly(len(among), samples)]
-            return fit_basis(made.basis, made.choice, x.take(some), tau[some], made.scaling)
+            return fit_basis(
+                made.basis, made.choice, x.take(some), tau[some], made.scaling, trust[some]
+            )
 
         expected = np.full_like(tau, np.nan)
         for group in made.apart:
             others = np.setdiff1d(np.arange(len(x)), group)
             seen = group[evenly(len(group), LOOKED)]
             expected[seen] = fit(others).variance(x.take(seen)).whole
+        if made.trust is not None:
+            expected[doubtful(made.trust)] = np.nan
         residual, _ = self.fitted.left_out(made.apart)
         factor = factors(residual, np.sqrt(expected), len(np.unique(made.seconds)))
         return replace(self, factor=factor, fitted=fit(np.arange(len(x))))

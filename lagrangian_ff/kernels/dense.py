@@ -1,4 +1,4 @@
-"""Any kernel as one matrix over all joints."""
+"""Any kernel as a matrix: over all joints, or over those that are solved together."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,3 +23,26 @@ def dense_cross(kernel: Kernel, x: States, u: States) -> Floats:
 def dense_gram(kernel: Kernel, x: States) -> Floats:
     """(M N, M N) Gram matrix, sample major; its lower triangle of blocks is written."""
     return kernel.gram(x) if isinstance(kernel, CoupledKernel) else dense_cross(kernel, x, x)
+
+
+def together(kernel: Kernel, joints: int) -> list[tuple[int, ...]]:
+    """Which joints are solved together."""
+    if isinstance(kernel, CoupledKernel):
+        return [tuple(range(joints))]
+    return [(joint,) for joint in range(joints)]
+
+
+def cross_of(kernel: Kernel, x: States, u: States, joints: tuple[int, ...]) -> Floats:
+    """(M_x n, M_u n) kernel of n joints that are solved together, sample major."""
+    if isinstance(kernel, CoupledKernel):
+        return kernel.cross(x, u)
+    assert isinstance(kernel, IndependentKernel)
+    return kernel.cross(x, u, joints[0])
+
+
+def gram_of(kernel: Kernel, x: States, joints: tuple[int, ...]) -> Floats:
+    """(M n, M n) Gram matrix of these, C-contiguous; the lower triangle of blocks is written."""
+    if isinstance(kernel, CoupledKernel):
+        return kernel.gram(x)
+    assert isinstance(kernel, IndependentKernel)
+    return np.ascontiguousarray(kernel.gram(x, joints[0]))

@@ -16,6 +16,8 @@ def declare(parameters: Parameters) -> None:
     add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
         low=0.01, high=1.0)  # fmt: skip
     add("samples", 500, "samples to train on", low=10, high=20_000)
+    add("loss", "square", "what a residual costs; huber weighs down contacts and gross errors",
+        choices=("square", "huber"))  # fmt: skip
     add("bandwidth", 25.0, "Hz of the low-pass on position and effort", low=0.5, high=500.0)
     add("output_directory", ".", "where bags, models and findings are written")
     add("bag_prefix", "recording", "how the names of bags begin")

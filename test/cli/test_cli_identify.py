@@ -25,8 +25,7 @@ from lagrangian_ff.cli.commands.identify import EPILOG
 from lagrangian_ff.cli.parser import build_parser
 from lagrangian_ff.effects import EFFECTS, GROUPS
 from lagrangian_ff.identification import Model, Settings
-from lagrangian_ff.identification.identify import SCALES
-from lagrangian_ff.identification.search import CRITERIA
+from lagrangian_ff.identification.settings import CRITERIA, LOSSES, SCALES
 from lagrangian_ff.kernels import KERNELS
 from lagrangian_ff.recording import Conditioning, Recording, write_bag, write_npz
 
@@ -123,11 +122,12 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
         "--model", "rbf+viscous", "--train", "0.5", "--samples", "50", "--block", "0.8",
         "--folds", "4", "--selection", "evidence", "--scale", "common", "--joints", "elbow",
         "--effort-scale", "elbow=2", "--effort-offset", "elbow=-0.5", "--bandwidth", "12",
-        "--rate", "50", "--clock", "stamps", "--landmarks", "30",
+        "--rate", "50", "--clock", "stamps", "--landmarks", "30", "--loss", "huber",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     record = json.loads(outcome.out)
-    expected = Settings("rbf+viscous", 0.5, 50, 0.8, 4, "evidence", "common", landmarks=30)
+    chosen = ("rbf+viscous", 0.5, 50, 0.8, 4, "evidence", "common")
+    expected = Settings(*chosen, landmarks=30, loss="huber")
     assert {name: record["settings"][name] for name in vars(expected)} == vars(expected)
     conditioning = Conditioning(
         bandwidth=12.0, rate=50.0, clock="stamps", effort_scale={"elbow": 2.0},
@@ -135,6 +135,7 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
     )  # fmt: skip
     assert record["conditioning"] == vars(conditioning)
     assert list(record["joints"]) == ["elbow"]
+    assert record["outliers"]["words"].split(" ")[0] in outcome.err
 
 
 def test_a_model_on_landmarks_says_what_it_learned_from(tmp_path: Path) -> None:
@@ -167,7 +168,8 @@ def test_the_help_names_the_defaults_kernels_and_effects_there_are() -> None:
     text = " ".join(lagrangian_ff("identify", "--help").out.split())
     for default in (
         usual.model, train, usual.samples, f"{usual.block_seconds:g}", usual.folds,
-        usual.selection, usual.scale, f"{Conditioning().bandwidth:g}", Conditioning().clock,
+        usual.selection, usual.scale, usual.loss,
+        f"{Conditioning().bandwidth:g}", Conditioning().clock,
     ):  # fmt: skip
         assert f"(default: {default}" in text
     for name in KERNELS:
@@ -176,7 +178,9 @@ def test_the_help_names_the_defaults_kernels_and_effects_there_are() -> None:
     assert set(GROUPS["fri"]) <= set(EFFECTS)
 
 
-@pytest.mark.parametrize(("option", "known"), [("--selection", CRITERIA), ("--scale", SCALES)])
+@pytest.mark.parametrize(
+    ("option", "known"), [("--selection", CRITERIA), ("--scale", SCALES), ("--loss", LOSSES)]
+)
 def test_choices_are_those_of_the_settings(option: str, known: tuple[str, ...]) -> None:
     for choice in known:
         arguments = build_parser().parse_args(["identify", "x", "--output", "y", option, choice])

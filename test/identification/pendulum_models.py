@@ -11,7 +11,7 @@ from lagrangian_ff.identification import Identification, Settings
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import build
-from lagrangian_ff.identification.fit import Scaling, with_noise
+from lagrangian_ff.identification.choice import Scaling, with_noise
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.identification.training import evenly

@@ -5,7 +5,9 @@ import pendulum
 import pytest
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.fit import Fit, Scaling, fit
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.equations import fit
+from lagrangian_ff.identification.fit import Fit
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.identification.training import evenly

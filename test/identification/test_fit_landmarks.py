@@ -7,10 +7,11 @@ import pendulum
 import pytest
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import landmarks
-from lagrangian_ff.identification.fit import Fit, Scaling, fit_basis
-from lagrangian_ff.identification.fit_landmarks import fit_landmarks
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.fit_landmarks import LandmarkEquations
 from lagrangian_ff.identification.low_rank import LowRank
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
@@ -45,7 +46,8 @@ def on_landmarks(motion: Motion, name: str, count: int, per_joint: bool = True) 
     at = states.take(evenly(len(states), count))
     scaling = Scaling.of(motion.tau, per_joint)
     basis = choice.basis(spec, x.joints)
-    return fit_landmarks(basis, choice, x, motion.tau, scaling, at, folds(len(x)))
+    parts = basis, choice, x, motion.tau, scaling, at, folds(len(x))
+    return LandmarkEquations.of(*parts).solve()
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -105,7 +107,8 @@ def test_intervals_of_the_effects_are_nearly_those_of_the_exact_fit(name: str) -
     np.testing.assert_allclose(ours, theirs, rtol=0.25)
 
 
-def test_what_memory_cannot_hold_is_refused_with_what_it_can() -> None:
-    motion = pendulum.motion(12.0)
-    with pytest.raises(ModelError, match=r"5000 landmarks of 2 joints .* use --landmarks 2\d\d\d"):
-        on_landmarks(motion.take(np.arange(5000) % 1200), "vrbfs+fri", 5000)
+def test_what_is_left_is_the_torque_less_the_prediction() -> None:
+    motion = pendulum.motion(12.0, 20.0, noise=0.02)
+    found = on_landmarks(motion, "vrbfs+fri", 30)
+    np.testing.assert_allclose(found.residual, motion.tau - predict(found, motion), atol=1e-9)
+    np.testing.assert_allclose(found.torque(inputs(FRESH)), predict(found, FRESH), atol=1e-9)

@@ -183,7 +183,12 @@ def test_a_joint_that_stands_still_is_survived(landmarks: int) -> None:
         (Settings(block_seconds=-1.0), "block_seconds"),
         (Settings(folds=1), "folds is 1"),
         (Settings(scale="none"), "scale is 'none'"),
-        (Settings(selection="luck"), "selection 'luck'"),
+        (Settings(selection="luck"), "selection is 'luck'"),
+        (Settings(loss="absolute"), "loss is 'absolute', expected square, huber"),
+        (Settings(block_seconds=float("nan")), "block_seconds is nan"),
+        (Settings(train=float("nan")), "train is nan"),
+        (Settings(samples=100.5), "samples is 100.5, expected a whole number"),  # type: ignore[arg-type]
+        (Settings(evaluations=0), "evaluations is 0"),
         (Settings(model="magic"), "'magic' is neither"),
     ],
 )

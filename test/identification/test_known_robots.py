@@ -72,6 +72,18 @@ def test_a_known_robot_is_learned_on_landmarks(name: str, wrong: Robot, tmp_path
     assert (low < high).all()
 
 
+def test_contacts_do_not_drag_a_known_robot(wrong: Robot) -> None:
+    data = pendulum.motion(40.0, noise=0.01)
+    tau = data.tau.copy()
+    for first in range(100, 800, 100):
+        tau[first : first + 15, 1] += 10.0
+    settings = replace(SETTINGS, model="vrbfs+fri", loss="huber")
+    found = identify(replace(data, tau=tau), settings, mechanism=wrong)
+    assert error(found) < 0.02 * data.tau.std()
+    squares = replace(settings, loss="square")
+    assert error(identify(replace(data, tau=tau), squares, mechanism=wrong)) > 2.0 * error(found)
+
+
 def test_what_neither_bodies_nor_friction_hold_is_left_to_the_kernel(wrong: Robot) -> None:
     data = pendulum.motion(40.0, noise=0.01)
     spring = 3.0 * np.sin(2.0 * data.q)

@@ -8,8 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.fit import Fit, Scaling, fit_basis
-from lagrangian_ff.identification.fit_landmarks import fit_landmarks
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.fit import Fit
+from lagrangian_ff.identification.fit_landmarks import LandmarkEquations
 from lagrangian_ff.identification.positive import keep_positive
 from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.spec import parse
@@ -32,7 +34,7 @@ def pair(name: str, noise: float = 0.02, per_joint: bool = False) -> tuple[Fit, 
     choice = starting_choice(spec, states)
     scaling = Scaling.of(motion.tau, per_joint)
     parts = choice.basis(spec, 2), choice, Inputs.of(states), motion.tau, scaling
-    raised = fit_landmarks(*parts, states, groups(FOLD))
+    raised = LandmarkEquations.of(*parts, states, groups(FOLD)).solve()
     systems = tuple((joints, b, replace(one, factor=1.0)) for joints, b, one in raised.systems)
     return replace(raised, choice=choice, systems=systems), fit_basis(*parts)
 

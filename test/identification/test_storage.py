@@ -89,6 +89,16 @@ def test_a_newer_version_says_so(saved: Path, tmp_path: Path) -> None:
         lambda c: c["header"].update(joints=["one"]),
         lambda c: c["header"].update(hyperparameters={"sgima": [1.0]}),
         lambda c: c["header"]["range"].pop("q_low"),
+        lambda c: c["header"]["hyperparameters"].update(sigma=[-1.0]),
+        lambda c: c["header"]["hyperparameters"].update(sigma=[0.0]),
+        lambda c: c["header"]["hyperparameters"].update(sigma=[float("nan")]),
+        lambda c: c["header"]["hyperparameters"].update(sigma=[1.0, 2.0, 3.0]),
+        lambda c: c.update(noise=0.0 * c["noise"]),
+        lambda c: c.update(noise_share=-c["noise_share"]),
+        lambda c: c.update(unit=0.0 * c["unit"]),
+        lambda c: c.update(trust=np.full_like(c["weights"], 1.5)),
+        lambda c: c.update(trust=np.zeros_like(c["weights"])),
+        lambda c: c.update(trust=np.ones(3)),
     ],
 )
 def test_contents_that_do_not_fit_are_called_damaged(
@@ -96,6 +106,26 @@ def test_contents_that_do_not_fit_are_called_damaged(
 ) -> None:
     with pytest.raises(ModelError, match=r"bad\.npz is damaged"):
         Model.load(rewrite(saved, tmp_path / "bad.npz", change))
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"luck": 1}, "hold luck, which this version does not know"),
+        ({"train": "all"}, "train is all"),
+        ({"folds": 0}, "folds is 0"),
+        ("usual", "expected them by name"),
+    ],
+)
+def test_settings_of_a_file_that_cannot_be_are_refused_on_refitting(
+    saved: Path, tmp_path: Path, settings: object, said: str
+) -> None:
+    def other(content: dict[str, Any]) -> None:
+        content["header"]["record"]["settings"] = settings
+
+    model = Model.load(rewrite(saved, tmp_path / "other.npz", other))
+    with pytest.raises(ModelError, match=said):
+        extend(model, EFFECTS["stribeck"], "elbow")
 
 
 def test_an_effect_of_ones_own_is_asked_for(saved: Path, tmp_path: Path) -> None:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from lagrangian_ff.identification.system import NotPositiveDefiniteError, System
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.system import System
 
 Floats = NDArray[np.float64]
 
@@ -135,4 +136,11 @@ def test_a_column_that_stands_twice_shares_its_weight() -> None:
 def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
     gram = np.diag([1.0, -2.0, 1.0])
     with pytest.raises(NotPositiveDefiniteError, match="pivot 2 of 3"):
+        System.factor(gram, np.full(3, 0.1), np.zeros((3, 0)), np.ones(3))
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_a_matrix_that_is_not_finite_is_refused(value: float) -> None:
+    gram = np.diag([1.0, value, 1.0])
+    with pytest.raises(NotPositiveDefiniteError, match="3"):
         System.factor(gram, np.full(3, 0.1), np.zeros((3, 0)), np.ones(3))

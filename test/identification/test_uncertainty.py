@@ -14,7 +14,8 @@ from scipy.signal import butter, sosfiltfilt
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
-from lagrangian_ff.identification.fit import Fit, fit_basis
+from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.fit import Fit
 from lagrangian_ff.kernels import KERNELS, CoupledKernel, IndependentKernel, States
 from lagrangian_ff.recording.motion import Motion
 

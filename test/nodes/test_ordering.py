@@ -21,7 +21,7 @@ def values(tmp_path: Path) -> dict[str, Any]:
     return {
         "output_directory": str(tmp_path), "effects_file": "", "model_file": "", "joints": [""],
         "model": "motor+fri", "urdf": "", "use_robot_description": False,
-        "train": 0.5, "samples": 50, "bandwidth": 20.0,
+        "train": 0.5, "samples": 50, "loss": "huber", "bandwidth": 20.0,
         "effort_scale.a": 2.0, "effort_offset.a": 0.1, "add.effect": "", "add.joint": "",
     }  # fmt: skip
 

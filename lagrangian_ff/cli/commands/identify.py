@@ -149,6 +149,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="keep the mass matrix positive definite along the training motion, for simulation and "
         "control with it; the joints then have one torque scale",
     )
+    group.add_argument(
+        "--loss",
+        choices=("square", "huber"),
+        help="what a residual costs: huber is for recordings with contacts or other gross errors, "
+        "which it weighs down and tells (default: square)",
+    )
     add_conditioning(parser)
     add_effects_file(parser)
     add_json(parser)
@@ -176,8 +182,18 @@ def run(arguments: Namespace) -> int:
     with whole(arguments.output) as path:
         found.model.save(path)
     write_record(arguments.json, found.record)
+    for note in _own_notes(found, readings):
+        console.note(note)
     _say(found, readings, arguments.output, console)
     return 0
+
+
+def _own_notes(found: "Identification", readings: list[Reading]) -> list[str]:
+    """What the identification itself has to say; the recordings' notes are told already."""
+    told = {note for reading in readings for note in reading.motion.notes}
+    notes = found.record["notes"]
+    assert isinstance(notes, list)
+    return [note for note in notes if note not in told]
 
 
 def _settings(arguments: Namespace) -> "Settings":
@@ -186,7 +202,7 @@ def _settings(arguments: Namespace) -> "Settings":
 
     options = (
         "model", "train", "samples", "block_seconds", "folds", "selection", "scale", "positive",
-        "landmarks",
+        "landmarks", "loss",
     )  # fmt: skip
     given = {name: getattr(arguments, name) for name in options}
     settings = Settings(**{name: value for name, value in given.items() if value is not None})

@@ -136,8 +136,9 @@ def _unknown_cause(found: Findings) -> str | None:
         return None
     return (
         f"No cause of the error on {', '.join(found.weak)} is plain. Is the effort the torque of "
-        "the actuator (--effort-scale, --effort-offset)? Did something touch the arm? A kernel "
-        "that assumes less, --model rbf+fri, tells whether the measurement holds more to learn."
+        "the actuator (--effort-scale, --effort-offset)? Did something touch the arm (--loss "
+        "huber)? A kernel that assumes less, --model rbf+fri, tells whether the measurement holds "
+        "more to learn."
     )
 
 

@@ -42,6 +42,9 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
         console.say(text)
     console.say(known(record.get("mechanism")))
     console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
+    outliers = record.get("outliers")
+    if outliers:
+        console.paragraph(outliers["words"])
     console.say(error_table(record))
     console.paragraph(LEGEND, "  ")
     if record["effects"]:

@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay, 
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.system import NotPositiveDefiniteError
+from lagrangian_ff.identification.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.training import evenly
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent

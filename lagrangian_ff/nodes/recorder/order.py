@@ -52,6 +52,7 @@ class Order:
         urdf: file of the robot's description; empty where nothing is known of it.
         train: fraction of the motion to train on.
         samples: how many samples to train on.
+        loss: what a residual costs, "square" or "huber".
         bandwidth: Hz of the low-pass.
         effort_scale, effort_offset: by joint, N·m per unit of effort and N·m.
         additions: what to add.
@@ -69,6 +70,7 @@ class Order:
     urdf: str = ""
     train: float = 2.0 / 3.0
     samples: int = 500
+    loss: str = "square"
     bandwidth: float = 25.0
     effort_scale: dict[str, float] = field(default_factory=dict)
     effort_offset: dict[str, float] = field(default_factory=dict)

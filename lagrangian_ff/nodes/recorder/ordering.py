@@ -53,6 +53,7 @@ def make_order(
             model=value("model"),
             train=value("train"),
             samples=value("samples"),
+            loss=value("loss"),
             bandwidth=value("bandwidth"),
         )
     model = present_model(session, value)

@@ -30,7 +30,7 @@ def identify_bags(order: Order, progress: Progress) -> dict[str, Any]:
     motions = read(order.bags, order.topic, order.joints, conditioning, reading)
     found = identify(
         motions,
-        Settings(model=order.model, train=order.train, samples=order.samples),
+        Settings(model=order.model, train=order.train, samples=order.samples, loss=order.loss),
         part(progress, 0.1, 1.0),
         read_urdf(order.urdf) if order.urdf else None,
     )
