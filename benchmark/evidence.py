@@ -13,11 +13,11 @@ from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.equations import fit_basis
-from lagrangian_ff.identification.evidence import slopes_of
-from lagrangian_ff.identification.search import starting_choice
+from lagrangian_ff.identification.choosing.evidence import slopes_of
+from lagrangian_ff.identification.choosing.search import starting_choice
+from lagrangian_ff.identification.choosing.training import TrainingSet
+from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.identification.training import TrainingSet
 
 BOUND = 6.0
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.equations import fit
-from lagrangian_ff.identification.search import starting_choice
+from lagrangian_ff.identification.choosing.search import starting_choice
+from lagrangian_ff.identification.solving.equations import fit
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import CoupledKernel, States
 

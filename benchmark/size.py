@@ -50,10 +50,10 @@ def fit_one(samples: int, joints: int, landmarks: int) -> float:
     """Seconds of a whole fit on so many samples, without what is compiled at first."""
     from lagrangian_ff.effects import Inputs
     from lagrangian_ff.identification.choice import Scaling
-    from lagrangian_ff.identification.fit_landmarks import LandmarkEquations
-    from lagrangian_ff.identification.search import starting_choice
+    from lagrangian_ff.identification.choosing.search import starting_choice
+    from lagrangian_ff.identification.samples import evenly
+    from lagrangian_ff.identification.solving.landmark_equations import LandmarkEquations
     from lagrangian_ff.identification.spec import parse
-    from lagrangian_ff.identification.training import evenly
     from lagrangian_ff.kernels import States
 
     _, q, qd, qdd, tau = motion(samples, joints)

@@ -14,8 +14,8 @@ from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.equations import fit_basis
-from lagrangian_ff.identification.search import starting_choice, validation_score
+from lagrangian_ff.identification.choosing.search import starting_choice, validation_score
+from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.spec import parse
 
 ONE, TEN = 3.0, 6.0

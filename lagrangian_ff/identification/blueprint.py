@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choice import Choice, Scaling
+from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.robust import doubted
+from lagrangian_ff.identification.samples import evenly, groups
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.identification.training import TrainingSet, evenly, groups
+from lagrangian_ff.identification.solving.robust import doubted
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]

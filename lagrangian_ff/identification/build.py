@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.blueprint import Blueprint
-from lagrangian_ff.identification.calibration import calibrated
-from lagrangian_ff.identification.fit import Fit
-from lagrangian_ff.identification.intervals import LEVEL
-from lagrangian_ff.identification.mass_matrix import mass_record
+from lagrangian_ff.identification.certainty.calibration import calibrated
+from lagrangian_ff.identification.certainty.intervals import LEVEL
+from lagrangian_ff.identification.certainty.outliers import doubtful, outlier_record
+from lagrangian_ff.identification.mechanics.mass_matrix import mass_record
+from lagrangian_ff.identification.mechanics.positive import Expansion, keep_positive
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
-from lagrangian_ff.identification.outliers import doubtful, outlier_record
-from lagrangian_ff.identification.positive import Expansion, keep_positive
 from lagrangian_ff.identification.records import effect_records, hyperparameter_record
+from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.score import Score
-from lagrangian_ff.identification.solving import solve
-from lagrangian_ff.identification.training import evenly
+from lagrangian_ff.identification.solve import solve
+from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion

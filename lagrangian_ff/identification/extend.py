@@ -13,12 +13,12 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
 from lagrangian_ff.identification.choice import Choice
-from lagrangian_ff.identification.equations import fit_basis
+from lagrangian_ff.identification.choosing.search import validation_score
+from lagrangian_ff.identification.choosing.shapes import best_shape, fall
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.search import validation_score
-from lagrangian_ff.identification.shapes import best_shape, fall
-from lagrangian_ff.identification.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, part, silent
 
 Floats = NDArray[np.float64]

@@ -13,16 +13,16 @@ from lagrangian_ff.errors import ModelError, RecordingError
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build, seconds
 from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing import choose_all
-from lagrangian_ff.identification.choosing_robustly import choose_robustly, trust_beyond
+from lagrangian_ff.identification.choosing.choose import choose_all
+from lagrangian_ff.identification.choosing.robustly import choose_robustly, trust_beyond
+from lagrangian_ff.identification.choosing.search import starting_choice
+from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.extend import extend, step_record
 from lagrangian_ff.identification.kept import kept
 from lagrangian_ff.identification.memory import require_room
-from lagrangian_ff.identification.search import starting_choice
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.sizing import sizes
 from lagrangian_ff.identification.spec import Spec, parse
-from lagrangian_ff.identification.training import TrainingSet
 from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, Mechanism, States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate

@@ -19,8 +19,8 @@ from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
 if TYPE_CHECKING:
-    from lagrangian_ff.identification.dynamics import Dynamics
-    from lagrangian_ff.identification.uncertainty import Uncertainty
+    from lagrangian_ff.identification.certainty.uncertainty import Uncertainty
+    from lagrangian_ff.identification.mechanics.dynamics import Dynamics
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -108,7 +108,7 @@ class Model:
         Raises:
             ModelError: the joints share no Lagrangian; says why and what to do.
         """
-        from lagrangian_ff.identification.dynamics import Dynamics
+        from lagrangian_ff.identification.mechanics.dynamics import Dynamics
 
         return Dynamics(self)
 
@@ -119,7 +119,7 @@ class Model:
         The first use solves the model's system again from the data that it keeps, which takes as
         long as it took when it was identified, its hyperparameters given.
         """
-        from lagrangian_ff.identification.uncertainty import Uncertainty
+        from lagrangian_ff.identification.certainty.uncertainty import Uncertainty
 
         return Uncertainty.of(self)
 

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.certainty.intervals import reach
 from lagrangian_ff.identification.choice import Choice
-from lagrangian_ff.identification.fit import Fit
-from lagrangian_ff.identification.intervals import reach
+from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.kernels import CoupledKernel
 
 Floats = NDArray[np.float64]

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.identification.training import evenly
 
 Ints = NDArray[np.int64]
 

@@ -17,9 +17,9 @@ from lagrangian_ff.identification import Settings, identify, memory
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import build
 from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.memory import available, needed, require_memory
-from lagrangian_ff.identification.search import starting_choice
-from lagrangian_ff.identification.solving import Solved, solve
+from lagrangian_ff.identification.solve import Solved, solve
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
 

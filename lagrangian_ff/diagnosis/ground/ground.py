@@ -17,7 +17,7 @@ from scipy.linalg import solve_triangular
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.system import System
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 

@@ -12,8 +12,8 @@ from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay, 
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.solution import NotPositiveDefiniteError
-from lagrangian_ff.identification.training import evenly
+from lagrangian_ff.identification.samples import evenly
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion

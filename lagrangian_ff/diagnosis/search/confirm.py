@@ -14,7 +14,7 @@ from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.change import Change
 from lagrangian_ff.diagnosis.search.gain import Score
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.training import evenly
+from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.identification.intervals import LEVEL
+from lagrangian_ff.identification.certainty.intervals import LEVEL
 from lagrangian_ff.report import html
 from lagrangian_ff.report.numbers import number
 from lagrangian_ff.report.section import Section

@@ -1,0 +1,1 @@
+"""Choosing a kernel, its hyperparameters and the effects' shapes."""

@@ -1,0 +1,1 @@
+"""Solving the semi-parametric model, its hyperparameters given: exactly or on landmarks."""

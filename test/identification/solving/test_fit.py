@@ -1,0 +1,101 @@
+"""The fit of every kernel, against refitting and against what must not matter."""
+
+import numpy as np
+import pendulum
+import pytest
+
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.choosing.search import starting_choice
+from lagrangian_ff.identification.samples import evenly
+from lagrangian_ff.identification.solving.equations import fit
+from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.kernels import KERNELS, States
+from lagrangian_ff.recording.motion import Motion
+
+EVERY = sorted(KERNELS)
+
+
+def thin(motion: Motion, samples: int) -> Motion:
+    return motion.take(evenly(len(motion), samples))
+
+
+def fitted(motion: Motion, name: str, scaling: Scaling | None = None) -> Fit:
+    x = States.of(motion.q, motion.qd, motion.qdd)
+    spec = parse(name)
+    choice = starting_choice(spec, x)
+    return fit(spec, choice, x, motion.tau, scaling or Scaling.of(motion.tau))
+
+
+def predict(model: Fit, motion: Motion) -> np.ndarray:
+    x = States.of(motion.q, motion.qd, motion.qdd)
+    kernel = model.choice.kernel.apply(x, model.states, model.weights) * model.scaling.unit
+    return kernel + sum(model.basis.torque(Inputs.of(x), model.coefficients).values())
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize("per_joint", [True, False])
+def test_left_out_residuals_are_those_of_refitting(name: str, per_joint: bool) -> None:
+    motion = thin(pendulum.motion(12.0, noise=0.02), 60)
+    scaling = Scaling.of(motion.tau, per_joint)
+    x = States.of(motion.q, motion.qd, motion.qdd)
+    spec = parse(f"{name}+fri")
+    choice = starting_choice(spec, x)
+    whole = fit(spec, choice, x, motion.tau, scaling)
+    group = np.arange(20, 35)
+    residual, changed = whole.left_out([group])
+    rest = np.setdiff1d(np.arange(60), group)
+    without = fit(spec, choice, x.take(rest), motion.tau[rest], scaling)
+    expected = motion.tau[group] - predict(without, motion.take(group))
+    np.testing.assert_allclose(residual[group], expected, atol=1e-6 * motion.tau.std())
+    assert np.isnan(residual[rest]).all()
+    np.testing.assert_allclose(changed[0], without.coefficients, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["vrbfs+fri", "srbfs+fri", "rbf+fri", "motor+fri"])
+def test_the_unit_of_torque_does_not_matter(name: str) -> None:
+    motion = thin(pendulum.motion(12.0), 80)
+    in_mnm = Motion(**{**motion.__dict__, "tau": 1000.0 * motion.tau})
+    one, other = fitted(motion, name), fitted(in_mnm, name)
+    np.testing.assert_allclose(predict(other, motion), 1000.0 * predict(one, motion), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["vrbfs+fri", "srbfs+fri", "pol+fri"])
+def test_the_order_of_joints_does_not_matter(name: str) -> None:
+    motion = thin(pendulum.motion(12.0), 80)
+    turned = motion.select(("elbow", "shoulder"))
+    one, other = predict(fitted(motion, name), motion), predict(fitted(turned, name), turned)
+    np.testing.assert_allclose(other[:, ::-1], one, atol=1e-7 * abs(one).max())
+
+
+def test_a_strong_joint_does_not_drown_a_weak_one() -> None:
+    """A joint with a thousandth of the torque is learned as well as before."""
+    motion = thin(pendulum.motion(20.0), 150)
+    weak = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 1e-3])})
+    test = pendulum.motion(20.0, seed=0)
+    one = predict(fitted(motion, "vrbfs+fri"), test)[:, 1]
+    other = predict(fitted(weak, "vrbfs+fri"), test)[:, 1]
+    np.testing.assert_allclose(1e3 * other, one, atol=1e-6 * abs(one).max())
+
+
+def test_with_one_unit_the_mass_matrix_is_symmetric() -> None:
+    motion = thin(pendulum.motion(20.0), 120)
+    model = fitted(motion, "vrbfs+fri", Scaling.of(motion.tau, per_joint=False))
+    point = motion.take(slice(30, 31))
+    columns = []
+    for joint in range(2):
+        qdd = point.qdd.copy()
+        qdd[:, joint] += 1.0
+        moved = Motion(**{**point.__dict__, "qdd": qdd})
+        columns.append((predict(model, moved) - predict(model, point))[0])
+    assert columns[0][1] == pytest.approx(columns[1][0], rel=1e-8)
+
+
+def test_known_friction_is_recovered() -> None:
+    motion = thin(pendulum.motion(30.0), 400)
+    model = fitted(motion, "vrbfs+fri", Scaling.of(motion.tau, per_joint=False))
+    found = {(t.effect.name, t.joint): model.coefficients[p][0] for t, p in model.basis.slices()}
+    for joint in range(2):
+        assert found["viscous", joint] == pytest.approx(pendulum.VISCOUS[joint], rel=0.03)
+        assert found["coulomb", joint] == pytest.approx(pendulum.COULOMB[joint], rel=0.03)

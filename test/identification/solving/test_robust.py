@@ -1,0 +1,294 @@
+"""Huber's loss: the minimiser, what it must not depend on, and what outliers do to a model."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pendulum
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from lagrangian_ff.diagnosis import diagnose
+from lagrangian_ff.diagnosis.ground import tuning
+from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.identification import Identification, Model, Settings, extend, identify
+from lagrangian_ff.identification.choice import Scaling
+from lagrangian_ff.identification.choosing.search import starting_choice
+from lagrangian_ff.identification.samples import evenly
+from lagrangian_ff.identification.solving.equations import Equations
+from lagrangian_ff.identification.solving.robust import at_sight, huber
+from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+
+FEW = Settings(samples=120, evaluations=25, loss="huber")
+
+
+def spoiled(motion: Motion, kind: str, share: float = 0.05, train: float = 2.0 / 3.0) -> Motion:
+    """A motion in whose training part this share of the torques is grossly wrong."""
+    rng = np.random.default_rng(7)
+    last = round(train * len(motion))
+    length = 1 if kind == "single" else round(0.2 / (motion.time[1] - motion.time[0]))
+    tau = motion.tau.copy()
+    for joint, spread in enumerate(motion.tau.std(axis=0)):
+        count = round(share * last / length)
+        for first in length * rng.choice(last // length, count, replace=False):
+            size = rng.choice([-1.0, 1.0]) * rng.uniform(2.0, 10.0) * spread
+            tau[first : first + length, joint] += size
+    return replace(motion, tau=tau)
+
+
+def equations(motion: Motion, name: str = "vrbfs+fri") -> Equations:
+    """Of a model before any search."""
+    spec = parse(name)
+    x = States.of(motion.q, motion.qd, motion.qdd)
+    choice = starting_choice(spec, x)
+    basis = choice.basis(spec, len(motion.joints))
+    return Equations.of(basis, choice, Inputs.of(x), motion.tau, Scaling.of(motion.tau))
+
+
+def few(samples: int, kind: str = "single") -> Motion:
+    motion = pendulum.motion(12.0, noise=0.02)
+    return spoiled(motion.take(evenly(len(motion), samples)), kind, 0.1, 1.0)
+
+
+@pytest.mark.parametrize("name", ["vrbfs+fri", "chain+fri", "srbfs+fri", "rbf", "fri"])
+def test_no_torque_pulls_harder_than_the_loss_says(name: str) -> None:
+    """At the minimum the noise times a is the derivative of the loss: the residual, cut at δ."""
+    given = equations(few(50), name)
+    found = huber(given, enough=1e-8)
+    fitted = found.fitted
+    noise = given.choice.noise * given.scaling.noise**2
+    pull = noise * fitted.weights * given.scaling.unit
+    cut = np.clip(fitted.residual, -found.threshold, found.threshold)
+    np.testing.assert_allclose(pull / found.threshold, cut / found.threshold, atol=1e-7)
+    assert (np.abs(fitted.residual) > 3.0 * found.threshold).any()
+
+
+def test_it_is_the_minimum_that_a_general_method_finds() -> None:
+    given = equations(few(16))
+    found = huber(given, enough=1e-9)
+    ((_, _, gram, rows),) = given.parts
+    design, target = rows.design(), rows.target
+    gram = np.tril(gram) + np.tril(gram, -1).T
+    noise = np.tile(given.choice.noise * given.scaling.noise**2, 16)
+    limit = np.tile(found.threshold / given.scaling.unit, 16)
+    size = len(target)
+
+    def cost(point: Floats) -> tuple[float, Floats]:
+        a, b = point[:size], point[size:]
+        residual = target - gram @ a - design @ b
+        cut = np.clip(residual, -limit, limit)
+        loss = np.sum(cut * (residual - 0.5 * cut) / noise) + 0.5 * a @ gram @ a
+        pull = cut / noise
+        return float(loss), np.concatenate([gram @ (a - pull), -design.T @ pull])
+
+    weights, coefficients = found.fitted.weights.ravel(), found.fitted.coefficients
+    ours = cost(np.concatenate([weights, coefficients]))
+    assert np.abs(ours[1]).max() < 1e-5
+    elsewhere = minimize(
+        cost, np.zeros(size + len(coefficients)), jac=True, method="BFGS",
+        options={"gtol": 1e-8, "maxiter": 5000},
+    )  # fmt: skip
+    assert ours[0] <= elsewhere.fun * (1.0 + 1e-9)
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 999), name=st.sampled_from(["vrbfs+fri", "chain+fri", "srbfs+fri"]))
+def test_the_order_of_the_samples_does_not_matter(seed: int, name: str) -> None:
+    motion = few(30)
+    order = np.random.default_rng(seed).permutation(len(motion))
+    one = huber(equations(motion, name), enough=1e-8)
+    other = huber(equations(motion.take(order), name), enough=1e-8)
+    np.testing.assert_allclose(other.threshold, one.threshold, rtol=1e-5)
+    np.testing.assert_allclose(other.fitted.trust, one.fitted.trust[order], atol=1e-5)
+    scale = np.abs(one.fitted.coefficients).max()
+    np.testing.assert_allclose(
+        other.fitted.coefficients, one.fitted.coefficients, atol=1e-5 * scale
+    )
+
+
+@settings(max_examples=10)
+@given(unit=st.floats(1e-3, 1e3))
+def test_the_unit_of_torque_does_not_matter(unit: float) -> None:
+    motion = few(30)
+    one = huber(equations(motion))
+    other = huber(equations(replace(motion, tau=unit * motion.tau)))
+    np.testing.assert_allclose(other.fitted.trust, one.fitted.trust, atol=1e-6)
+
+
+@settings(max_examples=10)
+@given(threshold=st.floats(1e3, 1e9), name=st.sampled_from(["vrbfs+fri", "chain+fri", "rbf"]))
+def test_with_a_huge_threshold_it_is_least_squares(threshold: float, name: str) -> None:
+    given = equations(few(30), name)
+    found = huber(given, threshold=np.full(2, threshold)).fitted
+    least = given.solve()
+    assert (found.trust == 1.0).all()
+    np.testing.assert_array_equal(found.weights, least.weights)
+    np.testing.assert_array_equal(found.coefficients, least.coefficients)
+
+
+@given(size=st.floats(10.0, 1e6))
+@settings(max_examples=10)
+def test_an_outlier_that_grows_changes_nothing_more(size: float) -> None:
+    """Beyond the threshold its pull is the same, however large it is."""
+    given = equations(few(30))
+    threshold = huber(given).threshold
+    ((joints, basis, gram, rows),) = given.parts
+    fits = []
+    for factor in (1.0, size):
+        wrong = rows.target.copy()
+        wrong[14] = 100.0 * factor
+        spoilt = replace(given, parts=((joints, basis, gram, replace(rows, target=wrong)),))
+        fits.append(huber(spoilt, threshold=threshold, enough=1e-6).fitted.weights)
+    np.testing.assert_allclose(fits[1], fits[0], atol=1e-3 * np.abs(fits[0]).max())
+
+
+def test_torques_without_noise_are_all_trusted_or_hardly_less() -> None:
+    """A joint that stands still has residuals of zero, and no threshold of zero."""
+    motion = few(30)
+    tau = motion.tau.copy()
+    tau[:, 1] = 0.0
+    found = huber(equations(replace(motion, tau=tau)))
+    assert np.isfinite(found.fitted.weights).all()
+    assert (found.threshold > 0.0).all()
+    assert (at_sight(tau)[:, 1] == 1.0).all()
+
+
+@pytest.fixture(scope="module")
+def clean() -> Motion:
+    """Return forty seconds of the pendulum with 2 % of noise."""
+    return pendulum.motion(40.0, noise=0.02)
+
+
+@pytest.fixture(scope="module")
+def touched(clean: Motion) -> Identification:
+    """Return a model of a motion with contacts."""
+    return identify(spoiled(clean, "contact"), FEW)
+
+
+def held_out_error(found: Identification) -> float:
+    return float(str(found.record["rmse"]))
+
+
+@pytest.mark.parametrize(("name", "kind"), [("vrbfs+fri", "single"), ("chain+fri", "contact")])
+def test_a_twentieth_of_gross_outliers_hardly_changes_the_error(
+    clean: Motion, name: str, kind: str
+) -> None:
+    usual = Settings(name, samples=240, scale="common")
+    robust = replace(usual, loss="huber")
+    before = held_out_error(identify(clean, usual))
+    wrong = spoiled(clean, kind)
+    assert held_out_error(identify(wrong, robust)) < 1.1 * before
+    assert held_out_error(identify(wrong, usual)) > 3.0 * before
+
+
+@pytest.mark.parametrize("positive", [False, True])
+def test_outliers_hardly_change_a_model_on_landmarks(clean: Motion, positive: bool) -> None:
+    usual = Settings("vrbfs+fri", samples=240, scale="common", landmarks=60, positive=positive)
+    before = held_out_error(identify(clean, usual))
+    wrong = spoiled(clean, "contact")
+    found = identify(wrong, replace(usual, loss="huber"))
+    assert held_out_error(found) < 1.1 * before
+    assert held_out_error(identify(wrong, usual)) > 3.0 * before
+    trust = found.model.trust
+    assert trust is not None
+    assert trust.shape == found.training.tau.shape
+    gross = np.abs(wrong.tau - clean.tau)[found.model.seen] > 1.0
+    assert (trust[gross] < 0.5).mean() > 0.99
+    assert (trust[~gross] < 0.5).mean() < 0.05
+
+
+def test_without_outliers_the_model_is_as_good(clean: Motion) -> None:
+    square = identify(clean, replace(FEW, loss="square"))
+    assert held_out_error(identify(clean, FEW)) < 1.1 * held_out_error(square)
+
+
+def test_the_record_tells_what_was_weighed_down(touched: Identification) -> None:
+    told = touched.record["outliers"]
+    assert isinstance(told, dict)
+    trust = touched.model.trust
+    assert trust is not None
+    assert told["share"] == np.mean(trust < 0.5)
+    assert 0.03 < told["share"] < 0.12
+    longest = told["longest"]
+    assert 0.1 < longest["seconds"] < 1.0
+    column = pendulum.JOINTS.index(longest["joint"])
+    first = np.searchsorted(touched.training.time, longest["begin"])
+    assert trust[first, column] < 0.5
+    assert f"{longest['seconds']:.2f} s of {longest['joint']}" in told["words"]
+    assert f"{told['share']:.1%} of the torques" in told["words"]
+    validation = touched.record["validation"]
+    assert isinstance(validation, dict)
+    assert told["rmse_of_others"] < 0.2 * validation["rmse"]
+
+
+def test_a_contact_is_no_torque_the_model_knows(clean: Motion, touched: Identification) -> None:
+    largest = np.abs(clean.tau).max(axis=0)
+    assert (touched.model.range.tau_max <= 1.1 * largest).all()
+    assert (touched.model.range.tau_max > 0.8 * largest).all()
+
+
+def test_intervals_are_not_widened_by_outliers(clean: Motion, touched: Identification) -> None:
+    square = identify(clean, replace(FEW, loss="square"))
+    for one, other in zip(effects(touched), effects(square), strict=True):
+        (robust,), (usual,) = one["parameters"].values(), other["parameters"].values()
+        assert robust["high"] - robust["low"] < 4.0 * (usual["high"] - usual["low"])
+
+
+def effects(found: Identification) -> list[dict[str, dict[str, dict[str, float]]]]:
+    entries = found.record["effects"]
+    assert isinstance(entries, list)
+    return entries
+
+
+@pytest.mark.parametrize("landmarks", [0, 60])
+def test_certainty_is_that_of_torques_without_contacts(clean: Motion, landmarks: int) -> None:
+    settings = replace(FEW, model="chain+fri", landmarks=landmarks)
+    robust = identify(spoiled(clean, "contact"), settings)
+    square = identify(clean, replace(settings, loss="square"))
+    x = clean.take(np.flatnonzero(~square.model.trained)[::20])
+    one, other = (
+        np.sqrt(m.uncertainty.variance(x.q, x.qd, x.qdd)).mean(axis=0)
+        for m in (robust.model, square.model)
+    )
+    assert (one < 2.0 * other).all()
+    low, high = robust.model.uncertainty.interval(x.q, x.qd, x.qdd)
+    assert ((low <= x.tau) & (x.tau <= high)).mean() > 0.8
+
+
+@pytest.mark.parametrize("landmarks", [0, 60])
+def test_a_saved_model_refits_to_the_same(clean: Motion, landmarks: int, tmp_path: Path) -> None:
+    touched = identify(spoiled(clean, "contact"), replace(FEW, landmarks=landmarks))
+    path = tmp_path / "model.npz"
+    touched.model.save(path)
+    again = Model.load(path)
+    np.testing.assert_array_equal(again.trust, touched.model.trust)
+    stribeck = EFFECTS["stribeck"]
+    here = extend(touched.model, stribeck, "elbow")
+    there = extend(again, stribeck, "elbow")
+    np.testing.assert_array_equal(there.model.weights, here.model.weights)
+    assert here.record["settings"] == touched.record["settings"]
+    assert held_out_error(here) < 1.1 * held_out_error(touched)
+
+
+def test_a_model_of_squares_keeps_no_trust(clean: Motion) -> None:
+    found = identify(clean, Settings(samples=40, evaluations=4))
+    assert found.model.trust is None
+    assert "outliers" not in found.record
+
+
+def test_a_robust_model_can_be_diagnosed(
+    touched: Identification, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for rows in ("ROWS", "COARSE_ROWS", "FINE_ROWS", "SHAPE_ROWS"):
+        monkeypatch.setattr(tuning, rows, 400)
+    known = {name: EFFECTS[name] for name in ("stribeck", "quadratic_drag")}
+    found = diagnose(touched.model, pendulum.motion(20.0, seed=3), effects=known, steps=1)
+    assert found.model is touched.model
+    assert isinstance(found.record()["verdict"], str)

@@ -1,0 +1,146 @@
+"""The one-factor algebra, against the same quantities written out with dense inverses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.system import System
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A regularised regression small enough to invert."""
+
+    gram: Floats
+    noise: Floats
+    design: Floats
+    target: Floats
+
+    @classmethod
+    def random(cls, size: int, columns: int, seed: int) -> "Problem":
+        rng = np.random.default_rng(seed)
+        root = rng.normal(size=(size, size))
+        return cls(
+            root @ root.T / size,
+            rng.uniform(0.05, 0.2, size),
+            rng.normal(size=(size, columns)),
+            rng.normal(size=size),
+        )
+
+    def keep(self, rows: NDArray[np.int64]) -> "Problem":
+        return Problem(
+            self.gram[np.ix_(rows, rows)], self.noise[rows], self.design[rows], self.target[rows]
+        )
+
+    def system(self) -> System:
+        # Only the lower triangle may be read: what lies above it comes from memory as it was.
+        lower = np.where(np.tri(len(self.gram), dtype=bool), self.gram, np.nan)
+        return System.factor(lower, self.noise, self.design, self.target)
+
+    def projection(self) -> Floats:
+        inverse = np.asarray(np.linalg.inv(self.gram + np.diag(self.noise)))
+        carried = inverse @ self.design
+        return np.asarray(inverse - carried @ np.linalg.solve(self.design.T @ carried, carried.T))
+
+
+sizes = {"size": st.integers(12, 30), "columns": st.integers(1, 4), "seed": st.integers(0, 999)}
+
+
+@given(**sizes)
+def test_coefficients_and_weights_solve_the_normal_equations(
+    size: int, columns: int, seed: int
+) -> None:
+    problem = Problem.random(size, columns, seed)
+    system = Problem.random(size, columns, seed).system()
+    regularised = problem.gram + np.diag(problem.noise)
+    residual = problem.target - problem.design @ system.coefficients
+    np.testing.assert_allclose(regularised @ system.weights, residual, atol=1e-9)
+    np.testing.assert_allclose(problem.design.T @ system.weights, 0.0, atol=1e-9)
+
+
+@given(**sizes)
+def test_evidence_is_the_restricted_likelihood(size: int, columns: int, seed: int) -> None:
+    problem = Problem.random(size, columns, seed)
+    system = Problem.random(size, columns, seed).system()
+    regularised = problem.gram + np.diag(problem.noise)
+    free = size - columns
+    quadratic = problem.target @ problem.projection() @ problem.target
+    amplitude = quadratic / free
+    information = problem.design.T @ np.linalg.solve(regularised, problem.design)
+    expected = -0.5 * (
+        free * np.log(2 * np.pi * amplitude)
+        + free
+        + np.linalg.slogdet(regularised)[1]
+        + np.linalg.slogdet(information)[1]
+    )
+    assert system.amplitude == pytest.approx(amplitude, rel=1e-8)
+    assert system.log_evidence == pytest.approx(expected, rel=1e-8)
+
+
+@given(**sizes)
+def test_left_out_rows_are_predicted_as_by_a_fit_without_them(
+    size: int, columns: int, seed: int
+) -> None:
+    problem = Problem.random(size, columns, seed)
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(size)
+    groups = [np.sort(order[:3]), np.sort(order[3:5])]
+    system = Problem.random(size, columns, seed).system()
+    every = list(system.left_out(groups))
+    for left, weights in zip(every, system.weights_without(every).T, strict=True):
+        rest = np.setdiff1d(np.arange(size), left.rows)
+        without = problem.keep(rest).system()
+        cross = problem.gram[np.ix_(left.rows, rest)]
+        predicted = cross @ without.weights + problem.design[left.rows] @ without.coefficients
+        np.testing.assert_allclose(left.residual, problem.target[left.rows] - predicted, atol=1e-7)
+        moved = without.coefficients - system.coefficients
+        np.testing.assert_allclose(left.change, moved, atol=1e-7)
+        np.testing.assert_allclose(weights[rest], without.weights, atol=1e-7)
+        np.testing.assert_allclose(weights[left.rows], 0.0, atol=1e-7)
+
+
+def test_a_column_that_never_shows_gets_no_weight() -> None:
+    problem = Problem.random(20, 3, 5)
+    design = problem.design.copy()
+    design[:, 1] = 0.0
+    full = Problem(problem.gram, problem.noise, design, problem.target).system()
+    assert full.coefficients[1] == 0.0
+    assert np.isfinite(full.log_evidence)
+    reduced = Problem.random(20, 3, 5)
+    without = Problem(
+        reduced.gram, reduced.noise, np.delete(problem.design, 1, axis=1), reduced.target
+    ).system()
+    np.testing.assert_allclose(full.coefficients[[0, 2]], without.coefficients, atol=1e-10)
+
+
+def test_a_column_that_stands_twice_shares_its_weight() -> None:
+    problem = Problem.random(20, 2, 6)
+    twice = Problem(
+        problem.gram.copy(), problem.noise, problem.design[:, [0, 1, 1]], problem.target
+    ).system()
+    once = problem.system()
+    assert twice.coefficients[1] == pytest.approx(twice.coefficients[2])
+    np.testing.assert_allclose(
+        [twice.coefficients[0], 2 * twice.coefficients[1]], once.coefficients, atol=1e-8
+    )
+    assert twice.degrees == once.degrees
+
+
+def test_a_matrix_that_is_not_positive_definite_is_refused() -> None:
+    gram = np.diag([1.0, -2.0, 1.0])
+    with pytest.raises(NotPositiveDefiniteError, match="pivot 2 of 3"):
+        System.factor(gram, np.full(3, 0.1), np.zeros((3, 0)), np.ones(3))
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_a_matrix_that_is_not_finite_is_refused(value: float) -> None:
+    gram = np.diag([1.0, value, 1.0])
+    with pytest.raises(NotPositiveDefiniteError, match="3"):
+        System.factor(gram, np.full(3, 0.1), np.zeros((3, 0)), np.ones(3))
