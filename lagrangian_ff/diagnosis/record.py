@@ -145,8 +145,7 @@ def _nothing(diagnosis: Diagnosis) -> str:
     """Whether nothing is left to explain, or the motion is too short to tell it from chance."""
     found = diagnosis.search
     best = next((score for score in found.ranking if score.candidate.named), None)
-    # With few blocks the best of all is itself among what chance gives.
-    if best is None or not PROMISING < best.gain < 1.001 * found.chance.threshold:
+    if best is None or best.gain <= PROMISING or found.chance.beaten_by(best.gain):
         return (
             "No effect of the catalogue is missing that this motion could show: what is left is "
             "noise."

@@ -168,3 +168,12 @@ def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
     x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
     found = search(tune(replace(motion, tau=tau), x, friction()), steps=1)
     assert found.steps[0].score.candidate.key == ("load_friction", 0)
+
+
+def test_a_gain_that_ties_with_chance_does_not_beat_it() -> None:
+    chance = Chance(np.full(400, 225.0))
+    rounded = 225.0 * (1.0 + 1e-9)
+    assert not chance.beaten_by(rounded)
+    assert chance.p_value(rounded) == 1.0
+    assert chance.beaten_by(226.0)
+    assert chance.p_value(226.0) == 1.0 / 401.0

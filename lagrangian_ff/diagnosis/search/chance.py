@@ -12,6 +12,9 @@ Floats = NDArray[np.float64]
 
 DRAWS = 400
 LEVEL = 0.05
+TIE = 1e-6
+"""Relative difference that is no more than rounding: of few blocks, some draws of signs change none
+of them, or all, and the best of all then ties with itself."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,11 @@ class Chance:
         """Nats that the best of all exceeds by chance once in twenty times."""
         return float(np.quantile(self.largest, 1.0 - LEVEL))
 
+    def beaten_by(self, gain: float) -> bool:
+        """Whether a gain is more than that."""
+        return gain > (1.0 + TIE) * self.threshold
+
     def p_value(self, gain: float) -> float:
         """How often chance does as well."""
-        above = len(self.largest) - int(np.searchsorted(self.largest, gain))
+        above = len(self.largest) - int(np.searchsorted(self.largest, (1.0 - TIE) * gain))
         return (1.0 + above) / (1.0 + len(self.largest))

@@ -200,8 +200,9 @@ def _possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
 def _stands_out(score: Score, chance: Chance, ground: Ground) -> bool:
     candidate = score.candidate
     large = score.size > LEAST_SIZE * ground.spread[candidate.joint]
-    least = EVENT_FLOOR if score.once else max(FLOOR, chance.threshold)
-    return large and score.gain > least
+    if score.once:
+        return large and score.gain > EVENT_FLOOR
+    return large and score.gain > FLOOR and chance.beaten_by(score.gain)
 
 
 def _judge(
