@@ -99,3 +99,13 @@ def test_all_of_the_motion_is_judged_in_blocks_left_out(motion: Motion) -> None:
     found = identify(motion.take(slice(0, 1500)), replace(FEW, train=1.0))
     assert found.predicted.shape == (1500, 2)
     assert np.isfinite(found.predicted).all()
+
+
+def test_auto_chooses_a_kernel_for_landmarks_too(motion: Motion) -> None:
+    found = identify(motion, replace(FEW, model="auto+fri", evaluations=10))
+    assert found.model.name in ("chain+fri", "chain_rbf+fri")
+    assert len(found.model.centres) == 40
+    x = found.held_out.take(slice(None, None, 30))
+    low, high = found.model.uncertainty.interval(x.q, x.qd, x.qdd)
+    assert (low < found.model.predict(x.q, x.qd, x.qdd)).all()
+    assert 0.75 < ((low <= x.tau) & (x.tau <= high)).mean() <= 1.0

@@ -122,7 +122,7 @@ class Fit(Generic[Solved]):
         return changed
 
     def left_out_deviation(self, groups: Sequence[Ints]) -> Floats:
-        """What the model itself expects of the residuals of `left_out`.
+        """What the model itself expects of the residuals of `left_out`, were all torques trusted.
 
         Args:
             groups: see `left_out`.
@@ -132,13 +132,14 @@ class Fit(Generic[Solved]):
             many that it was not looked at.
         """
         found = np.full((self.samples, self.states.joints), np.nan)
+        doubt = self.choice.noise * self.scaling.noise**2 * (1.0 / self.trust - 1.0)
         for joints, _, system in self.systems:
             width, columns = len(joints), np.array(joints)
             rows = [rows_of(group, width) for group in groups]
             variances = system.left_out_variance(rows)
             for group, variance in zip(groups, variances, strict=True):
-                deviation = np.sqrt(system.amplitude * variance)
-                found[np.ix_(group, columns)] = deviation.reshape(-1, width)
+                own = variance.reshape(-1, width) - doubt[np.ix_(group, columns)]
+                found[np.ix_(group, columns)] = np.sqrt(system.amplitude * own)
         return found * self.scaling.unit
 
     def variance(self, x: Inputs) -> "Variance":

@@ -72,10 +72,12 @@ def test_it_is_the_variance_of_gaussian_processes(name: str) -> None:
 @pytest.mark.parametrize("name", EVERY)
 def test_what_it_expects_of_samples_left_out_is_what_a_fit_without_them_would(name: str) -> None:
     made = fitted(f"{name}+fri", samples=60, noise=1e-2)
-    whole, x = made.fitted, Inputs.of(made.fitted.states)
+    scaling, x, tau = made.fitted.scaling, Inputs.of(made.fitted.states), made.training.tau
     group, rest = np.arange(20, 30), np.setdiff1d(np.arange(60), np.arange(20, 30))
-    parts = whole.basis, whole.choice
-    without = fit_basis(*parts, x.take(rest), made.training.tau[rest], whole.scaling)
+    trust = np.random.default_rng(3).uniform(0.1, 1.0, tau.shape)
+    parts = made.fitted.basis, made.fitted.choice
+    whole = fit_basis(*parts, x, tau, scaling, trust)
+    without = fit_basis(*parts, x.take(rest), tau[rest], scaling, trust[rest])
     told = without.variance(x.take(group))
     expected = told.kernel + told.basis + told.noise
     for joints, _, system in whole.systems:
