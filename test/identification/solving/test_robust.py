@@ -290,8 +290,9 @@ def test_a_model_of_squares_keeps_no_trust(clean: Motion) -> None:
 def test_a_robust_model_can_be_diagnosed(
     touched: Identification, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for rows in ("ROWS", "COARSE_ROWS", "FINE_ROWS", "SHAPE_ROWS"):
-        monkeypatch.setattr(tuning, rows, 400)
+    for name in ("COARSE", "FINE", "SHAPES"):
+        monkeypatch.setattr(tuning, name, 200)
+    monkeypatch.setattr(tuning, "ROWS", 400)
     known = {name: EFFECTS[name] for name in ("stribeck", "quadratic_drag")}
     found = diagnose(touched.model, pendulum.motion(20.0, seed=3), effects=known, steps=1)
     assert found.model is touched.model
