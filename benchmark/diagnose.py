@@ -6,12 +6,11 @@ And, for who waits for it, the seconds of a whole diagnosis; what is promised is
 """
 
 import argparse
-import time
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from timing import moving, seconds
 
 from lagrangian_ff.diagnosis import diagnose
 from lagrangian_ff.diagnosis.ground import tune
@@ -26,29 +25,11 @@ BOUND = 3.0
 PROMISED = 60.0  # s
 
 
-def seconds(work: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began
-
-
 def motion(seed: int, joints: int, length: float) -> Motion:
     """Joints that feel gravity, inertia and friction, and a ripple on the second that is hidden."""
     rng = np.random.default_rng(seed)
     t = np.arange(0.0, length, 0.01)
-    q, qd, qdd = np.zeros((3, len(t), joints))
-    for _ in range(6):
-        omega, phase = rng.uniform(0.4, 4.0, joints), rng.uniform(0, 2 * np.pi, joints)
-        size = rng.uniform(0.3, 0.8, joints) / omega**0.7
-        angle = omega * t[:, None] + phase
-        q += size * np.sin(angle)
-        qd += size * omega * np.cos(angle)
-        qdd -= size * omega**2 * np.sin(angle)
-    # Each joint carries the links behind it, so that the torques have a Lagrangian.
-    weight = 3.0 * np.cos(np.cumsum(q, axis=1))
-    gravity = np.cumsum(weight[:, ::-1], axis=1)[:, ::-1]
-    tau = 2.0 * qdd + gravity + 1.5 * qd + 3.0 * np.tanh(qd / 0.02)
+    q, qd, qdd, tau = moving(rng, t, joints)
     tau[:, 1] += 1.2 * np.cos(7.0 * q[:, 1])
     tau += 0.2 * rng.normal(size=tau.shape)
     names = tuple(f"joint_{n + 1}" for n in range(joints))

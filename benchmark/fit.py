@@ -5,30 +5,22 @@ of the same 3000 × 3000 matrix with LAPACK's dpotrf, in one run; bound: 2.
 """
 
 import argparse
-import time
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
+from timing import seconds, states
 
 from lagrangian_ff.identification.choice import Scaling
 from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.solving.equations import fit
 from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.kernels import CoupledKernel, States
+from lagrangian_ff.kernels import CoupledKernel
 
 Floats = NDArray[np.float64]
 
 BOUND = 2.0
-
-
-def seconds(work: Callable[[], object]) -> float:
-    """Wall time of one call."""
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began
 
 
 def main() -> None:
@@ -38,10 +30,7 @@ def main() -> None:
     parser.add_argument("--joints", type=int, default=6)
     parser.add_argument("--repeats", type=int, default=9)
     options = parser.parse_args()
-    rng = np.random.default_rng(0)
-    shape = (options.samples, options.joints)
-    x = States.of(rng.uniform(-2, 2, shape), rng.normal(size=shape), 3 * rng.normal(size=shape))
-    tau = rng.normal(size=shape) + 2 * x.qdd + 5 * np.sin(x.q) + 3 * np.sign(x.qd)
+    x, tau = states(options.samples, options.joints)
     spec = parse("vrbfs+fri")
     choice, scaling = starting_choice(spec, x), Scaling.of(tau)
     kernel = choice.kernel

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from timing import moving
 
 Floats = NDArray[np.float64]
 
@@ -32,17 +33,7 @@ def motion(samples: int, joints: int) -> tuple[Floats, Floats, Floats, Floats, F
     """Time, q, qd, qdd and noisy torque of joints that feel gravity, inertia and friction."""
     rng = np.random.default_rng(0)
     t = np.arange(samples) / RATE
-    q, qd, qdd = np.zeros((3, samples, joints))
-    for _ in range(6):
-        omega, phase = rng.uniform(0.4, 4.0, joints), rng.uniform(0, 2 * np.pi, joints)
-        size = rng.uniform(0.3, 0.8, joints) / omega**0.7
-        angle = omega * t[:, None] + phase
-        q += size * np.sin(angle)
-        qd += size * omega * np.cos(angle)
-        qdd -= size * omega**2 * np.sin(angle)
-    weight = 3.0 * np.cos(np.cumsum(q, axis=1))
-    gravity = np.cumsum(weight[:, ::-1], axis=1)[:, ::-1]
-    tau = 2.0 * qdd + gravity + 1.5 * qd + 3.0 * np.tanh(qd / 0.02)
+    q, qd, qdd, tau = moving(rng, t, joints)
     return t, q, qd, qdd, tau + 0.4 * rng.normal(size=tau.shape)
 
 
