@@ -23,6 +23,7 @@ RUNTIME = [
     "lz4 >=4.3.2, <5",
     "zstandard >=0.22, <0.26",
     "pybullet >=3.2.6, <3.3",
+    "joblib >=1.4, <2",
 ]
 
 EXTRAS = {
@@ -36,10 +37,13 @@ EXTRAS = {
     # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
     # ros-jazzy-pinocchio.
     "urdf": ["pin >=2.7, <5"],
+    # Studies on the machines of a Dask cluster.
+    "cluster": ["distributed >=2024.8, <2027"],
     # What `make benchmark` compares with.
     "benchmark": ["jax >=0.4.30, <1", "scikit-learn >=1.3, <2"],
     "test": [
         "pin >=2.7, <5",
+        "distributed >=2024.8, <2027",
         "pytest >=7.4.4, <10",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",

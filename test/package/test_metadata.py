@@ -131,7 +131,11 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
     }
     extras = setup_of("EXTRAS")["EXTRAS"]
     assert isinstance(extras, dict)
-    optional = {str(requirement).split()[0] for requirement in extras["urdf"]}
+    optional = {
+        str(requirement).split()[0]
+        for extra in ("urdf", "cluster")
+        for requirement in extras[extra]
+    }
     assert used == runtime() | optional
     keys = {ROSDEP.get(name, f"python3-{name}") for name in runtime() - WITHOUT_ROSDEP}
     assert keys <= depends("exec_depend")

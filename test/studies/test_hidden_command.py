@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from lagrangian_ff.cli.main import main
-from lagrangian_ff.studies.hidden import examiner, plants
-from lagrangian_ff.studies.hidden import run as runner
+from lagrangian_ff.studies.hidden import plants, study
 from lagrangian_ff.studies.hidden.cases import cases
 
 
@@ -22,7 +21,7 @@ class Silent:
     def diagnose(self, model: None, motion: Any, confirm: Any) -> dict[str, Any]:
         return {"verdict": "at the noise floor", "findings": []}
 
-    def add(self, model: None, effect: str, joint: str, shape: None = None) -> None:
+    def add(self, model: None, effect: str, joint: str, shape: Any = None) -> None:
         """Learn nothing."""
 
     def errors(self, model: None, motion: Any) -> dict[str, float]:
@@ -31,9 +30,9 @@ class Silent:
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(examiner, "Diagnosis", Silent)
     stretches = plants.Stretches(((6, 4.0),))
-    monkeypatch.setattr(runner, "Options", partial(runner.Options, stretches=stretches))
+    short = partial(study.HiddenStudy, examined=Silent(), stretches=stretches)
+    monkeypatch.setattr(study, "HiddenStudy", short)
 
 
 def test_it_lists_the_cases_without_doing_them(
@@ -50,7 +49,7 @@ def test_it_leaves_lines_numbers_and_a_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "study"
-    command = ["study", "hidden", "--output", str(folder), "--small", "--cases", "clean-00"]
+    command = ["study", "hidden", "--output", str(folder), "--quick", "--cases", "clean-00"]
     assert main([*command, "--json", str(tmp_path / "found.json")]) == 0
     out = capsys.readouterr().out
     assert "nothing hidden: 0 of 1 with a confirmed effect" in out

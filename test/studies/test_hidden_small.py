@@ -2,16 +2,26 @@
 
 from pathlib import Path
 
+from lagrangian_ff.studies.common.run import run
+from lagrangian_ff.studies.common.study import Request
 from lagrangian_ff.studies.hidden.examiner import Diagnosis
 from lagrangian_ff.studies.hidden.plants import Stretches
-from lagrangian_ff.studies.hidden.run import Options, run
+from lagrangian_ff.studies.hidden.study import HiddenStudy
 
 SHORT = Stretches(((2, 6.0), (6, 12.0)))
 
 
 def test_a_ripple_is_named_and_a_clean_arm_is_left_alone(tmp_path: Path) -> None:
     clean, ripple = (
-        run(Options(tmp_path, small=True, only=name, stretches=SHORT), Diagnosis(steps=1))[0]
+        run(
+            HiddenStudy(
+                Request(quick=True, only=name),
+                tmp_path,
+                examined=Diagnosis(steps=1),
+                stretches=SHORT,
+            ),
+            tmp_path,
+        )[0]
         for name in ("clean-00", "ripple-joint_2-20")
     )
     assert clean["judgement"] == {"outcome": "nothing", "false": [], "suggested": []}

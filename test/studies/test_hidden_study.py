@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,15 @@ from matplotlib.patches import Rectangle
 from lagrangian_ff.arm import check_limits
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.studies.common.folder import Folder
+from lagrangian_ff.studies.common.run import run
+from lagrangian_ff.studies.common.study import Request
 from lagrangian_ff.studies.hidden import plants
 from lagrangian_ff.studies.hidden.cases import Case, Hidden
 from lagrangian_ff.studies.hidden.figure import figure
 from lagrangian_ff.studies.hidden.plants import Stretches
-from lagrangian_ff.studies.hidden.run import Options, run
-from lagrangian_ff.studies.hidden.store import Folder
-from lagrangian_ff.studies.hidden.table import ratios_by_size, summary, table
+from lagrangian_ff.studies.hidden.study import HiddenStudy
+from lagrangian_ff.studies.hidden.table import summary, table
 
 SHORT = Stretches(((6, 4.0),))
 
@@ -59,8 +61,13 @@ class Guess:
         return {joint: 2.0 - 0.5 * len(model) for joint in motion.joints}
 
 
-def options(folder: Path, **changes: Any) -> Options:
-    return replace(Options(folder, small=True, stretches=SHORT), **changes)
+def study(folder: Path, guess: Guess, only: str, **asked: Any) -> HiddenStudy:
+    request = Request(quick=True, only=only, **asked)
+    return HiddenStudy(request, folder, examined=guess, stretches=SHORT)
+
+
+def examined(folder: Path, guess: Guess, only: str, **asked: Any) -> list[dict[str, Any]]:
+    return run(study(folder, guess, only, **asked), folder)
 
 
 def test_a_case_becomes_two_recordings_of_one_plant(tmp_path: Path) -> None:
@@ -98,28 +105,26 @@ def test_motions_are_joined_at_rest_within_the_limits() -> None:
 
 
 def test_the_study_judges_keeps_and_resumes(tmp_path: Path) -> None:
-    chosen = options(tmp_path, only="*-joint_2-20", keep=True)
     seen: list[float] = []
-    lines = run(replace(chosen, only="ripple*"), Guess(), lambda share, _: seen.append(share))
+    (ripple,) = run(
+        study(tmp_path, Guess(), "ripple-joint_2-20", keep=True),
+        tmp_path,
+        progress=lambda share, _: seen.append(share),
+    )
     assert seen == [0.0, 1.0]
-    (ripple,) = lines
     assert ripple["judgement"]["outcome"] == "right"
     assert ripple["ratio"] == 1.0
     assert set(ripple["seconds"]) == {"recording", "identification", "diagnosis", "adding"}
-    # An interruption in the middle of a line leaves what was whole.
-    with Folder(tmp_path).lines.open("a", encoding="utf-8") as file:
-        file.write('{"case": "stribeck-jo')
-    lines = run(replace(chosen, only="[rp]i*"), Guess())
+    lines = examined(tmp_path, Guess(), "[rp]i*-joint_2-20", keep=True)
     assert [line["case"] for line in lines] == ["ripple-joint_2-20", "pitting-joint_2-20"]
     assert lines[0] == ripple
     assert lines[1]["judgement"]["outcome"] == "wrong"
     assert lines[1]["ratio"] is None
-    assert len(Folder(tmp_path).done()) == 2
     kept = tmp_path / "recordings" / "ripple-joint_2-20"
     assert {file.name for file in kept.iterdir()} == {"1.npz", "2.npz", "info.json"}
     # The recordings that are kept are those that are judged again.
-    Folder(tmp_path).lines.unlink()
-    (again,) = run(replace(chosen, only="ripple*"), Guess("stribeck"))
+    Folder(tmp_path, "hidden").lines.unlink()
+    (again,) = examined(tmp_path, Guess("stribeck"), "ripple-joint_2-20", keep=True)
     assert again["judgement"]["outcome"] == "wrong"
     assert again["plant"] == ripple["plant"]
     numbers = summary([*lines, again])
@@ -127,33 +132,21 @@ def test_the_study_judges_keeps_and_resumes(tmp_path: Path) -> None:
 
 
 def test_a_case_that_breaks_down_is_told_and_tried_again(tmp_path: Path) -> None:
-    chosen = options(tmp_path, only="clean-00", keep=True)
-    (line,) = run(chosen, Guess(broken=True))
+    (line,) = examined(tmp_path, Guess(broken=True), "clean-00", keep=True)
     assert line["failed"] == "ModelError: cannot"
     numbers = summary([line])
     assert numbers["failed"] == {"clean-00": "ModelError: cannot"}
     assert any("cannot" in text for text in table(numbers))
-    (line,) = run(chosen, Guess())
+    (line,) = examined(tmp_path, Guess(), "clean-00", keep=True)
     assert line["judgement"]["outcome"] == "wrong"
 
 
-def test_two_processes_find_what_one_finds(tmp_path: Path) -> None:
-    names = "clean-0[01]"
-    both = run(options(tmp_path / "both", only=names, jobs=2), Guess())
-    one = run(options(tmp_path / "one", only=names), Guess())
-    for line in (*both, *one):
-        del line["seconds"]
-    assert both == one
-
-
-def test_mistakes_are_the_users_to_mend(tmp_path: Path) -> None:
-    Folder(tmp_path).prepare({"seed": 0})
-    with pytest.raises(UserError, match="holds another study"):
-        run(options(tmp_path), Guess())
-    with pytest.raises(UserError, match="no case is named"):
-        run(options(tmp_path / "other", only="nothing*"), Guess())
-    with pytest.raises(UserError, match="jobs is 0"):
-        run(options(tmp_path / "other", jobs=0), Guess())
+def test_a_study_on_another_base_model_is_another_study(tmp_path: Path) -> None:
+    examined(tmp_path, Guess(), "clean-00")
+    with pytest.raises(UserError, match=r"another study .*vrbfs\+fri.* expected .*auto\+fri"):
+        examined(tmp_path, Guess(), "clean-00", models=("auto+fri",))
+    with pytest.raises(UserError, match="one base model"):
+        study(tmp_path, Guess(), "*", models=("auto", "vrbfs"))
 
 
 def line(
@@ -225,7 +218,7 @@ def test_what_no_strength_makes_large_counts_under_what_it_reached() -> None:
 
 def test_the_figure_holds_what_the_summary_says() -> None:
     numbers = summary(LINES)
-    drawn = figure(numbers, ratios_by_size(LINES))
+    drawn = figure(numbers)
     bars, ratios, effects = drawn.axes
     assert [t.get_text() for t in bars.get_xticklabels()][:2] == ["2 %", "10 %"]
     boxes = [patch for patch in bars.patches if isinstance(patch, Rectangle)]
@@ -240,4 +233,4 @@ def test_the_figure_holds_what_the_summary_says() -> None:
 def test_a_study_without_results_draws_and_prints() -> None:
     numbers = summary([])
     assert table(numbers) == ["0 cases"]
-    figure(numbers, {})
+    figure(numbers)

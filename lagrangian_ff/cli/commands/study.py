@@ -1,60 +1,80 @@
-"""`study`: how well the diagnosis finds effects that were hidden in the simulated arm."""
+"""`study`: the studies behind what this project claims, each repeated with one command."""
 
 import json
 from argparse import ArgumentParser, Namespace
-from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json
+from lagrangian_ff.cli.common.options import add_force, add_json, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.studies.catalogue import STUDIES, study_class
+
+if TYPE_CHECKING:
+    from lagrangian_ff.studies.common.workers import Workers
 
 NAME = "study"
-SUMMARY = "hide effects in the simulated arm and see whether they are found"
-USAGE = "hidden --output FOLDER [options]"
-DESCRIPTION = """\
-`study hidden` hides one physical effect, two, or none in the physics of the simulated arm, on
-several joints and at several sizes (RMS of its torque over RMS of the joint's), records the arm
-twice, identifies a base model, has the recordings diagnosed, and judges what was said."""
+SUMMARY = "repeat a study: the paper's figures, and effects hidden in the simulated arm"
+USAGE = "NAME [--output FOLDER] [options]"
+DESCRIPTION = "Repeats a study, with a table, a picture and every result as JSON:\n\n" + "\n".join(
+    f"  {name:<12} {entry.about}" for name, entry in STUDIES.items()
+)
 EPILOG = """\
 examples:
-  lagrangian_ff study hidden --output hidden --jobs 2     hours: about a minute a case
-  lagrangian_ff study hidden --output try --small         ten minutes: a few large effects
-  lagrangian_ff study hidden --output hidden --list       the names of the cases, nothing done
-  lagrangian_ff study hidden --output hidden --cases 'ripple-*'
+  lagrangian_ff study hidden                           hours: about a minute a case
+  lagrangian_ff study hidden --output try --quick      ten minutes: a few large effects
+  lagrangian_ff study hidden --list                    the names of the cases, nothing done
+  lagrangian_ff study hidden --cases 'ripple-*'        some of them
+  lagrangian_ff study hidden --scheduler tcp://host:8786   on the workers of a Dask cluster
 
-what comes out:
-  for each size how often the diagnosis is right, right as a class of effects that look the same,
-  wrong, or confirms nothing; what it confirms on arms without anything hidden and with what no
-  catalogue has; and the error on unseen motion after adding what was confirmed, over that of a
-  model given the true effect. In the folder: cases.jsonl with everything about each case,
-  summary.json, and hidden.png.
+what comes out, in the folder:
+  cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and
+  the picture, named after the study.
 
 Interrupt it with Ctrl-C; the same command goes on where it was."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """See `Command`."""
-    parser.add_argument("study", choices=("hidden",), help="which study")
+    parser.add_argument("study", metavar="NAME", help=", ".join(STUDIES))
     parser.add_argument(
-        "--output", required=True, type=Path, metavar="FOLDER", help="made where it is missing"
+        "--output",
+        type=Path,
+        metavar="FOLDER",
+        help="default: study_NAME; made where it is missing",
     )
-    parser.add_argument("--small", action="store_true", help="a few cases only")
+    parser.add_argument(
+        "--quick", "--small", action="store_true", help="a small study, to see it work"
+    )
     parser.add_argument(
         "--seed", type=int, default=0, help="of all that chance decides (default 0)"
     )
     parser.add_argument(
-        "--jobs", type=int, default=1, metavar="N", help="processes of one thread (default: 1)"
+        "--robots", type=int, metavar="N", help="how many random robots of each kind"
+    )
+    parser.add_argument(
+        "--models",
+        nargs="+",
+        default=[],
+        metavar="MODEL",
+        help="only these, as in vrbfs or motor+fri",
     )
     parser.add_argument(
         "--cases", default="*", metavar="PATTERN", help="only those named so, with * and ?"
     )
+    parser.add_argument("--list", action="store_true", help="only name the cases")
     parser.add_argument(
         "--keep", action="store_true", help="keep the recordings, and use those that are there"
     )
-    parser.add_argument("--list", action="store_true", help="only name the cases")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--jobs", type=int, metavar="N", help="processes of one thread (default: the processors)"
+    )
+    where.add_argument(
+        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work"
+    )
     add_json(parser)
     add_force(parser)
 
@@ -62,38 +82,45 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
-    if find_spec("pybullet") is None:
-        raise UserError("the simulated arm needs PyBullet: pip install pybullet")
     if arguments.seed < 0:
         raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
     if arguments.json not in (None, "-"):
         check_file(Path(arguments.json), "--json", force=arguments.force)
-    from lagrangian_ff.studies.hidden.run import Options, run
+    kind = study_class(arguments.study)
+    from lagrangian_ff.report.style import png
+    from lagrangian_ff.studies.common.folder import Folder
+    from lagrangian_ff.studies.common.run import run as run_study
+    from lagrangian_ff.studies.common.study import Request
 
-    options = Options(
-        arguments.output,
-        arguments.seed,
-        small=arguments.small,
+    output: Path = arguments.output or Path(f"study_{arguments.study}")
+    request = Request(
+        seed=arguments.seed,
+        quick=arguments.quick,
         only=arguments.cases,
-        jobs=arguments.jobs,
+        robots=arguments.robots,
+        models=names(arguments.models),
         keep=arguments.keep,
     )
+    study = kind(request, output)
     if arguments.list:
-        console.say(case.name for case in options.cases())
+        console.say(case.name for case in study.cases())
         return 0
-    from lagrangian_ff.report.style import png
-    from lagrangian_ff.studies.hidden.examiner import Diagnosis
-    from lagrangian_ff.studies.hidden.figure import figure
-    from lagrangian_ff.studies.hidden.store import Folder
-    from lagrangian_ff.studies.hidden.table import ratios_by_size, summary, table
-
-    with progress_bar("study") as progress:
-        lines = run(options, Diagnosis(), progress)
-    numbers = summary(lines)
-    folder = Folder(options.output)
+    workers = _workers(arguments)
+    with progress_bar(f"study {study.name}") as progress:
+        lines = run_study(study, output, workers, progress)
+    numbers = study.numbers(lines)
+    folder = Folder(output, study.name)
     folder.summary.write_text(json.dumps(numbers, indent=1), encoding="utf-8")
-    folder.picture.write_bytes(png(figure(numbers, ratios_by_size(lines))))
+    folder.picture.write_bytes(png(study.figure(numbers)))
     write_record(arguments.json, numbers)
-    console.say(table(numbers))
+    console.say(study.table(numbers))
     console.say(f"saved: {folder.lines}, {folder.summary}, {folder.picture}")
     return 0
+
+
+def _workers(arguments: Namespace) -> "Workers":
+    from lagrangian_ff.studies.common.workers import cluster, processes
+
+    if arguments.scheduler is not None:
+        return cluster(arguments.scheduler)
+    return processes(arguments.jobs)

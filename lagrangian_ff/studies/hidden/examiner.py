@@ -15,18 +15,20 @@ CURVES = ("signature", "blocks")
 
 
 class Diagnosis:
-    """The package's own, on the base model `vrbfs+fri` of the whole first recording.
+    """The package's own, on a base model of the whole first recording.
 
     Args:
+        base: its kernel and effects.
         steps: at most so many missing effects are looked for.
     """
 
-    def __init__(self, steps: int = MOST_STEPS) -> None:
+    def __init__(self, base: str = BASE, steps: int = MOST_STEPS) -> None:
+        self._base = base
         self._steps = steps
 
     def identify(self, motion: Motion) -> Model:
         """See Examined."""
-        return identify([motion], Settings(model=BASE, train=1.0)).model
+        return identify([motion], Settings(model=self._base, train=1.0)).model
 
     def diagnose(self, model: Model, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
         """See Examined."""

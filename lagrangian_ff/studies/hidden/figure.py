@@ -29,18 +29,17 @@ LEAST, MOST = 0.8, 3.0
 """Ratios of errors beyond these are drawn at the edge."""
 
 
-def figure(numbers: dict[str, Any], ratios: dict[str, list[float]]) -> Figure:
+def figure(numbers: dict[str, Any]) -> Figure:
     """Draw the summary.
 
     Args:
         numbers: see `summary`.
-        ratios: by size, of every case: error after adding over that of the true structure.
     """
     with styled():
         drawn = new_figure(2.9 + 0.24 * max(len(numbers["effects"]), 6))
         grid = drawn.add_gridspec(2, 2, width_ratios=(1.0, 1.1), height_ratios=(1.0, 0.9))
         _bars(drawn.add_subplot(grid[0, 0]), numbers)
-        _ratios(drawn.add_subplot(grid[1, 0]), ratios)
+        _ratios(drawn.add_subplot(grid[1, 0]), numbers["ratio"])
         _effects(drawn.add_subplot(grid[:, 1]), numbers["effects"])
         patches = [Patch(color=COLOURS[name], label=WORDS[name]) for name in COLOURS]
         drawn.legend(handles=patches, loc="outside lower center", ncol=len(patches))
@@ -94,9 +93,10 @@ def _effects(axes: Axes, effects: dict[str, Any]) -> None:
     axes.set_title("By effect; each cell shows its cases")
 
 
-def _ratios(axes: Axes, ratios: dict[str, list[float]]) -> None:
+def _ratios(axes: Axes, ratios: dict[str, dict[str, Any]]) -> None:
     random = np.random.default_rng(0)
-    for place, values in enumerate(ratios.values()):
+    for place, row in enumerate(ratios.values()):
+        values = row.get("each", [])
         spread = place + random.uniform(-0.22, 0.22, size=len(values))
         axes.plot(spread, np.clip(values, LEAST, MOST), "o", color=to_rgb("#1864ab"), alpha=0.45,
                   markersize=3.5, markeredgewidth=0)  # fmt: skip

@@ -49,7 +49,7 @@ def summary(lines: Lines) -> dict[str, Any]:
         },
         "clean": _claims(line for line in judged if line["group"] == "clean"),
         "outside": _claims(line for line in judged if line["group"] == "outside"),
-        "ratio": {size: _quantiles(ratios) for size, ratios in ratios_by_size(lines).items()},
+        "ratio": {size: _quantiles(ratios) for size, ratios in _ratios_by_size(lines).items()},
     }
 
 
@@ -109,13 +109,13 @@ def _high(count: int, cases: int) -> float:
     return 1.0 if count == cases else float(beta.ppf(0.975, count + 1, cases - count))
 
 
-def ratios_by_size(lines: Lines) -> dict[str, list[float]]:
+def _ratios_by_size(lines: Lines) -> dict[str, list[float]]:
     """The error ratios of the effects alone that no kernel absorbs, by size."""
     firm = [
         line
         for line in lines
-        if line["group"] == "alone"
-        and "failed" not in line
+        if "failed" not in line
+        and line["group"] == "alone"
         and not line["plant"]["hidden"][0]["absorbed"]
     ]
     return {
@@ -124,12 +124,12 @@ def ratios_by_size(lines: Lines) -> dict[str, list[float]]:
     }
 
 
-def _quantiles(ratios: list[float]) -> dict[str, float]:
+def _quantiles(ratios: list[float]) -> dict[str, Any]:
     if not ratios:
         return {}
     low, middle, high = np.quantile(ratios, (0.1, 0.5, 0.9)).tolist()
     within = float(np.mean(np.array(ratios) <= 1.1))
-    return {"low": low, "median": middle, "high": high, "within_1.1": within}
+    return {"low": low, "median": middle, "high": high, "within_1.1": within, "each": ratios}
 
 
 def table(numbers: dict[str, Any]) -> list[str]:

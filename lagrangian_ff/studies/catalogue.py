@@ -1,0 +1,50 @@
+"""The studies, listed once; a new one is a class of `Study` and a line here."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from lagrangian_ff.errors import UserError
+
+if TYPE_CHECKING:
+    from lagrangian_ff.studies.common.study import Study
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A study whose code is not loaded yet.
+
+    Attributes:
+        about: what it shows, in a line.
+        place: its class, as `module:class` below `lagrangian_ff.studies`.
+        arm: whether it drives the simulated arm.
+    """
+
+    about: str
+    place: str
+    arm: bool = False
+
+
+STUDIES = {
+    "hidden": Entry(
+        "effects hidden in the arm's physics: found, missed, or invented?",
+        "hidden.study:HiddenStudy",
+        arm=True,
+    ),
+}
+
+
+def study_class(name: str) -> "type[Study]":
+    """The class of a study.
+
+    Raises:
+        UserError: there is none of the name, and those there are; or PyBullet is missing.
+    """
+    if name not in STUDIES:
+        raise UserError(f"there is no study '{name}'; there are {', '.join(STUDIES)}")
+    if STUDIES[name].arm and find_spec("pybullet") is None:
+        raise UserError(f"study {name} drives the simulated arm: pip install pybullet")
+    module, _, found = STUDIES[name].place.partition(":")
+    kind: type[Study] = getattr(import_module(f"lagrangian_ff.studies.{module}"), found)
+    return kind
