@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,7 +135,7 @@ def build(
         },
         "log_evidence": float(fitted.log_evidence),
         "range": model.range.record(),
-        "settings": asdict(blueprint.settings),
+        "settings": blueprint.settings.record(),
         "conditioning": dict(training.conditioning),
         "notes": [*training.notes, *solved.notes],
         **_known(blueprint),

@@ -22,6 +22,7 @@ from lagrangian_ff.identification.kept import kept
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.sizing import sizes
+from lagrangian_ff.identification.sliding import with_sliding
 from lagrangian_ff.identification.spec import Spec, parse
 from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, Mechanism, States
 from lagrangian_ff.progress import Progress, part, silent
@@ -52,7 +53,8 @@ def identify(
 
     Raises:
         ModelError: a setting is out of range, the model's name unknown, or an effect stands at a
-            joint that is not there; or there is not enough memory for the model.
+            joint that is not there; a joint cannot be said to slide, see `with_sliding`; or there
+            is not enough memory for the model.
         RecordingError: there is less training motion than one block.
     """
     began = time.monotonic()
@@ -62,6 +64,7 @@ def identify(
     motions = [kept(m) for m in ([motion] if isinstance(motion, Motion) else motion)]
     data = concatenate(motions)
     _require_joints(spec, data)
+    spec = with_sliding(spec, settings.prismatic, data, known=mechanism is not None)
     if mechanism is not None:
         mechanism = mechanism.of_joints(data.joints, data.source)
         spec = spec.within(mechanism)

@@ -1,6 +1,6 @@
 """How a model is identified."""
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from math import inf
 from numbers import Integral
 
@@ -40,6 +40,7 @@ class Settings:
             minutes of training motion, and 300 for more, or where `samples` are too many.
         loss: what a residual costs. `square`; or `huber`, which a contact or another gross error
             in the recording cannot drag.
+        prismatic: names of the joints that slide, in m and N; the others turn.
     """
 
     model: str = "auto+fri"
@@ -53,6 +54,11 @@ class Settings:
     positive: bool = False
     landmarks: int | None = None
     loss: str = "square"
+    prismatic: tuple[str, ...] = ()
+
+    def record(self) -> dict[str, object]:
+        """By name, as JSON holds them."""
+        return {**asdict(self), "prismatic": list(self.prismatic)}
 
     @classmethod
     def from_record(cls, record: object) -> "Settings":
@@ -71,7 +77,10 @@ class Settings:
                 f"know; it knows {', '.join(known)}: update lagrangian_ff, or identify the model "
                 "again"
             )
-        settings = cls(**record)
+        held = dict(record)
+        if isinstance(held.get("prismatic"), list):
+            held["prismatic"] = tuple(held["prismatic"])
+        settings = cls(**held)
         settings.check()
         return settings
 
@@ -95,6 +104,9 @@ class Settings:
             value = getattr(self, name)
             if value not in known:
                 raise ModelError(f"{name} is '{value}', expected {', '.join(known)}")
+        sliding = self.prismatic
+        if not (isinstance(sliding, tuple) and all(isinstance(name, str) for name in sliding)):
+            raise ModelError(f"prismatic is {sliding!r}, expected a tuple of joints' names")
         if self.positive and self.scale == "joint":
             raise ModelError(
                 "scale is 'joint', expected common or auto with positive: joints whose torques are "

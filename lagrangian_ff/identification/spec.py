@@ -25,6 +25,7 @@ class Spec:
         further: effects that are added once these are fitted, each with its joint; None is all.
         basic: the name without the further effects.
         kernels: where the name leaves it open, all kernels that it may be; `kernel` is the first.
+        sliding: numbers of the joints that are said to slide.
     """
 
     text: str
@@ -33,6 +34,7 @@ class Spec:
     further: tuple[tuple[Effect, str | None], ...] = ()
     basic: str = ""
     kernels: tuple[type[Kernel], ...] = ()
+    sliding: tuple[int, ...] = ()
 
     @property
     def alternatives(self) -> "tuple[Spec, ...]":

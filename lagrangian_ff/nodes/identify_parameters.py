@@ -10,12 +10,18 @@ def declare(parameters: Parameters) -> None:
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
     add("model", "auto+fri", "model to identify, a sum of kernels and bases")
+    add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
     add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
         "empty = none")  # fmt: skip
     add("use_robot_description", False, "take the description from the topic robot_description")
     add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
         low=0.01, high=1.0)  # fmt: skip
     add("samples", 500, "samples to train on", low=10, high=20_000)
+    add("landmarks", -1, "samples the kernel is built on, all being learned from; 0 = an exact "
+        "model of `samples`, -1 = exact up to two minutes of training motion, else 300",
+        low=-1, high=20_000)  # fmt: skip
+    add("positive", False, "whether the mass matrix is kept positive definite along the training "
+        "motion")  # fmt: skip
     add("loss", "square", "what a residual costs; huber weighs down contacts and gross errors",
         choices=("square", "huber"))  # fmt: skip
     add("bandwidth", 25.0, "Hz of the low-pass on position and effort", low=0.5, high=500.0)

@@ -128,7 +128,7 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
     record = json.loads(outcome.out)
     chosen = ("rbf+viscous", 0.5, 50, 0.8, 4, "evidence", "common")
     expected = Settings(*chosen, landmarks=30, loss="huber")
-    assert {name: record["settings"][name] for name in vars(expected)} == vars(expected)
+    assert Settings.from_record(record["settings"]) == expected
     conditioning = Conditioning(
         bandwidth=12.0, rate=50.0, clock="stamps", effort_scale={"elbow": 2.0},
         effort_offset={"elbow": -0.5},
@@ -158,7 +158,7 @@ def test_options_left_out_leave_the_defaults_to_the_settings(tmp_path: Path) -> 
         "identify", source, "--output", tmp_path / "model.npz", "--json", "-", "--samples", "50"
     )
     record = json.loads(outcome.out)
-    assert record["settings"] == vars(Settings(samples=50))
+    assert record["settings"] == Settings(samples=50).record()
     assert record["conditioning"] == vars(Conditioning())
 
 

@@ -19,6 +19,7 @@ from lagrangian_ff.recording import Recording, write_bag
 
 ORDER = Order(
     Task.IDENTIFY, "model.npz", bags=("bag",), joints=("a",), effort_scale={"a": 2.0},
+    prismatic=("a",), landmarks=0,
     additions=(Addition("stribeck", "a", {"v_s": 0.1}, {"verdict": "confirmed"}),),
 )  # fmt: skip
 
@@ -107,6 +108,9 @@ def test_what_cannot_be_identified_is_a_mistake_in_words(bag: Path, tmp_path: Pa
     for change, expected in (
         ({"joints": ("c",)}, "no joint c"),
         ({"model": "nonsense"}, "nonsense"),
+        ({"prismatic": ("c",)}, "prismatic names c"),
+        ({"landmarks": -2}, "landmarks is -2"),
+        ({"positive": True, "model": "rbf"}, "kept positive"),
         ({"bags": (str(tmp_path / "missing"),)}, "no such file"),
     ):
         with pytest.raises(UserError, match=expected):

@@ -20,7 +20,8 @@ FINDING = {
 def values(tmp_path: Path) -> dict[str, Any]:
     return {
         "output_directory": str(tmp_path), "effects_file": "", "model_file": "", "joints": [""],
-        "model": "motor+fri", "urdf": "", "use_robot_description": False,
+        "model": "motor+fri", "prismatic": [""], "urdf": "", "use_robot_description": False,
+        "landmarks": -1, "positive": True,
         "train": 0.5, "samples": 50, "loss": "huber", "bandwidth": 20.0,
         "effort_scale.a": 2.0, "effort_offset.a": 0.1, "add.effect": "", "add.joint": "",
     }  # fmt: skip
@@ -61,6 +62,16 @@ def test_each_task_gets_its_recordings(
     assert all(name in told for name in [*used, *confirm])
     if task is Task.DIAGNOSE:
         assert ("held back" in told) == (count == 1)
+
+
+def test_settings_of_the_identification_are_those_of_the_command_line(
+    tmp_path: Path, values: dict[str, Any]
+) -> None:
+    made = order(Task.IDENTIFY, recorded(tmp_path, 1), values)
+    assert (made.prismatic, made.landmarks, made.positive) == ((), None, True)
+    values.update(prismatic=["rail", "lift"], landmarks=0, positive=False)
+    made = order(Task.IDENTIFY, recorded(tmp_path, 1), values)
+    assert (made.prismatic, made.landmarks, made.positive) == (("rail", "lift"), 0, False)
 
 
 def test_the_description_is_a_file_or_what_came_on_the_topic(

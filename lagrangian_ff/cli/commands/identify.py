@@ -47,6 +47,7 @@ examples:
   lagrangian_ff identify a.csv b.csv --joints base,elbow --output model.npz
   lagrangian_ff identify bag --effort-scale elbow=13.4 wrist=-9.1 --output model.npz
   lagrangian_ff identify bag --urdf robot.urdf --output model.npz   the bodies are known
+  lagrangian_ff identify bag --prismatic rail --output model.npz    rail slides: m and N
 
 what comes out:
   what was found in each recording, and what was done to it;
@@ -66,7 +67,7 @@ models are one kernel and any number of effects, joined by +:
            on all joints, or on one: vrbfs+fri+stribeck@joint_2. Which ones are missing is what
            lagrangian_ff diagnose finds out
 
-Put the sources first: names after --joints or --effort-scale are taken for joints."""
+Put the sources first: names after --joints, --prismatic or --effort-scale are taken for joints."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -97,6 +98,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="FILE",
         help="the robot's description: its rigid bodies become part of the model, their masses "
         "learned about those of the file, and the kernel only corrects (needs the extra urdf)",
+    )
+    parser.add_argument(
+        "--prismatic",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="JOINT",
+        help="these slide, in m and N, a,b or a b; auto, chain and energy want to know it, a URDF "
+        "says it itself (default: all turn)",
     )
     add_topic(parser)
     group = parser.add_argument_group("how it is learned and judged")
@@ -198,6 +208,7 @@ def _own_notes(found: "Identification", readings: list[Reading]) -> list[str]:
 
 def _settings(arguments: Namespace) -> "Settings":
     from lagrangian_ff.identification import Settings
+    from lagrangian_ff.identification.sliding import require_sliding
     from lagrangian_ff.identification.spec import parse
 
     options = (
@@ -205,9 +216,10 @@ def _settings(arguments: Namespace) -> "Settings":
         "landmarks", "loss",
     )  # fmt: skip
     given = {name: getattr(arguments, name) for name in options}
+    given["prismatic"] = names(arguments.prismatic)
     settings = Settings(**{name: value for name, value in given.items() if value is not None})
     settings.check()
-    parse(settings.model)
+    require_sliding(parse(settings.model), settings.prismatic, known=arguments.urdf is not None)
     return settings
 
 

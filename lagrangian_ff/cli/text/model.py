@@ -41,6 +41,9 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
     for text in scaling(record.get("conditioning")):
         console.say(text)
     console.say(known(record.get("mechanism")))
+    sliding = record.get("settings", {}).get("prismatic")
+    if sliding:
+        console.say(f"sliding joints, all of whose numbers are in m and N: {', '.join(sliding)}")
     console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
     outliers = record.get("outliers")
     if outliers:

@@ -52,7 +52,11 @@ def starting_choice(spec: Spec, states: States) -> Choice:
         for effect in spec.effects
         if effect.shapes
     }
-    choice = Choice(spec.kernel.start(states), np.ones(states.joints), shapes)
+    kernel = spec.kernel.start(states)
+    if spec.sliding:
+        slides = np.isin(np.arange(states.joints), spec.sliding)
+        kernel = kernel.replace(prismatic=slides.astype(np.float64))
+    choice = Choice(kernel, np.ones(states.joints), shapes)
     return with_noise(choice, np.array([NOISE_START]), states)
 
 

@@ -50,8 +50,12 @@ class Order:
         joints: which to identify, in which order; empty for all that were recorded.
         model: name of the model to identify, such as "auto+fri".
         urdf: file of the robot's description; empty where nothing is known of it.
+        prismatic: joints that slide, where no description says it.
         train: fraction of the motion to train on.
         samples: how many samples to train on.
+        landmarks: how many samples the kernel is built on where all are learned from; 0 makes the
+            model exactly, from `samples`, and None leaves it to the length of the motion.
+        positive: whether the mass matrix is kept positive definite.
         loss: what a residual costs, "square" or "huber".
         bandwidth: Hz of the low-pass.
         effort_scale, effort_offset: by joint, N·m per unit of effort and N·m.
@@ -68,8 +72,11 @@ class Order:
     joints: tuple[str, ...] = ()
     model: str = "auto+fri"
     urdf: str = ""
+    prismatic: tuple[str, ...] = ()
     train: float = 2.0 / 3.0
     samples: int = 500
+    landmarks: int | None = None
+    positive: bool = False
     loss: str = "square"
     bandwidth: float = 25.0
     effort_scale: dict[str, float] = field(default_factory=dict)
@@ -84,7 +91,7 @@ class Order:
     def from_json(text: str) -> "Order":
         """The order that `to_json` wrote."""
         fields = json.loads(text)
-        for name in ("bags", "confirm", "joints"):
+        for name in ("bags", "confirm", "joints", "prismatic"):
             fields[name] = tuple(fields[name])
         fields["additions"] = tuple(Addition(**each) for each in fields["additions"])
         return Order(**{**fields, "task": Task(fields["task"])})

@@ -49,10 +49,13 @@ def make_order(
             bags=bags,
             output=str(new_path(directory, stem, ".npz")),
             urdf=_urdf(value, description, new_path(directory, stem, ".urdf")),
-            joints=tuple(name for name in value("joints") if name),
+            joints=_names(value("joints")),
             model=value("model"),
+            prismatic=_names(value("prismatic")),
             train=value("train"),
             samples=value("samples"),
+            landmarks=value("landmarks") if value("landmarks") >= 0 else None,
+            positive=value("positive"),
             loss=value("loss"),
             bandwidth=value("bandwidth"),
         )
@@ -161,6 +164,10 @@ def _urdf(value: Value, description: str, file: Path) -> str:
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(description, encoding="utf-8")
     return str(file)
+
+
+def _names(texts: Sequence[str]) -> tuple[str, ...]:
+    return tuple(name for name in texts if name)
 
 
 def _path(text: str) -> str:

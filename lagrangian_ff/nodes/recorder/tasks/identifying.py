@@ -28,9 +28,18 @@ def identify_bags(order: Order, progress: Progress) -> dict[str, Any]:
     )
     reading = part(progress, 0.0, 0.1)
     motions = read(order.bags, order.topic, order.joints, conditioning, reading)
+    settings = Settings(
+        model=order.model,
+        train=order.train,
+        samples=order.samples,
+        landmarks=order.landmarks,
+        positive=order.positive,
+        loss=order.loss,
+        prismatic=order.prismatic,
+    )
     found = identify(
         motions,
-        Settings(model=order.model, train=order.train, samples=order.samples, loss=order.loss),
+        settings,
         part(progress, 0.1, 1.0),
         read_urdf(order.urdf) if order.urdf else None,
     )
