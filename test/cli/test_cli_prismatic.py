@@ -93,6 +93,19 @@ def test_a_larger_model_still_slides(told: tuple[Path, Outcome], tmp_path: Path)
     assert added["error_after"] < 1.2 * added["error_before"]
 
 
+def test_it_goes_with_a_positive_mass_matrix_and_a_robust_loss(
+    telescope: Path, tmp_path: Path
+) -> None:
+    """Nor does a recording without noise leave a robust fit without a Cholesky factor."""
+    path = tmp_path / "model.npz"
+    identified(telescope, path, "--prismatic", "reach", "--positive", "--loss", "huber")
+    model = Model.load(path)
+    assert np.linalg.eigvalsh(model.dynamics.mass_matrix(states(5.0, 20.0)[0])).min() > 0.0
+    x = states(5.0, 50.0, 0.7)
+    error = model.predict(*x) - torque(*x)
+    assert (error.std(axis=0) / torque(*x).std(axis=0)).max() < 2e-3
+
+
 @pytest.mark.parametrize("given", [("reach,turn",), ("reach", "--prismatic", "turn")])
 def test_several_joints_may_slide(given: tuple[str, ...], telescope: Path, tmp_path: Path) -> None:
     path = tmp_path / "both.npz"

@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
+from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.choice import Scaling
 from lagrangian_ff.identification.choosing.choose import Chosen, choose_all
 from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.model import CHUNK_SAMPLES
 from lagrangian_ff.identification.solving.equations import Equations
+from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.identification.solving.robust import (
     ROUGH,
     at_sight,
@@ -21,6 +23,7 @@ from lagrangian_ff.identification.solving.robust import (
     threshold_of,
     trust_in,
 )
+from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.progress import Progress, part, silent
 
@@ -51,8 +54,7 @@ def choose_robustly(
         The choice, and the trust (M, N) that goes with it.
 
     Raises:
-        ModelError: see `choose_all`.
-        NotPositiveDefiniteError: the chosen noise is too small for the arithmetic.
+        ModelError: see `choose_all`; or there is no factor with much more noise either.
     """
     scaling = scalings(data.tau, doubted(at_sight(data.tau)))[0]
     chosen = Chosen(spec.alternatives[0], starting_choice(spec, data.states), scaling)
@@ -76,9 +78,9 @@ def trust_beyond(
         x: S samples.  tau: (S, N) N·m.
 
     Raises:
-        NotPositiveDefiniteError: the chosen noise is too small for the arithmetic.
+        ModelError: there is no factor with much more noise either.
     """
-    fitted = _equations(chosen, data).solve(doubted(trust))
+    fitted = _solved(chosen, data, lambda equations: equations.solve(doubted(trust)))
     chunks = np.split(np.arange(len(x)), range(CHUNK_SAMPLES, len(x), CHUNK_SAMPLES))
     residual = tau - np.concatenate([fitted.torque(x.take(chunk)) for chunk in chunks])
     return trust_in(residual, threshold_of(residual, chosen.scaling.spread))
@@ -90,12 +92,23 @@ def _trust(chosen: Chosen, data: TrainingSet) -> Floats:
     A fit to the torques themselves follows most of them as closely as its noise is small, so that
     all that is not easy would look like an outlier, and the noise chosen next be smaller still.
     """
-    fitted = huber(_equations(chosen, data), enough=ROUGH).fitted
+    fitted = _solved(chosen, data, lambda equations: huber(equations, enough=ROUGH).fitted)
     groups = data.groups()
     residual = fitted.left_out(groups)[0] if len(groups) > 1 else fitted.residual
     return trust_in(residual, threshold_of(residual, chosen.scaling.spread))
 
 
-def _equations(chosen: Chosen, data: TrainingSet) -> Equations:
+def _solved(chosen: Chosen, data: TrainingSet, how: Callable[[Equations], Fit]) -> Fit:
+    """A fit; noise that few samples bear may be too little for these."""
     basis = chosen.choice.basis(chosen.spec, data.x.joints)
-    return Equations.of(basis, chosen.choice, data.x, data.tau, chosen.scaling)
+    for factor in STRONGER:
+        choice = replace(chosen.choice, noise=chosen.choice.noise * factor)
+        try:
+            return how(Equations.of(basis, choice, data.x, data.tau, chosen.scaling))
+        except NotPositiveDefiniteError:
+            continue
+    raise ModelError(
+        f"the Gram matrix of {len(data.x)} samples has no Cholesky factor, with {STRONGER[-1]:g} "
+        "times the chosen noise neither: look for impossible velocities and accelerations in the "
+        "recording"
+    )
