@@ -142,7 +142,10 @@ def build(
         **facts,
     }
     if solved.threshold is not None:
-        record["outliers"] = outlier_record(fitted.trust, solved.threshold, learned, residual)
+        missed = held_out.tau - predicted
+        record["outliers"] = outlier_record(
+            fitted.trust, solved.threshold, learned, residual, missed
+        )
     object.__setattr__(model, "record", record)
     return Identification(model, record, learned, held_out, predicted, fitted)
 

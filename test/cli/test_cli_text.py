@@ -123,6 +123,18 @@ def test_the_verdict_names_joints_where_they_differ() -> None:
     assert any(line.endswith("bad") for line in error_table(record({"a": 0.9, "b": 0.03})))
 
 
+def test_of_a_robust_model_the_error_is_told_that_outliers_do_not_move() -> None:
+    half = {"a": {"held_out_median": 0.25}, "b": {"held_out_median": 0.125}}
+    errors = {"a": 0.9, "b": 0.03}
+    header, first, second, whole = error_table(record(errors, outliers={"joints": half}))
+    assert "half below [N·m]" in header
+    assert (first.split()[2], second.split()[2]) == ("0.250", "0.125")
+    assert whole.split() == ["all", "joints", "1.00", "0.465"]
+    assert not any("half" in line for line in error_table(record(errors)))
+    of_an_older_file = record(errors, outliers={"joints": {"a": {}, "b": {}}})
+    assert error_table(of_an_older_file) == error_table(record(errors))
+
+
 def test_a_model_is_recommended_only_where_it_is_good() -> None:
     assert "most of the tracking error" in usable(record({"a": 0.02, "b": 0.03}))
     assert "helps" in usable(record({"a": 0.02, "b": 0.15}))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.text.effects import equations, parameter_table
-from lagrangian_ff.cli.text.errors import LEGEND, error_table
+from lagrangian_ff.cli.text.errors import HALF_LEGEND, LEGEND, error_table, medians
 from lagrangian_ff.cli.text.layout import number, table
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
     if outliers:
         console.paragraph(outliers["words"])
     console.say(error_table(record))
-    console.paragraph(LEGEND, "  ")
+    console.paragraph(f"{LEGEND} {HALF_LEGEND}" if medians(record) else LEGEND, "  ")
     if record["effects"]:
         console.say(["", "effects, torque in N·m with qd in rad/s"])
         console.say(equations(record["effects"]))

@@ -16,7 +16,7 @@ def doubtful(trust: Floats) -> Bools:
 
 
 def outlier_record(
-    trust: Floats, threshold: Floats, motion: Motion, residual: Floats
+    trust: Floats, threshold: Floats, motion: Motion, residual: Floats, missed: Floats
 ) -> dict[str, object]:
     """For JSON, with one sentence for people.
 
@@ -25,21 +25,24 @@ def outlier_record(
         threshold: (N,) N·m, beyond which the loss is linear.
         motion: M samples the kernel is built on.
         residual: (M, N) N·m, torque minus the prediction of a fit that did not see it.
+        missed: (H, N) N·m, the same of the model on motion held out.
 
     Returns:
-        `share` of all torques that count less than half, and by joint; `threshold` by joint;
+        `share` of all torques that count less than half, and by joint; by joint, too, `threshold`
+        and `held_out_median`, which half of the torques held out are missed by less than, in N·m;
         `longest`, the longest stretch of them, with its joint, begin and length in s;
         `rmse_of_others` in N·m on blocks left out, of the other torques; `words`.
     """
     off = doubtful(trust)
     longest = _longest(off, motion)
     shares = dict(zip(motion.joints, map(float, off.mean(axis=0)), strict=True))
+    median = map(float, np.median(np.abs(missed), axis=0))
     others = float(np.sqrt(np.mean(residual[~off] ** 2))) if not off.all() else None
     return {
         "share": float(off.mean()),
         "joints": {
-            name: {"share": share, "threshold": float(limit)}
-            for (name, share), limit in zip(shares.items(), threshold, strict=True)
+            name: {"share": share, "threshold": float(limit), "held_out_median": half}
+            for (name, share), limit, half in zip(shares.items(), threshold, median, strict=True)
         },
         "longest": longest,
         "rmse_of_others": others,

@@ -228,6 +228,19 @@ def test_the_record_tells_what_was_weighed_down(touched: Identification) -> None
     assert told["rmse_of_others"] < 0.2 * validation["rmse"]
 
 
+def test_outliers_held_out_move_the_rmse_and_not_the_median_beside_it(clean: Motion) -> None:
+    found = identify(spoiled(clean, "contact", train=1.0), FEW)
+    told, errors = found.record["outliers"], found.record["joints"]
+    assert isinstance(told, dict)
+    assert isinstance(errors, dict)
+    untouched = clean.take(np.flatnonzero(~found.model.trained))
+    missed = np.median(np.abs(untouched.tau - found.predicted), axis=0)
+    for joint, without in zip(pendulum.JOINTS, missed, strict=True):
+        half = told["joints"][joint]["held_out_median"]
+        assert half == pytest.approx(without, rel=0.2)
+        assert errors[joint]["rmse"] > 5.0 * half
+
+
 def test_a_contact_is_no_torque_the_model_knows(clean: Motion, touched: Identification) -> None:
     largest = np.abs(clean.tau).max(axis=0)
     assert (touched.model.range.tau_max <= 1.1 * largest).all()
