@@ -1,10 +1,12 @@
 """Figures: valid pictures that show what they are given."""
 
+from dataclasses import replace
 from typing import cast
 
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
@@ -47,6 +49,37 @@ def test_any_number_of_joints_can_be_drawn(count: int) -> None:
     figure = torque_figure(found, found.tau)
     assert len(figure.axes) == 2 * count
     assert png(figure).startswith(html.PNG)
+
+
+@pytest.mark.parametrize(
+    ("count", "name", "size"),
+    [
+        (1, 30 * "long", 1.0), (2, "shoulder_pan_joint", 1.3e4), (3, 30 * "long", 1.0),
+        (6, "joint", 0.0171),
+    ],
+)  # fmt: skip
+def test_titles_stay_in_their_column_and_above_their_axes(
+    count: int, name: str, size: float
+) -> None:
+    found = motion(joints=tuple(f"{name}_{n}" for n in range(count)))
+    tau = size * found.tau
+    figure = torque_figure(replace(found, tau=tau), 0.81 * tau)
+    png(figure)  # lays it out
+    assert isinstance(figure.canvas, FigureCanvasAgg)
+    renderer = figure.canvas.get_renderer()
+    torques = figure.axes[::2]
+    for n, (axes, joint) in enumerate(zip(torques, found.joints, strict=True)):
+        title = axes.get_title(loc="left")
+        assert title.replace("\n", "").startswith(joint)
+        around = axes.get_tightbbox(renderer)
+        assert around is not None
+        assert around.y1 <= figure.bbox.y1
+        right = figure.bbox.x1
+        if n % 2 == 0 and n + 1 < count:
+            beside = torques[n + 1].yaxis.get_tightbbox(renderer)
+            assert beside is not None
+            right = beside.x0
+        assert around.x1 <= right
 
 
 def line(figure: Figure, axes: int, label: str) -> Line2D:

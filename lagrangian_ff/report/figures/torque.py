@@ -1,5 +1,7 @@
 """Measured and predicted torque of each joint over time, and what is left between them."""
 
+from textwrap import wrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,6 +21,9 @@ from lagrangian_ff.report.style import (
 )
 
 Floats = NDArray[np.float64]
+
+LETTERS = 45
+"""Of a title that fit into half of the figure's width."""
 
 
 def torque_figure(motion: Motion, predicted: Floats) -> Figure:
@@ -40,7 +45,7 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
     rows = -(-count // columns)
     elapsed = motion.time - motion.time.min()
     with styled():
-        figure = new_figure(0.7 + 2.15 * rows)
+        figure = new_figure(0.7 + 2.3 * rows)
         grid = figure.add_gridspec(rows, columns)
         for n, joint in enumerate(motion.joints):
             cell = grid[n // columns, n % columns]
@@ -74,7 +79,7 @@ def _title(joint: str, measured: Floats, predicted: Floats) -> str:
     rmse = float(np.sqrt(np.mean((measured - predicted) ** 2)))
     spread = float(np.std(measured))
     share = f", {percent(rmse / spread)} of the torque's spread" if spread > 0.0 else ""
-    return f"{joint}   RMS error {number(rmse, 2)} N·m{share}"
+    return "\n".join([*wrap(joint, LETTERS), f"RMS error {number(rmse, 2)} N·m{share}"])
 
 
 def _line(
