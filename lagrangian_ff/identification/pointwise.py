@@ -38,6 +38,10 @@ class Pointwise:
         fast = [(t, value) for t, value in placed if t.effect.side_by_side and not apart]
         slow = [(t, value) for t, value in placed if not t.effect.side_by_side or apart]
         self._together = list(_together(fast, count))
+        self._columns = np.empty((count, sum(group.width for group in self._together)))
+        self._fast = np.concatenate(
+            [np.zeros((count, 0)), *(group.coefficients for group in self._together)], axis=1
+        )
         self._rest = Basis(tuple(term for term, _ in slow))
         self._coefficients = np.concatenate([np.zeros(0), *(value for _, value in slow)])
         self._speed = model.basis.sign_speed(count)
@@ -52,9 +56,12 @@ class Pointwise:
         x = self._states
         x.q[0], x.qd[0], x.qdd[0] = q, qd, qdd
         rigid = self._learned.torque(x)[0] * self._unit
-        torque = rigid.copy()
+        first = 0
         for group in self._together:
-            torque += group.torque(self._across)
+            last = first + group.width
+            self._columns[:, first:last] = group.columns(self._across)
+            first = last
+        torque = rigid + np.einsum("np,np->n", self._columns, self._fast)
         if self._rest.terms:
             torque += self._others(x, rigid + self._constant)
         return torque
@@ -78,10 +85,14 @@ class _Together:
     shape: dict[str, Floats]
     coefficients: Floats
 
-    def torque(self, x: Inputs) -> Floats:
-        """(N,) N·m, of joints that stand in for samples."""
-        columns = self.effect.columns(x, 0, self.shape)  # type: ignore[arg-type]
-        return np.asarray(np.einsum("np,np->n", columns, self.coefficients))
+    @property
+    def width(self) -> int:
+        """P, how many parameters the effect has on a joint."""
+        return self.coefficients.shape[1]
+
+    def columns(self, x: Inputs) -> Floats:
+        """(N, P) what the parameters multiply, of joints that stand in for samples."""
+        return self.effect.columns(x, 0, self.shape)  # type: ignore[arg-type]
 
 
 def _together(terms: Iterable[tuple[Term, Floats]], joints: int) -> Iterable[_Together]:

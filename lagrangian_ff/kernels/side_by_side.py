@@ -54,18 +54,14 @@ class SideBySide(Learned):
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
         out = np.empty_like(x.q)
-        work = np.empty((3, x.joints, LANES)), np.empty((8, LANES))
-        _apply(prepared(x), self.centres, *self.weights, *work, out)
+        _apply(prepared(x), self.centres, *self.weights, out)
         return out
 
 
 @njit(**_OPTIONS)
-def _apply(x, u, angle, alpha, w, of_joint, total, out):  # type: ignore[no-untyped-def]
-    """Write Σ_j K(x_i, u_j) a_j to out[i].
-
-    Args:
-        of_joint: (3, N, L), total: (8, L), to work in.
-    """
+def _apply(x, u, angle, alpha, w, out):  # type: ignore[no-untyped-def]
+    """Write Σ_j K(x_i, u_j) a_j to out[i]."""
+    of_joint, total = np.empty((3, w.shape[0], LANES)), np.empty((8, LANES))
     for i in range(x[0].shape[0]):
         out[i, :] = 0.0
         for first in range(0, u.shape[2], LANES):
