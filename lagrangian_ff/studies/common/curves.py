@@ -1,0 +1,136 @@
+"""Curves over a common axis, each with its name at its end."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from lagrangian_ff.report.style import FAINT, INK, new_figure, styled
+
+Floats = NDArray[np.float64]
+
+HEIGHT = 5.4  # inches
+SIZE = 8.0  # points, of the names
+APART = 1.25 * SIZE / 72.0 / (0.84 * HEIGHT)
+"""How far apart names stand at least, as a share of a panel's height."""
+PLAIN_TICKS = (1.0, 2.0, 5.0)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line.
+
+    Attributes:
+        x, y: its points, y above 0.
+        colour: as matplotlib takes it.
+        dashes: its pattern, "-" or "--" or ":".
+        strong: drawn above the others, and wider.
+    """
+
+    x: Sequence[float]
+    y: Sequence[float]
+    colour: str = INK
+    dashes: str = "-"
+    strong: bool = False
+
+
+def curves_figure(panels: Mapping[str, Mapping[str, Curve]], x_label: str, y_label: str) -> Figure:
+    """Draw panels side by side with common axes, y in decades.
+
+    Args:
+        panels: by title, curves by name; panels without a curve are left out.
+        x_label, y_label: with units.
+    """
+    drawn = {title: curves for title, curves in panels.items() if curves}
+    with styled():
+        figure = new_figure(HEIGHT)
+        if not drawn:
+            figure.text(0.5, 0.5, "no case is done", ha="center", color=FAINT)
+            return figure
+        row = figure.subplots(1, len(drawn), sharex=True, sharey=True, squeeze=False)[0]
+        for axes, (title, curves) in zip(row, drawn.items(), strict=True):
+            for curve in curves.values():
+                _draw(axes, curve)
+            axes.set_title(title)
+            axes.set_xlabel(x_label)
+        row[0].set_yscale("log")
+        row[0].set_ylabel(y_label)
+        _ticks(row[0])
+        for axes, curves in zip(row, drawn.values(), strict=True):
+            _name(axes, curves)
+    return figure
+
+
+def _draw(axes: Axes, curve: Curve) -> None:
+    axes.plot(
+        curve.x,
+        curve.y,
+        curve.dashes,
+        color=curve.colour,
+        linewidth=2.2 if curve.strong else 1.2,
+        marker="o",
+        markersize=4.5 if curve.strong else 3.0,
+        markeredgewidth=0.0,
+        zorder=3.0 if curve.strong else 2.0,
+    )
+
+
+def _ticks(axes: Axes) -> None:
+    """Plain numbers, 1, 2 and 5 of every decade."""
+    low, high = axes.get_ylim()
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    ticks = [step * 10.0**decade for decade in decades for step in PLAIN_TICKS]
+    axes.minorticks_off()
+    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.set_ylim(low, high)
+
+
+def _name(axes: Axes, curves: Mapping[str, Curve]) -> None:
+    """Write each name at the end of its curve, moved where two would overlap."""
+    low, high = np.log(axes.get_ylim())
+    ordered = sorted(curves, key=lambda name: curves[name].y[-1])
+    ends = np.array([(np.log(curves[name].y[-1]) - low) / (high - low) for name in ordered])
+    for name, place in zip(ordered, spread(ends, APART), strict=True):
+        curve = curves[name]
+        axes.annotate(
+            name,
+            (curve.x[-1], curve.y[-1]),
+            (1.03, place),
+            textcoords="axes fraction",
+            va="center",
+            fontsize=SIZE,
+            fontweight="bold" if curve.strong else "normal",
+            color=curve.colour,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": curve.colour,
+                "linewidth": 0.5,
+                "alpha": 0.5,
+                "relpos": (0.0, 0.5),
+                "shrinkA": 1.0,
+                "shrinkB": 3.0,
+            },
+        )
+
+
+def spread(places: Floats, apart: float) -> Floats:
+    """Places (K,) in rising order moved so that none is nearer to the next than `apart`.
+
+    Those that crowd share the room about the middle of where they wanted to be.
+    """
+    crowds: list[list[float]] = []
+    for place in places:
+        crowds.append([float(place)])
+        while len(crowds) > 1 and _in_a_row(crowds[-1], apart)[0] < (
+            _in_a_row(crowds[-2], apart)[-1] + apart
+        ):
+            crowds[-2:] = [crowds[-2] + crowds[-1]]
+    return np.concatenate([_in_a_row(crowd, apart) for crowd in crowds])
+
+
+def _in_a_row(crowd: list[float], apart: float) -> Floats:
+    steps = np.arange(len(crowd), dtype=np.float64)
+    return np.mean(crowd) + apart * (steps - steps.mean())
