@@ -32,6 +32,21 @@ STUDIES = {
         "hidden.study:HiddenStudy",
         arm=True,
     ),
+    "speeds": Entry(
+        "error of predicted torque over speed, model by model (Fig. 5 of the paper)",
+        "speeds.study:SpeedsStudy",
+        arm=True,
+    ),
+    "loaded": Entry(
+        "the same with masses on the arm (Fig. 7)",
+        "loaded.study:LoadedStudy",
+        arm=True,
+    ),
+    "tracking": Entry(
+        "tracking error over speed with precomputed torque (Fig. 6)",
+        "tracking.study:TrackingStudy",
+        arm=True,
+    ),
 }
 
 

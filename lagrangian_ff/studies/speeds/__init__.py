@@ -1,0 +1,1 @@
+"""Torque error over speed: Fig. 5 of the paper."""

@@ -1,0 +1,1 @@
+"""Tracking error over speed with precomputed torque: Fig. 6 of the paper."""
