@@ -1,0 +1,1 @@
+"""Random serial robots: how they are drawn, their torques, and samples of them."""
