@@ -1,0 +1,1 @@
+"""Learning torques from independent samples: as the paper does, and as this package does."""
