@@ -27,24 +27,31 @@ class Entry:
 
 
 STUDIES = {
-    "hidden": Entry(
-        "effects hidden in the arm's physics: found, missed, or invented?",
-        "hidden.study:HiddenStudy",
-        arm=True,
+    "ideal": Entry(
+        "Fig. 2 of the paper: which kernel learns ideal robots best?", "ideal.study:IdealStudy"
+    ),
+    "friction": Entry(
+        "Fig. 3: the same robots with friction and noise, kernels with and without fri",
+        "friction.study:FrictionStudy",
     ),
     "speeds": Entry(
-        "error of predicted torque over speed, model by model (Fig. 5 of the paper)",
+        "Fig. 5: error of predicted torque over speed, model by model",
         "speeds.study:SpeedsStudy",
         arm=True,
     ),
+    "tracking": Entry(
+        "Fig. 6: tracking error over speed with precomputed torque",
+        "tracking.study:TrackingStudy",
+        arm=True,
+    ),
     "loaded": Entry(
-        "the same with masses on the arm (Fig. 7)",
+        "Fig. 7: as speeds, with masses on the arm",
         "loaded.study:LoadedStudy",
         arm=True,
     ),
-    "tracking": Entry(
-        "tracking error over speed with precomputed torque (Fig. 6)",
-        "tracking.study:TrackingStudy",
+    "hidden": Entry(
+        "effects hidden in the arm's physics: found, missed, or invented?",
+        "hidden.study:HiddenStudy",
         arm=True,
     ),
 }

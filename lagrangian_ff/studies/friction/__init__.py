@@ -1,0 +1,1 @@
+"""Fig. 3: learning inverse dynamics under friction and noise."""
