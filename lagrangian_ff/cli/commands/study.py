@@ -29,10 +29,10 @@ examples:
                                                        processor)
   lagrangian_ff study hidden --list                    the names of the cases, nothing done
   lagrangian_ff study hidden --cases 'ripple-*'        some of them
-  lagrangian_ff study ideal                            about an hour on 2 processors; 100 robots of
-                                                       each number of joints, as in the paper, take
-                                                       5 hours: --robots 100
-  lagrangian_ff study friction                         about an hour: 8 robots
+  lagrangian_ff study ideal                            an hour on 2 processors: 16 robots of 1 to 8
+                                                       joints each
+  lagrangian_ff study ideal --robots 100               as many as in the paper: 7 hours
+  lagrangian_ff study friction                         an hour and a half: 8 robots
   lagrangian_ff study hidden --scheduler tcp://host:8786   on the workers of a Dask cluster
 
 what comes out, in the folder:

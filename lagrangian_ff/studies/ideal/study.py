@@ -28,7 +28,7 @@ class IdealStudy(DofStudy):
     """How well are rigid bodies learned by which kernel? See `DofStudy`."""
 
     name = "ideal"
-    robots = 20
+    robots = 16
     models = (
         "motor", "rbf", "rbfs", "srbf", "srbfs", "vrbf", "vrbfs", "pol",
         "energy_rbf", "energy", "chain_rbf", "chain",

@@ -40,7 +40,7 @@ def model_of(text: str) -> Spec:
         len(spec.alternatives) > 1
         or spec.further
         or names not in (set(), set(FRICTION))
-        or (spec.kernel.name == "none")
+        or spec.kernel.name == "none"
     ):
         known = ", ".join(name for name in KERNELS if name != "none")
         raise UserError(

@@ -75,7 +75,7 @@ def learn_by_evidence(spec: Spec, x: States, tau: Floats, fold: Ints, gamma: flo
     Args:
         spec: a kernel and effects.
         x: (M, N) states.  tau: (M, N) torques.
-        fold: (M,) of each sample; only that there are several matters.
+        fold: (M,) of each sample; the evidence needs none left out.
         gamma: γ of (42) that the torques are learned with, raised tenfold as often as it takes to
             factor; None takes the noise that the evidence says.
 
