@@ -49,6 +49,15 @@ STUDIES = {
         "loaded.study:LoadedStudy",
         arm=True,
     ),
+    "consistency": Entry(
+        "Theorem 2: what is left of the error with ever more samples",
+        "consistency.study:ConsistencyStudy",
+    ),
+    "sparsity": Entry(
+        "section V: error and time with fewer centres than samples",
+        "sparsity.study:SparsityStudy",
+        arm=True,
+    ),
     "hidden": Entry(
         "effects hidden in the arm's physics: found, missed, or invented?",
         "hidden.study:HiddenStudy",

@@ -23,17 +23,16 @@ DESCRIPTION = "Repeats a study, with a table, a picture and every result as JSON
 )
 EPILOG = """\
 examples:
-  lagrangian_ff study hidden                           hours: about a minute a case
-  lagrangian_ff study hidden --output try --quick      ten minutes: a few large effects
-  lagrangian_ff study speeds                           40 minutes; loaded 45, tracking 20 (on one
-                                                       processor)
-  lagrangian_ff study hidden --list                    the names of the cases, nothing done
-  lagrangian_ff study hidden --cases 'ripple-*'        some of them
-  lagrangian_ff study ideal                            an hour on 2 processors: 16 robots of 1 to 8
-                                                       joints each
-  lagrangian_ff study ideal --robots 100               as many as in the paper: 7 hours
-  lagrangian_ff study friction                         an hour and a half: 8 robots
-  lagrangian_ff study hidden --scheduler tcp://host:8786   on the workers of a Dask cluster
+  lagrangian_ff study ideal                      16 robots of 1 to 8 joints each
+  lagrangian_ff study ideal --robots 100         as many as in the paper
+  lagrangian_ff study ideal --quick              a minute: a small study, to see it work
+  lagrangian_ff study hidden --list              the names of the cases, nothing done
+  lagrangian_ff study hidden --cases 'ripple-*'  some of them
+  lagrangian_ff study ideal --scheduler tcp://host:8786   on the workers of a Dask cluster
+
+how long it takes, on two processors, about:
+  hidden 3 h; friction 1.5 h; ideal 1 h; speeds, loaded and consistency 20 minutes; tracking and
+  sparsity 10 minutes.
 
 what comes out, in the folder:
   cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and

@@ -5,33 +5,17 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from lagrangian_ff.report.colours import INK, RUNS
 from lagrangian_ff.studies.arm.models import FRICTION, OURS
 from lagrangian_ff.studies.common.curves import Curve, curves_figure
+from lagrangian_ff.studies.common.strokes import stroke_of
 
-GREY, AMBER, BLUE, GREEN, VIOLET, RED = RUNS
-# What a kernel is made of has a colour; the trigonometric map (39) makes a full line of a dashed
-# one.
-STYLES = {
-    "motor": (RED, "-"),
-    "pol": (VIOLET, "-"),
-    "rbf": (GREY, "--"),
-    "rbfs": (GREY, "-"),
-    "srbf": (AMBER, "--"),
-    "srbfs": (AMBER, "-"),
-    "vrbf": (BLUE, "--"),
-    "vrbfs": (BLUE, "-"),
-    "auto": (GREEN, "-"),
-    "chain": (GREEN, "--"),
-    "energy": (GREEN, ":"),
-}
 VELOCITY = "mean norm of velocity [rad/s]"
 
 
 def style_of(model: str) -> dict[str, Any]:
     """How a model is drawn in every figure; the default of ours stands out."""
-    colour, dashes = STYLES.get(model.partition("+")[0], (INK, "-"))
-    return {"colour": colour, "dashes": dashes, "strong": model == OURS[0]}
+    stroke = stroke_of(model)
+    return {"colour": stroke.colour, "dashes": stroke.dashes, "strong": model == OURS[0]}
 
 
 def prediction_figure(numbers: Mapping[str, Any]) -> Figure:

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from lagrangian_ff.report.style import FAINT, INK, new_figure, styled
@@ -16,7 +18,9 @@ HEIGHT = 5.4  # inches
 SIZE = 8.0  # points, of the names
 APART = 1.25 * SIZE / 72.0 / (0.84 * HEIGHT)
 """How far apart names stand at least, as a share of a panel's height."""
-PLAIN_TICKS = (1.0, 2.0, 5.0)
+PLAIN_TICKS, FINE_TICKS = (1.0, 2.0, 5.0), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+WIDE = 5.0
+"""From so many times the least value on, plain ticks do."""
 
 
 @dataclass(frozen=True)
@@ -26,23 +30,30 @@ class Curve:
     Attributes:
         x, y: its points, y above 0.
         colour: as matplotlib takes it.
-        dashes: its pattern, "-" or "--" or ":".
+        dashes: its pattern, as matplotlib takes it.
         strong: drawn above the others, and wider.
     """
 
     x: Sequence[float]
     y: Sequence[float]
     colour: str = INK
-    dashes: str = "-"
+    dashes: Any = "-"
     strong: bool = False
 
 
-def curves_figure(panels: Mapping[str, Mapping[str, Curve]], x_label: str, y_label: str) -> Figure:
+def curves_figure(
+    panels: Mapping[str, Mapping[str, Curve]],
+    x_label: str,
+    y_label: str,
+    *,
+    logarithmic: bool = False,
+) -> Figure:
     """Draw panels side by side with common axes, y in decades.
 
     Args:
         panels: by title, curves by name; panels without a curve are left out.
         x_label, y_label: with units.
+        logarithmic: whether x is in decades too.
     """
     drawn = {title: curves for title, curves in panels.items() if curves}
     with styled():
@@ -56,9 +67,14 @@ def curves_figure(panels: Mapping[str, Mapping[str, Curve]], x_label: str, y_lab
                 _draw(axes, curve)
             axes.set_title(title)
             axes.set_xlabel(x_label)
+        if logarithmic:
+            row[0].set_xscale("log")
+            x_ticks(
+                row[0], sorted({x for held in drawn.values() for c in held.values() for x in c.x})
+            )
         row[0].set_yscale("log")
         row[0].set_ylabel(y_label)
-        _ticks(row[0])
+        y_ticks(row[0])
         for axes, curves in zip(row, drawn.values(), strict=True):
             _name(axes, curves)
     return figure
@@ -68,7 +84,7 @@ def _draw(axes: Axes, curve: Curve) -> None:
     axes.plot(
         curve.x,
         curve.y,
-        curve.dashes,
+        linestyle=curve.dashes,
         color=curve.colour,
         linewidth=2.2 if curve.strong else 1.2,
         marker="o",
@@ -78,14 +94,21 @@ def _draw(axes: Axes, curve: Curve) -> None:
     )
 
 
-def _ticks(axes: Axes) -> None:
-    """Plain numbers, 1, 2 and 5 of every decade."""
+def y_ticks(axes: Axes) -> None:
+    """Plain numbers, of an axis in decades."""
     low, high = axes.get_ylim()
+    steps = PLAIN_TICKS if high > WIDE * low else FINE_TICKS
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
-    ticks = [step * 10.0**decade for decade in decades for step in PLAIN_TICKS]
+    ticks = [step * 10.0**decade for decade in decades for step in steps]
     axes.minorticks_off()
     axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.set_ylim(low, high)
+
+
+def x_ticks(axes: Axes, values: Sequence[float]) -> None:
+    """The values themselves, of an axis in decades."""
+    axes.set_xticks(values, [f"{value:g}" for value in values])
+    axes.xaxis.set_minor_locator(NullLocator())
 
 
 def _name(axes: Axes, curves: Mapping[str, Curve]) -> None:

@@ -1,7 +1,6 @@
 """Error against the number of joints, one line a model, as in Figs. 2 and 3."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,42 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
-from lagrangian_ff.report.colours import FAINT, INK, RUNS
+from lagrangian_ff.report.colours import FAINT
 from lagrangian_ff.report.style import new_figure, styled
-
-GREY, ORANGE, BLUE, GREEN, VIOLET, RED = RUNS
-SOLID, DASHED = "-", (0, (4, 2))
-
-
-@dataclass(frozen=True)
-class Stroke:
-    """How a kernel is drawn, whatever it is joined with.
-
-    Attributes:
-        colour: of the family.  dash: solid where positions are angles.
-        ours: drawn stronger and with marks; the others are the paper's.
-    """
-
-    colour: str
-    dash: Any
-    ours: bool = False
-
-
-STROKES: Mapping[str, Stroke] = {
-    "motor": Stroke(FAINT, (0, (1, 1.5))),
-    "rbf": Stroke(GREY, DASHED),
-    "rbfs": Stroke(GREY, SOLID),
-    "srbf": Stroke(ORANGE, DASHED),
-    "srbfs": Stroke(ORANGE, SOLID),
-    "vrbf": Stroke(BLUE, DASHED),
-    "vrbfs": Stroke(BLUE, SOLID),
-    "pol": Stroke(INK, (0, (1, 1.5))),
-    "energy_rbf": Stroke(GREEN, DASHED, ours=True),
-    "energy": Stroke(GREEN, SOLID, ours=True),
-    "chain_rbf": Stroke(VIOLET, DASHED, ours=True),
-    "chain": Stroke(VIOLET, SOLID, ours=True),
-}
-OTHER = Stroke(RED, SOLID)
+from lagrangian_ff.studies.common.strokes import stroke_of
 
 FLOOR = {"mean": 1e-8, "variance": 1e-16}
 """What is smaller is drawn here: exact but for rounding, and no reason to squeeze the rest."""
@@ -81,7 +47,7 @@ def curves(rows: Sequence[tuple[str, Statistics]]) -> Figure:
 def _panel(axes: Axes, models: Statistics, what: str) -> None:
     floored = False
     for model, statistics in models.items():
-        stroke = STROKES.get(model.partition("+")[0], OTHER)
+        stroke = stroke_of(model)
         joints = [int(n) for n in statistics]
         known = [np.nan if row[what] is None else row[what] for row in statistics.values()]
         values = np.maximum(known, FLOOR[what])
@@ -90,7 +56,7 @@ def _panel(axes: Axes, models: Statistics, what: str) -> None:
             joints,
             values,
             color=stroke.colour,
-            linestyle=stroke.dash,
+            linestyle=stroke.dashes,
             linewidth=1.7 if stroke.ours else 1.2,
             marker="o" if stroke.ours else None,
             markersize=3.5,

@@ -1,0 +1,1 @@
+"""Section V: how few centres do, and what they save."""
