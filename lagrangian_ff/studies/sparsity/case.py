@@ -50,9 +50,9 @@ class Sparse:
             once everything is chosen, and `predicting` 15,000 states.
         """
         motion = self.drive.motion()
-        size = {"samples": self.centres} if self.exact else {"landmarks": self.centres}
-        exactly = {"landmarks": 0} if self.exact else {}
-        settings = replace(self.settings, model=self.model, **size, **exactly)
+        settings = replace(self.settings, model=self.model, landmarks=self.centres)
+        if self.exact:
+            settings = replace(settings, samples=self.centres, landmarks=0)
         found = identify(motion, settings)
         blueprint = Blueprint.of(found.model)
         data = blueprint.data
