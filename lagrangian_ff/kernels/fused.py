@@ -16,8 +16,8 @@ it reads
     K / k = A Bᵀ + diag(r + (c_xu − c_x c_u) w)
             − (c_xu e + c_x ū + r∘qd') eᵀ − e (c_u x̄ − r∘qd)ᵀ + ū x̄ᵀ,
 
-which equals eq. (37) of the paper with c_u read for its c_y. How it is applied to coefficients
-without forming a block is in `side_by_side`.
+which equals eq. (37) of the paper with c_u read for its c_y, and ∂φ_u for the last factor of its
+K_2. How it is applied to coefficients without forming a block is in `side_by_side`.
 """
 
 from typing import Any

@@ -16,6 +16,7 @@ from lagrangian_ff.kernels.lagrangian import Srbf, Srbfs, Svrbf, Svrbfs, Vrbf, V
 Floats = NDArray[np.float64]
 
 SIGMA, C = 1.7, 0.8
+W = C / SIGMA**0.5
 VECTOR: list[type[Vrbf] | type[Vrbfs]] = [Vrbf, Vrbfs]
 SCALAR: list[
     tuple[type[Vrbf] | type[Vrbfs], type[Svrbf] | type[Svrbfs] | type[Srbf] | type[Srbfs]]
@@ -68,6 +69,40 @@ def test_blocks_equal_symbolic_differentiation(family: type[Vrbf] | type[Vrbfs])
     block, row = symbolic_block(family.angles, x, u)
     np.testing.assert_allclose(make(family).cross(x, u), block, atol=1e-14)
     np.testing.assert_allclose(make(family).lagrangian_row(x, u)[0, 0], row, atol=1e-14)
+
+
+def closed_form(angles: bool, x: States, u: States) -> Floats:
+    """K (3, 3) of one pair as eq. (37) prints it, c_y written c_u and ∂φ_u the last of K_2."""
+    n = x.joints
+
+    def mapped(s: States) -> tuple[Floats, Floats, Floats, Floats]:
+        """φ, its Jacobian, ψ and the rate of ψ, eqs. (38), (39)."""
+        q, slope = s.q[0], np.eye(n)
+        if angles:
+            slope = np.vstack([-np.diag(np.sin(q)), np.diag(np.cos(q))])
+            q = np.concatenate([np.cos(q), np.sin(q)])
+        return q / SIGMA**0.5, slope / SIGMA**0.5, W * s.qd[0], W * s.qdd[0]
+
+    (px, dpx, sx, rx), (pu, dpu, su, ru) = mapped(x), mapped(u)
+    px_rate, pu_rate = dpx @ x.qd[0], dpu @ u.qd[0]
+    a, b, o, ds = px - pu, sx - su, np.outer, W * np.eye(n)
+    c_x, c_u = a @ px_rate + b @ rx, a @ pu_rate + b @ ru
+    c_xu = c_x * c_u - (px_rate @ pu_rate + rx @ ru)
+    first = dpx.T @ (np.eye(len(a)) - o(a, a)) @ dpu
+    second = -ds.T @ (c_x * o(b, a) - (o(rx, a) + o(b, px_rate))) @ dpu
+    third = dpx.T @ (c_u * o(a, b) - (o(pu_rate, b) + o(a, ru))) @ ds
+    middle = c_xu * (o(b, b) - np.eye(n)) + o(ru, rx) + o(rx, ru)
+    middle -= c_x * (o(ru, b) + o(b, ru)) + c_u * (o(rx, b) + o(b, rx))
+    total = first + second + third + ds.T @ middle @ ds
+    return np.asarray(np.exp(-0.5 * (a @ a + b @ b)) * total)
+
+
+@pytest.mark.parametrize("family", VECTOR)
+def test_blocks_equal_the_papers_closed_form(family: type[Vrbf] | type[Vrbfs]) -> None:
+    for seed in range(5):
+        x, u = random_states(1, 3, seed), random_states(1, 3, 50 + seed)
+        expected = closed_form(family.angles, x, u)
+        np.testing.assert_allclose(make(family).cross(x, u), expected, atol=1e-13)
 
 
 @pytest.mark.parametrize("joints", [1, 2, 3, 6])

@@ -106,6 +106,25 @@ def test_left_out_rows_are_predicted_as_by_a_fit_without_them(
         np.testing.assert_allclose(weights[left.rows], 0.0, atol=1e-7)
 
 
+@given(**sizes)
+def test_the_papers_relaxation_tends_to_the_exact_solution(
+    size: int, columns: int, seed: int
+) -> None:
+    """(42) with the kernel (43), read off by (45) and (46), comes as near as ρ is small."""
+    problem = Problem.random(size, columns, seed)
+    system = problem.system()
+    ours = np.concatenate([system.weights, system.coefficients])
+    apart = []
+    for rho in (1e-4, 1e-6):
+        friction = problem.design @ problem.design.T
+        kernel = problem.gram / (1.0 - rho) + friction / rho
+        a = np.linalg.solve(kernel + np.diag(problem.noise), problem.target)
+        theirs = np.concatenate([a / (1.0 - rho), problem.design.T @ a / rho])
+        apart.append(np.abs(theirs - ours).max() / np.abs(ours).max())
+    assert apart[0] < 0.1
+    assert apart[1] < 0.02 * apart[0]
+
+
 def test_a_column_that_never_shows_gets_no_weight() -> None:
     problem = Problem.random(20, 3, 5)
     design = problem.design.copy()
