@@ -22,10 +22,11 @@ from lagrangian_ff.report.style import png
 
 def write_results(findings: Findings, folder: Folder) -> None:
     """Pictures, page and JSON."""
-    assert findings.comparison is not None
+    compared = findings.comparison
+    assert compared is not None
     arm.picture(folder.picture("arm"))
     pictures = {
-        "torque": torque_figure(findings.comparison.motion, findings.comparison.predicted),
+        "torque": torque_figure(compared.motion, compared.predicted, compared.interval),
         "tracking_bars": tracking_bars_figure(
             {f"on {NAMES[name]}": findings.runs(name) for name in NAMES}
         ),

@@ -177,7 +177,7 @@ class Scenario:
         recording = recording_of(measured, "the motion never seen")
         write_bag(self._folder.unseen, recording)
         self.findings.identification = dict(model.record)
-        self.findings.comparison = compare(model, condition(recording))
+        self.findings.comparison = compare(model, condition(recording), intervals=True)
 
     def _load(self) -> None:
         with self._stages.stage("load", "feedforward loads the model"):

@@ -2,7 +2,7 @@
 
 from lagrangian_ff.diagnosis.add import add, history
 from lagrangian_ff.diagnosis.apply import apply
-from lagrangian_ff.diagnosis.compare import Comparison, compare
+from lagrangian_ff.diagnosis.compare import Comparison, compare, with_intervals
 from lagrangian_ff.diagnosis.diagnose import Diagnosis, Finding, diagnose
 from lagrangian_ff.diagnosis.since import Changed, changed_since
 
@@ -17,4 +17,5 @@ __all__ = [
     "compare",
     "diagnose",
     "history",
+    "with_intervals",
 ]

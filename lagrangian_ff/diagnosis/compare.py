@@ -1,10 +1,11 @@
 """A model held against a motion: predicted and measured torque, and the error per joint."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.diagnosis.interval import Interval, interval, quick_interval
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Score
 from lagrangian_ff.kernels import States
@@ -23,12 +24,14 @@ class Comparison:
         predicted: (M, N) N·m.
         score: the error per joint.
         outside: the share of samples outside the range the model was identified on.
+        interval: the 90 % intervals at some of the samples, where they were asked for.
     """
 
     motion: Motion
     predicted: Floats
     score: Score
     outside: float
+    interval: Interval | None = None
 
     @property
     def residual(self) -> Floats:
@@ -42,11 +45,17 @@ class Comparison:
             "samples": len(self.motion),
             "outside_range": self.outside,
             "source": self.motion.source,
+            **(self.interval.record() if self.interval else {}),
         }
 
 
 def compare(
-    model: Model, motion: Motion, margin: float = 0.05, progress: Progress = silent
+    model: Model,
+    motion: Motion,
+    margin: float = 0.05,
+    progress: Progress = silent,
+    *,
+    intervals: bool = False,
 ) -> Comparison:
     """Predict the torque of a motion and measure the error.
 
@@ -55,6 +64,7 @@ def compare(
         motion: measured; may hold more joints than the model, in any order.
         margin: how far outside the identified range still counts as inside, in parts of it.
         progress: told the share done.
+        intervals: whether to ask how sure the model is, too, at as many samples as a page draws.
 
     Raises:
         ModelError: the motion lacks a joint of the model; names both lists.
@@ -75,4 +85,20 @@ def compare(
         predicted,
         Score.of(model.joints, motion.tau, predicted),
         float(np.mean(np.any(excess > margin, axis=1))),
+        quick_interval(model, motion, predicted) if intervals else None,
     )
+
+
+def with_intervals(model: Model, comparison: Comparison, progress: Progress = silent) -> Comparison:
+    """The same comparison with the interval of every sample.
+
+    Args:
+        model: that was compared.
+        comparison: of it with a motion.
+        progress: told the share done.
+
+    Raises:
+        ModelError: see `interval`.
+    """
+    found = interval(model, comparison.motion, comparison.predicted, progress=progress)
+    return replace(comparison, interval=found)

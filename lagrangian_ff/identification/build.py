@@ -2,14 +2,16 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
+from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.certainty.calibration import calibrated
+from lagrangian_ff.identification.certainty.few import QUICK, Few
 from lagrangian_ff.identification.certainty.intervals import LEVEL
 from lagrangian_ff.identification.certainty.outliers import doubtful, outlier_record
 from lagrangian_ff.identification.mechanics.mass_matrix import mass_record
@@ -19,8 +21,9 @@ from lagrangian_ff.identification.motion_range import MotionRange
 from lagrangian_ff.identification.records import effect_records, hyperparameter_record
 from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.score import Score
-from lagrangian_ff.identification.solve import solve
+from lagrangian_ff.identification.solve import Solved, solve
 from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
@@ -114,6 +117,7 @@ def build(
         predicted = whole[~blueprint.trained]
         judged = "motion after the training part"
     factor = calibrated(blueprint, solved).tolist()
+    quick = _quick_factor(replace(blueprint, trust=trust), inputs, solved)
     values = expansion.coefficients
     record: dict[str, object] = {
         "model": blueprint.name,
@@ -132,6 +136,7 @@ def build(
         "uncertainty": {
             "level": LEVEL,
             "factor": dict(zip(data.joints, factor, strict=True)),
+            "quick": quick,
         },
         "log_evidence": float(fitted.log_evidence),
         "range": model.range.record(),
@@ -157,6 +162,20 @@ def _expansion(blueprint: Blueprint, fitted: Fit, progress: Progress) -> Expansi
     seen = np.flatnonzero(blueprint.trained)
     along = blueprint.data.take(seen[evenly(len(seen), POSITIVE_STATES)])
     return keep_positive(fitted, States.of(along.q, along.qd, along.qdd), progress)
+
+
+def _quick_factor(blueprint: Blueprint, inputs: Inputs, solved: Solved) -> dict[str, float] | None:
+    """Of certainty's cheap form, by joint, so that asking it later costs nothing; None without."""
+    choice = replace(blueprint.choice, noise=solved.noise)
+    x = inputs.take(blueprint.seen)
+    few = Few(replace(blueprint, choice=choice), x, solved.weighed.trust, QUICK)
+    try:
+        factor = few.factor(solved.weighed)
+    except (ModelError, NotPositiveDefiniteError):
+        return None
+    if not np.isfinite(factor).all():
+        return None
+    return dict(zip(blueprint.data.joints, factor.tolist(), strict=True))
 
 
 def _known(blueprint: Blueprint) -> dict[str, object]:

@@ -40,6 +40,9 @@ def test_what_changed_is_said_in_words_and_as_json(model: Path, tmp_path: Path) 
     assert region["coordinate"] == "velocity"
     assert region["low"] < 0.0 < region["high"] < 0.6
     assert region["share_of_error"] > 2.0 * region["share_of_time"]
+    assert record["covered"]["elbow"] < 0.75
+    assert f"only {record['covered']['elbow']:.0%} of elbow" in outcome.text
+    assert "surer than it should be" in outcome.text
 
 
 def test_the_error_is_that_of_predict(model: Path, tmp_path: Path) -> None:

@@ -66,6 +66,23 @@ def test_measured_and_predicted_torques_are_written(model: Path, tmp_path: Path)
         assert np.abs(table[f"predicted/{joint}"] - motion.tau[:, n]).mean() < 0.3
 
 
+def test_intervals_are_written_and_what_lies_inside_is_told(model: Path, tmp_path: Path) -> None:
+    recording = arm(seconds=12.0, reach=0.9)
+    source, out = csv(tmp_path / "a.csv", recording), tmp_path / "torque.csv"
+    asked = ("--intervals", "--output", out, "--json", "-")
+    outcome = lagrangian_ff("predict", model, source, *asked)
+    assert outcome.code == 0, outcome
+    table, record = columns(out), json.loads(outcome.out)
+    for joint in JOINTS:
+        low, high = table[f"low/{joint}"], table[f"high/{joint}"]
+        assert (low < high).all()
+        assert np.allclose(0.5 * (low + high), table[f"predicted/{joint}"])
+        inside = (low <= table[f"measured/{joint}"]) & (table[f"measured/{joint}"] <= high)
+        assert inside.mean() == pytest.approx(record["covered"][joint], abs=1e-3)
+        assert f"{record['covered'][joint]:.0%} of {joint}" in outcome.text
+    assert "covered" not in json.loads(lagrangian_ff("predict", model, source, "--json", "-").out)
+
+
 def test_joints_are_matched_by_name(model: Path, tmp_path: Path) -> None:
     recording = arm(seconds=6.0)
     order = [1, 0, 0]

@@ -36,7 +36,7 @@ def model() -> Model:
 @pytest.fixture(scope="module")
 def found(model: Model) -> Whereabouts:
     """Return where it fails on the arm with the bump."""
-    return locate(model, compare(model, arm(40.0, 0.9, bump=1.5)))
+    return locate(model, compare(model, arm(40.0, 0.9, bump=1.5), intervals=True))
 
 
 def test_the_bump_is_named_on_its_joint_and_speed(found: Whereabouts) -> None:
@@ -80,6 +80,14 @@ def test_the_series_is_thinned_and_true(found: Whereabouts) -> None:
     np.testing.assert_allclose(series["joints"]["b"]["measured"], motion.tau[::step, 1])
     predicted = found.comparison.predicted[::step, 1]
     np.testing.assert_allclose(series["joints"]["b"]["predicted"], predicted)
+    interval = found.comparison.interval
+    assert interval is not None
+    np.testing.assert_allclose(series["joints"]["b"]["reach"], interval.reach[:, 1])
+    left = np.abs(np.subtract(series["joints"]["b"]["measured"], predicted))
+    inside = np.mean(left <= series["joints"]["b"]["reach"])
+    covered = found.record()["covered"]
+    assert isinstance(covered, dict)
+    assert covered["b"] == pytest.approx(inside)
 
 
 def test_the_load_is_the_models_and_never_the_measured_torque(model: Model) -> None:

@@ -22,11 +22,20 @@ from lagrangian_ff.report.interactive.signature import signature_plot
 from lagrangian_ff.report.interactive.torque import torque_plot
 
 
+def sure() -> dict[str, Any]:
+    """Torques over time with intervals."""
+    series: dict[str, Any] = compared()["series"]
+    for values in series["joints"].values():
+        values["reach"] = [0.5 + 0.01 * k for k in range(len(series["time"]))]
+    return series
+
+
 def plots() -> dict[str, Plot]:
     """One of each."""
     record, found = compared(), finding("stribeck", "confirmed")
     return {
         "torque": torque_plot(record["series"], "elbow"),
+        "torque with interval": torque_plot(sure(), "elbow"),
         "residual": residual_plot(bins("elbow", "velocity")),
         "directions": residual_plot(bins("elbow", "direction", (-1.0, 1.0))),
         "dependence": dependence_plot(record["bins"]),
@@ -61,6 +70,26 @@ def test_the_residual_is_measured_less_predicted_and_broken_at_a_gap() -> None:
     assert measured["y"].count(None) == predicted["y"].count(None) == left["y"].count(None) == 1
     pairs = zip(measured["y"], predicted["y"], left["y"], strict=True)
     assert all(m is None or r == pytest.approx(m - p) for m, p, r in pairs)
+
+
+def test_intervals_lie_behind_the_lines_and_are_switched_together() -> None:
+    series = sure()
+    around, zero, *lines = torque_plot(series, "elbow").data
+    assert [one["name"] for one in lines] == ["measured", "predicted", "measured − predicted"]
+    assert around["name"] == "90 % interval"
+    assert around["showlegend"]
+    assert not zero["showlegend"]
+    assert around["legendgroup"] == zero["legendgroup"]
+    assert (zero["yaxis"], around["fill"]) == ("y2", "toself")
+    # Each stretch goes there along the upper end, back along the lower one, and then breaks.
+    values, half = series["joints"]["elbow"], len(series["time"]) // 2
+    upper, lower = ([p + s * r for p, r in zip(values["predicted"], values["reach"], strict=True)]
+                    for s in (1.0, -1.0))  # fmt: skip
+    first = upper[:half] + lower[:half][::-1]
+    second = upper[half:] + lower[half:][::-1]
+    assert around["y"] == [*first, None, *second]
+    assert around["x"].index(None) == zero["x"].index(None) == 2 * half
+    assert max(y for y in zero["y"] if y is not None) == values["reach"][-1]
 
 
 def test_bins_are_drawn_where_they_are() -> None:

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from report_examples import JOINTS, comparison, motion, runs
 
+from lagrangian_ff.diagnosis.interval import Interval
 from lagrangian_ff.report import html
 from lagrangian_ff.report.figures import (
     torque_figure,
@@ -102,6 +103,22 @@ def test_measured_predicted_and_residual_torque_are_drawn() -> None:
         np.testing.assert_allclose(values(line(figure, 2 * n, "predicted")), found.predicted[:, n])
         residual = values(line(figure, 2 * n + 1, "measured − predicted"))
         np.testing.assert_allclose(residual, found.residual[:, n])
+
+
+def test_the_interval_is_a_band_around_the_prediction_and_around_zero() -> None:
+    found = comparison()
+    at = np.arange(0, len(found.motion), 3)
+    reach = np.tile([0.2, 0.4], (len(at), 1))
+    interval = Interval(JOINTS, at, reach, np.array([0.9, 0.9]), 2)
+    figure = torque_figure(found.motion, found.predicted, interval)
+    for n in range(len(JOINTS)):
+        for axes, middle in ((figure.axes[2 * n], found.predicted[at, n]), (figure.axes[2 * n + 1],
+                             0.0 * at)):  # fmt: skip
+            ends = np.concatenate([p.vertices for p in axes.collections[0].get_paths()])
+            assert ends[:, 1].max() == pytest.approx((middle + reach[:, n]).max())
+            assert ends[:, 1].min() == pytest.approx((middle - reach[:, n]).min())
+    shown = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert "90 % interval" in shown
 
 
 def test_no_line_is_drawn_across_a_gap() -> None:

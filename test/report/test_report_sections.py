@@ -1,12 +1,19 @@
 """Sections: the numbers on the page are those of the record."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+from page_examples import compared
 from report_examples import JOINTS, comparison, effects, runs
 from test_report_html import PICTURE, texts
 
+from lagrangian_ff.diagnosis.interval import Interval
 from lagrangian_ff.report.numbers import mrad, number, percent
+from lagrangian_ff.report.pages.compare import summary
 from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
-from lagrangian_ff.report.sections.effects import interval
+from lagrangian_ff.report.sections.effects import interval as written
+from lagrangian_ff.report.sections.errors import errors_section
 from lagrangian_ff.report.sections.limits import serious_section
 
 
@@ -21,6 +28,20 @@ def test_the_torque_section_shows_the_record() -> None:
         assert shown[row + 2] == number(errors["rmse"])
         assert shown[row + 4] == number(errors["nmse"])
     assert any(percent(found.outside) in text for text in shown)
+
+
+def test_what_lies_inside_the_intervals_is_told_where_it_was_asked() -> None:
+    interval = Interval(JOINTS, np.arange(3), np.ones((3, 2)), np.array([0.93, 0.41]), 60)
+    found = replace(comparison(), interval=interval)
+    shown = texts(torque_section(found, PICTURE, "Torque", "lead").body)
+    for joint, share in zip(JOINTS, ("93 %", "41 %"), strict=True):
+        assert shown[shown.index(joint) + 5] == share
+    record = {**compared(), **interval.record()}
+    shown = texts(errors_section(record).body)
+    for joint, share in zip(JOINTS, ("93 %", "41 %"), strict=True):
+        assert shown[len(shown) - shown[::-1].index(joint) + 3] == share
+    assert "only 41% of elbow lie inside" in summary(record)
+    assert "surer" not in summary(compared())
 
 
 def test_the_tracking_section_shows_the_record() -> None:
@@ -47,7 +68,7 @@ def test_the_effects_section_shows_values_intervals_and_truth() -> None:
         found = record["effects"][n]["parameters"]["F_c"]
         assert shown[row + 1 : row + 5] == [
             number(found["value"]),
-            interval(found["low"], found["high"]),
+            written(found["low"], found["high"]),
             number((1.4, 2.6)[n]),
             number(0.02),
         ]

@@ -35,11 +35,13 @@ examples:
 
 what comes out:
   the error of each joint in N·m (rmse) and as a share of its torque's variance (nmse);
+  whether the measured torques lie inside the model's 90 % intervals, as --json says by joint
+  (covered): a warning where far fewer do;
   regions such as `joint_2 below 0.1 rad/s: 41 % of its error in 6 % of the time`. A region is
   named only if error spread at random over the motion would hardly show one so striking;
   with --report one page with everything to look at, which opens without a network: torques over
-  time, the residual over each quantity with bands of chance, and its waves over each joint's
-  angle."""
+  time with their 90 % intervals, the residual over each quantity with bands of chance, and its
+  waves over each joint's angle."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -75,7 +77,7 @@ def run(arguments: Namespace) -> int:
     model, motions = held.model, held.motions(arguments.sources, console)
     motion = concatenate(motions) if len(motions) > 1 else motions[0]
     with progress_bar("predicting") as progress:
-        comparison = compare(model, motion, progress=progress)
+        comparison = compare(model, motion, progress=progress, intervals=True)
     with progress_bar("looking where it fails") as progress:
         where = locate(model, comparison, progress=progress)
     names = {
@@ -101,6 +103,8 @@ def run(arguments: Namespace) -> int:
             f"({away.worst}): {away.when()}. There it guesses",
             "",
         )
+    if record.get("too_sure"):
+        console.note(record["too_sure"], "")
     console.say()
     say_where(record, console)
     console.say()

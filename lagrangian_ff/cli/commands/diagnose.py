@@ -184,7 +184,8 @@ def _write(
     from lagrangian_ff.recording.motion import concatenate
 
     with progress_bar("looking where it fails") as progress:
-        where = locate(model, compare(model, concatenate(motions)), progress=progress)
+        compared = compare(model, concatenate(motions), intervals=True)
+        where = locate(model, compared, progress=progress)
     if arguments.report is not None:
         from lagrangian_ff.report import diagnose_page
 

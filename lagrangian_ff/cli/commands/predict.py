@@ -17,7 +17,7 @@ from lagrangian_ff.cli.common.options import (
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
+from lagrangian_ff.cli.text.errors import LEGEND, covered, error_table, verdict
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
@@ -39,13 +39,15 @@ order; it is made ready as those were that the model was identified from."""
 EPILOG = """\
 examples:
   lagrangian_ff predict model.npz other_bag
-  lagrangian_ff predict model.npz other_bag --output torque.csv --terms
+  lagrangian_ff predict model.npz other_bag --output torque.csv --terms --intervals
 
 what comes out:
   the error of each joint in N·m (rmse) and as a share of its torque's variance (nmse; below 0.05
   is good), and how much of the motion lies outside what the model was identified on;
   with --output a CSV: time, measured/<joint>, predicted/<joint>, and with --terms the parts of
-  the predicted torque: gravity/, inertia/, coriolis/ and every effect, such as coulomb/<joint>."""
+  the predicted torque: gravity/, inertia/, coriolis/ and every effect, such as coulomb/<joint>;
+  with --intervals how sure the model is: low/<joint> and high/<joint>, between which 90 % of the
+  measured torques should lie, in the CSV, and the share that does by joint (covered in --json)."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -57,6 +59,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--terms", action="store_true", help="with --output: the parts of the torque too"
+    )
+    parser.add_argument(
+        "--intervals",
+        action="store_true",
+        help="how sure the model is: a 90 %% interval of every torque",
     )
     add_topic(parser)
     add_conditioning(parser)
@@ -70,12 +77,15 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_outputs(arguments)
     load_own_effects(arguments, console)
-    from lagrangian_ff.diagnosis import compare
+    from lagrangian_ff.diagnosis import compare, with_intervals
 
     held = Held.of(arguments, console)
     model, (motion,) = held.model, held.motions([arguments.source], console)
     with progress_bar("predicting") as progress:
         comparison = compare(model, motion, progress=progress)
+    if arguments.intervals:
+        with progress_bar("asking how sure it is") as progress:
+            comparison = with_intervals(model, comparison, progress)
     if arguments.output is not None:
         write_table(arguments.output, _columns(model, comparison, arguments.terms))
     record = {"model": str(arguments.model), **comparison.record()}
@@ -93,6 +103,10 @@ def run(arguments: Namespace) -> int:
             "if such motions matter",
             "",
         )
+    if comparison.interval is not None:
+        console.paragraph(covered(record))
+        if record["too_sure"]:
+            console.note(str(record["too_sure"]), "")
     if arguments.output is not None:
         console.say(f"saved: {arguments.output}")
     return 0
@@ -112,6 +126,9 @@ def _check_outputs(arguments: Namespace) -> None:
 def _columns(model: "Model", comparison: "Comparison", terms: bool) -> "Columns":
     motion = comparison.motion
     parts = {"measured": motion.tau, "predicted": comparison.predicted}
+    if comparison.interval is not None:
+        reach = comparison.interval.reach
+        parts |= {"low": comparison.predicted - reach, "high": comparison.predicted + reach}
     if terms:
         states = motion.q, motion.qd, motion.qdd
         found = model.terms(*states, time=motion.time, segment=motion.segment)

@@ -69,6 +69,12 @@ def verdict(record: Mapping[str, Any]) -> str:
     return f"The model is {'; '.join(parts)}."
 
 
+def covered(record: Mapping[str, Any]) -> str:
+    """One sentence: which share of the measured torques lies inside the intervals."""
+    shares = ", ".join(f"{share:.0%} of {name}" for name, share in record["covered"].items())
+    return f"Inside the model's 90 % intervals lie {shares}."
+
+
 def worse_than(record: Mapping[str, Any], nmse: float) -> list[str]:
     """The joints whose nmse is above this."""
     return [

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.compare import Comparison
+from lagrangian_ff.diagnosis.interval import every
 from lagrangian_ff.diagnosis.where.bins import Bins, bins_of
 from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, OUTSIDE
 from lagrangian_ff.diagnosis.where.course import Course
@@ -19,8 +20,6 @@ from lagrangian_ff.progress import Progress, silent
 Floats = NDArray[np.float64]
 
 ERROR_BLOCK_SECONDS = 3.0
-SERIES_SAMPLES = 1500
-"""Of the torques over time in a record that is to be drawn."""
 
 
 @dataclass(frozen=True)
@@ -122,8 +121,8 @@ class Whereabouts:
         return {"share_of_time": float(away.mean()), "joints": joints}
 
     def _series(self) -> dict[str, object]:
-        step = -(-len(self.course.motion) // SERIES_SAMPLES)
-        part = slice(None, None, step)
+        interval = self.comparison.interval
+        part = every(self.course.motion) if interval is None else interval.at
         motion, predicted = self.course.motion.take(part), self.comparison.predicted[part]
         return {
             "time": [float(v) for v in self.course.elapsed[part]],
@@ -132,6 +131,7 @@ class Whereabouts:
                 name: {
                     "measured": [float(v) for v in motion.tau[:, n]],
                     "predicted": [float(v) for v in predicted[:, n]],
+                    **({"reach": interval.reach[:, n].tolist()} if interval else {}),
                 }
                 for n, name in enumerate(motion.joints)
             },

@@ -21,14 +21,13 @@ from scipy.stats import norm
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.blueprint import Blueprint
-from lagrangian_ff.identification.certainty.calibration import calibrated, factors
-from lagrangian_ff.identification.certainty.outliers import doubtful
+from lagrangian_ff.identification.certainty.calibration import calibrated
+from lagrangian_ff.identification.certainty.few import QUICK, Few
+from lagrangian_ff.identification.certainty.intervals import LEVEL
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.solve import solve
-from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.solving.fit import Fit, Variance
-from lagrangian_ff.identification.solving.low_rank import LOOKED
+from lagrangian_ff.identification.solving.robust import doubted
 from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]
@@ -61,6 +60,21 @@ class Uncertainty:
         solved = solve(made, _data(model))
         return cls(model, calibrated(made, solved), solved.weighed)
 
+    @classmethod
+    def quick(cls, model: Model) -> "Uncertainty":
+        """The cheap form of `QUICK` samples, ready in an instant: its calibration is in the record.
+
+        The record of models identified before it was kept has none; of them it is `thinned`, which
+        solves the whole system first.
+        """
+        kept = quick_factor(model)
+        if kept is None:
+            return cls.of(model).thinned(QUICK)
+        made = Blueprint.of(model)
+        trust = np.ones_like(model.training_tau) if made.trust is None else doubted(made.trust)
+        few = Few(made, _data(model).take(made.seen), trust, QUICK)
+        return cls(model, kept, few.fit())
+
     def thinned(self, samples: int) -> "Uncertainty":
         """A cheap form, from fewer of the samples: for one state at a time in a loop.
 
@@ -76,25 +90,8 @@ class Uncertainty:
         if samples < 10:
             raise ModelError(f"samples is {samples}, expected at least 10")
         made = Blueprint.of(self.model)
-        x, tau = _data(self.model).take(made.seen), self.model.training_tau
-        trust = self.fitted.trust
-
-        def fit(among: Ints) -> Fit:
-            some = among[evenly(len(among), samples)]
-            return fit_basis(
-                made.basis, made.choice, x.take(some), tau[some], made.scaling, trust[some]
-            )
-
-        expected = np.full_like(tau, np.nan)
-        for group in made.apart:
-            others = np.setdiff1d(np.arange(len(x)), group)
-            seen = group[evenly(len(group), LOOKED)]
-            expected[seen] = fit(others).variance(x.take(seen)).whole
-        if made.trust is not None:
-            expected[doubtful(made.trust)] = np.nan
-        residual, _ = self.fitted.left_out(made.apart)
-        factor = factors(residual, np.sqrt(expected), len(np.unique(made.seconds)))
-        return replace(self, factor=factor, fitted=fit(np.arange(len(x))))
+        few = Few(made, _data(self.model).take(made.seen), self.fitted.trust, samples)
+        return replace(self, factor=few.factor(self.fitted), fitted=few.fit())
 
     def variance(
         self,
@@ -106,6 +103,7 @@ class Uncertainty:
         time: ArrayLike | None = None,
         segment: Ints | None = None,
         noise: bool = True,
+        at: Ints | None = None,
     ) -> Floats:
         """Variance in (N·m)² of the torques that would be measured.
 
@@ -113,16 +111,18 @@ class Uncertainty:
             q, qd, qdd, time, segment: see `Model.predict`.
             progress: told the share done.
             noise: without it, of the torque itself, as far as the model can tell the two apart.
+            at: (A,) which of the samples are asked for; the others only tell the past to effects
+                that remember. Without it, all.
 
         Returns:
-            (M, N), or (N,) for one state.
+            (M, N) or (A, N), or (N,) for one state.
 
         Raises:
             ModelError: the arrays are not of this model's joints.
         """
         parts = [
             found.whole if noise else found.kernel + found.basis
-            for found in self._found(q, qd, qdd, progress, time, segment)
+            for found in self._found(q, qd, qdd, progress, time, segment, at)
         ]
         whole = np.concatenate(parts) * self.factor**2
         return whole if np.ndim(q) > 1 else whole[0]
@@ -132,7 +132,7 @@ class Uncertainty:
         q: ArrayLike,
         qd: ArrayLike,
         qdd: ArrayLike,
-        level: float = 0.9,
+        level: float = LEVEL,
         progress: Progress = silent,
         *,
         time: ArrayLike | None = None,
@@ -153,12 +153,40 @@ class Uncertainty:
         Raises:
             ModelError: the level is no share, or the arrays are not of this model's joints.
         """
+        reach = self.reach(q, qd, qdd, level, progress, time=time, segment=segment)
+        middle = self.model.predict(q, qd, qdd, time=time, segment=segment)
+        return middle - reach, middle + reach
+
+    def reach(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        level: float = LEVEL,
+        progress: Progress = silent,
+        *,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
+        at: Ints | None = None,
+    ) -> Floats:
+        """How far the interval reaches to both sides of the prediction, in N·m; see `interval`.
+
+        Args:
+            q, qd, qdd, time, segment: see `Model.predict`.
+            level: see `interval`.
+            progress: told the share done.
+            at: see `variance`.
+
+        Returns:
+            (M, N) or (A, N), or (N,) for one state.
+
+        Raises:
+            ModelError: the level is no share, or the arrays are not of this model's joints.
+        """
         if not 0.0 < level < 1.0:
             raise ModelError(f"level is {level}, expected above 0 and below 1, as in 0.9")
-        middle = self.model.predict(q, qd, qdd, time=time, segment=segment)
-        variance = self.variance(q, qd, qdd, progress, time=time, segment=segment)
-        reach = float(norm.ppf(0.5 + level / 2.0)) * np.sqrt(variance)
-        return middle - reach, middle + reach
+        variance = self.variance(q, qd, qdd, progress, time=time, segment=segment, at=at)
+        return np.asarray(float(norm.ppf(0.5 + level / 2.0)) * np.sqrt(variance))
 
     def unknown(
         self,
@@ -198,13 +226,24 @@ class Uncertainty:
         progress: Progress,
         time: ArrayLike | None,
         segment: Ints | None,
+        at: Ints | None = None,
     ) -> Iterator[Variance]:
         """The variance in parts, chunk by chunk, so that memory stays bounded."""
         x = _inputs(self.model, q, qd, qdd, time, segment)
+        x = x if at is None else x.take(at)
         chunk = max(1, CHUNK_ENTRIES // (x.joints**2 * max(1, len(self.fitted.states))))
         for first in range(0, len(x), chunk):
             yield self.fitted.variance(x.take(np.arange(first, min(first + chunk, len(x)))))
             progress(min(1.0, (first + chunk) / len(x)), "measuring certainty")
+
+
+def quick_factor(model: Model) -> Floats | None:
+    """(N,) the calibration of `Uncertainty.quick` that the record keeps; None where it has none."""
+    kept = model.record.get("uncertainty")
+    quick = kept.get("quick") if isinstance(kept, dict) else None
+    if not isinstance(quick, dict) or list(quick) != list(model.joints):
+        return None
+    return np.array(list(quick.values()), dtype=np.float64)
 
 
 def _data(model: Model) -> Inputs:

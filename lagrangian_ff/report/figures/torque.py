@@ -3,11 +3,13 @@
 from textwrap import wrap
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from lagrangian_ff.diagnosis.interval import Interval
 from lagrangian_ff.recording import Motion
 from lagrangian_ff.report.colours import MEASURED, PREDICTED, RESIDUAL
 from lagrangian_ff.report.numbers import number, percent
@@ -26,7 +28,7 @@ LETTERS = 45
 """Of a title that fit into half of the figure's width."""
 
 
-def torque_figure(motion: Motion, predicted: Floats) -> Figure:
+def torque_figure(motion: Motion, predicted: Floats, interval: Interval | None = None) -> Figure:
     """Draw each joint twice on one time axis: the torques above, the residual below.
 
     Both have the same N·m an inch, so that the size of the error is seen and not only its shape.
@@ -34,6 +36,7 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
     Args:
         motion: what was measured.
         predicted: (M, N) N·m of the model on the same samples.
+        interval: drawn behind the lines, where it was asked for.
 
     Raises:
         ValueError: the prediction is not of this motion.
@@ -57,6 +60,11 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
             inner = cell.subgridspec(2, 1, height_ratios=(2 * reach, 2.16 * below), hspace=0.06)
             torque = figure.add_subplot(inner[0])
             residual = figure.add_subplot(inner[1], sharex=torque)
+            if interval is not None:
+                at, half = interval.at, interval.reach[:, n]
+                segment = motion.segment[at]
+                _band(torque, elapsed[at], segment, modelled[at], half)
+                _band(residual, elapsed[at], segment, np.zeros(len(at)), half)
             _line(torque, elapsed, motion, measured, MEASURED, 2.4, "measured")
             _line(torque, elapsed, motion, modelled, PREDICTED, 1.0, "predicted")
             torque.set_ylim(middle - reach, middle + reach)
@@ -70,8 +78,10 @@ def torque_figure(motion: Motion, predicted: Floats) -> Figure:
             residual.set_xlim(0.0, max(float(elapsed.max()), 1e-9))
             if n >= count - columns:
                 residual.set_xlabel("time [s]")
-        lines = [line for axes in figure.axes[:2] for line in axes.get_lines()]
-        legend_above(figure, lines, [str(line.get_label()) for line in lines])
+        shown: list[Artist] = [line for axes in figure.axes[:2] for line in axes.get_lines()]
+        if interval is not None:
+            shown.append(figure.axes[0].collections[0])
+        legend_above(figure, shown, [str(each.get_label()) for each in shown])
     return figure
 
 
@@ -80,6 +90,17 @@ def _title(joint: str, measured: Floats, predicted: Floats) -> str:
     spread = float(np.std(measured))
     share = f", {percent(rmse / spread)} of the torque's spread" if spread > 0.0 else ""
     return "\n".join([*wrap(joint, LETTERS), f"RMS error {number(rmse, 2)} N·m{share}"])
+
+
+def _band(
+    axes: Axes, time: Floats, segment: NDArray[np.int64], middle: Floats, reach: Floats
+) -> None:
+    at, around = broken(time, segment, middle)
+    _, half = broken(time, segment, reach)
+    axes.fill_between(
+        at, around - half, around + half, color=PREDICTED, alpha=0.16, linewidth=0.0,
+        label="90 % interval",
+    )  # fmt: skip
 
 
 def _line(

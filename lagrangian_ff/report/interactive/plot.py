@@ -2,8 +2,9 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK, faded
@@ -78,14 +79,31 @@ def line(
 
 
 def band(
-    x: Sequence[float], low: Sequence[float], high: Sequence[float], colour: str, **more: Any
+    x: Sequence[float | None],
+    low: Sequence[float | None],
+    high: Sequence[float | None],
+    colour: str,
+    **more: Any,
 ) -> Trace:
-    """The area between two lines, without a place in the legend."""
+    """The area between two lines, without a place in the legend; None breaks it."""
+    around: list[float | None] = []
+    level: list[float | None] = []
+    for part in _pieces(x):
+        around += [*([None] if around else []), *x[part], *reversed(x[part])]
+        level += [*([None] if level else []), *high[part], *reversed(low[part])]
     return {
-        "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)],
-        "y": [*high, *reversed(low)], "fill": "toself", "fillcolor": faded(colour, 0.16),
+        "type": "scatter", "mode": "lines", "x": around, "y": level,
+        "fill": "toself", "fillcolor": faded(colour, 0.16),
         "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False, **more,
     }  # fmt: skip
+
+
+def _pieces(x: Sequence[float | None]) -> Iterator[slice]:
+    """What lies between one None and the next."""
+    cuts = [-1, *(k for k, value in enumerate(x) if value is None), len(x)]
+    for before, after in pairwise(cuts):
+        if after > before + 1:
+            yield slice(before + 1, after)
 
 
 def embed(plot: Plot, alternative: str, caption: str = "") -> str:

@@ -69,6 +69,8 @@ def summary(record: Mapping[str, Any]) -> str:
             f" {percent(record['outside_range'])} of the motion lies outside what it was "
             "identified on, and there it guesses."
         )
+    if record.get("too_sure"):
+        text += f" {record['too_sure']}."
     return text
 
 

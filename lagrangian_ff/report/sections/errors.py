@@ -45,16 +45,28 @@ def errors_section(record: Mapping[str, Any]) -> Section:
             outside <= 0.05,
         )
     )
+    covered: Mapping[str, float] = record.get("covered", {})
     rows = []
     for name, error in joints.items():
         share = relative(error)
         spread = error["rmse"] / share if share > 0.0 else math.nan
-        rows.append([name, number(spread), number(error["rmse"]), percent(share), _word(share)])
-    header = ["joint", "torque's spread [N·m]", "RMS error [N·m]", "error / spread", "in words"]
-    small = html.note(
+        inside = [percent(covered[name])] if covered else []
+        figures = [number(spread), number(error["rmse"]), percent(share)]
+        rows.append([name, *figures, *inside, _word(share)])
+    header = [
+        "joint", "torque's spread [N·m]", "RMS error [N·m]", "error / spread",
+        *(["inside its interval"] if covered else []), "in words",
+    ]  # fmt: skip
+    text = (
         "Spread is the standard deviation of the measured torque. An error of 100 % of it is what "
         "a constant would have; below 22 % (nmse 0.05) a model is good enough to drive with."
     )
+    if covered:
+        text += (
+            " Inside its interval: the share of the measured torques that the model thought "
+            "possible; it should be about 90 %."
+        )
+    small = html.note(text)
     return Section(
         "How far is the model off?",
         LEAD,

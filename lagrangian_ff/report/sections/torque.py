@@ -15,7 +15,7 @@ def torque_section(comparison: Comparison, picture: bytes, title: str, lead: str
         title: of the section.
         lead: which motion it is, and whether the model has seen it.
     """
-    score, tau = comparison.score, comparison.motion.tau
+    score, tau, interval = comparison.score, comparison.motion.tau, comparison.interval
     spread = tau.std(axis=0)
     rows = [
         [
@@ -24,6 +24,7 @@ def torque_section(comparison: Comparison, picture: bytes, title: str, lead: str
             number(float(score.rmse[n])),
             percent(float(score.rmse[n] / spread[n])) if spread[n] > 0.0 else "–",
             number(float(score.nmse[n])),
+            *([percent(float(interval.covered[n]))] if interval else []),
         ]
         for n, joint in enumerate(score.joints)
     ]
@@ -33,12 +34,14 @@ def torque_section(comparison: Comparison, picture: bytes, title: str, lead: str
         "RMS error [N·m]",
         "error / spread",
         "nMSE",
+        *(["inside its interval"] if interval else []),
     ]
     shown = html.figure(
         picture,
         "measured and predicted torque of each joint over time, with the residual",
         "Upper plots: measured torque (grey) and the model's prediction (blue). Lower plots: what "
-        "is left between them, on the same scale.",
+        "is left between them, on the same scale."
+        + (" Shaded: where 90 % of the measured torques should be." if interval else ""),
     )
     small = html.note(
         "Spread is the standard deviation of the measured torque. nMSE is the mean squared error "

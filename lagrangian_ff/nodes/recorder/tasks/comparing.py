@@ -23,7 +23,8 @@ def compare_bags(order: Order, progress: Progress) -> dict[str, Any]:
     """
     model = open_model(order)
     motions = read_for(model, order.bags, order, part(progress, 0.0, 0.1))
-    comparison = compare(model, concatenate(motions), progress=part(progress, 0.1, 0.5))
+    whole, share = concatenate(motions), part(progress, 0.1, 0.5)
+    comparison = compare(model, whole, progress=share, intervals=True)
     where = locate(model, comparison, progress=part(progress, 0.5, 0.95))
     names = {"model": order.model_file, "sources": list(order.bags)}
     record = {**names, **where.record()}

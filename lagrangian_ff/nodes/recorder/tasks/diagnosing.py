@@ -39,7 +39,7 @@ def diagnose_bags(order: Order, progress: Progress) -> dict[str, Any]:
     found = diagnosis_record(diagnosis, progress=part(progress, 0.7, 0.85))
     names = {"model": order.model_file, "sources": list(order.bags), "confirm": list(order.confirm)}
     record: dict[str, Any] = {**found, "model_name": found["model"], **names, "preflight": checks}
-    comparison = compare(model, concatenate(motions))
+    comparison = compare(model, concatenate(motions), intervals=True)
     where = locate(model, comparison, progress=part(progress, 0.85, 0.95))
     output = Path(order.output)
     write_json(output, {**record, "compare": where.record()})
