@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.certainty.intervals import LEVEL
-from lagrangian_ff.identification.certainty.uncertainty import Uncertainty, quick_factor
+from lagrangian_ff.identification.certainty.uncertainty import quick_factor
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
@@ -93,7 +93,7 @@ def interval(
     """
     at = np.arange(len(motion)) if at is None else at
     states = motion.q, motion.qd, motion.qdd
-    certain = Uncertainty.quick(model)
+    certain = model.quick_uncertainty
     reach = certain.reach(*states, LEVEL, progress, time=motion.time, segment=motion.segment, at=at)
     inside = np.abs(motion.tau[at] - predicted[at]) <= reach
     seconds = int(motion.blocks(1.0)[-1]) + 1

@@ -170,6 +170,7 @@ def _quick_factor(blueprint: Blueprint, inputs: Inputs, solved: Solved) -> dict[
     x = inputs.take(blueprint.seen)
     few = Few(replace(blueprint, choice=choice), x, solved.weighed.trust, QUICK)
     try:
+        few.fit()  # which is what will be asked
         factor = few.factor(solved.weighed)
     except (ModelError, NotPositiveDefiniteError):
         return None

@@ -123,6 +123,20 @@ class Model:
 
         return Uncertainty.of(self)
 
+    @cached_property
+    def quick_uncertainty(self) -> "Uncertainty":
+        """The same from 100 of the samples, calibrated when the model was identified: at once.
+
+        Model files of before that was kept are calibrated now, which takes as long as
+        `uncertainty`.
+
+        Raises:
+            ModelError: it must be calibrated now and cannot: its training motion is too short.
+        """
+        from lagrangian_ff.identification.certainty.uncertainty import Uncertainty
+
+        return Uncertainty.quick(self)
+
     @property
     def training_tau(self) -> Floats:
         """(S, N) N·m measured at the samples learned from."""

@@ -47,8 +47,10 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         self._failure = ""
         self._settings.watch(self._parameters_changed)
         self._diagnostics = Diagnostics(
-            self, "feedforward", {"model": self._model_status, "stream": self._stream_status},
-            self._complaints.flush,
+            self, "feedforward", {
+                "model": self._model_status, "stream": self._stream_status,
+                "certainty": self._certainty_status,
+            }, self._complaints.flush,
         )  # fmt: skip
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
@@ -125,6 +127,11 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         if self._link is None or not self._active:
             return Status(Level.STALE, "not active", dict(self._complaints.counts))
         return self._link.stream_status()
+
+    def _certainty_status(self) -> Status:
+        if self._link is None or not self._active:
+            return Status(Level.STALE, "not active")
+        return self._link.certainty_status()
 
 
 def main() -> int:

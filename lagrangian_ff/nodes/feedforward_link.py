@@ -28,6 +28,7 @@ from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridabl
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.common.summary import held_out
 from lagrangian_ff.nodes.feedforward_parameters import declare_joints, policy, settings
+from lagrangian_ff.nodes.streaming.doubt import Doubt, status
 from lagrangian_ff.nodes.streaming.loading import load_model
 from lagrangian_ff.nodes.streaming.monitor import Monitor
 from lagrangian_ff.nodes.streaming.plan import Plan, make_plan
@@ -61,7 +62,10 @@ class FeedforwardLink:
         self._monitor = Monitor()
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self._planner: Planner[JointTrajectory] = Planner(self._model, self._on_plan, self._refused)
+        self._doubt = Doubt.of(self._model)
+        self._planner: Planner[JointTrajectory] = Planner(
+            self._model, self._on_plan, self._refused, self._doubt
+        )
         self._make_topics()
         node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
 
@@ -184,7 +188,8 @@ class FeedforwardLink:
             if not reference.is_setpoint:
                 self._planner.submit(reference, rules, message)
                 return
-            plan = make_plan(self._model, reference, rules)
+            doubts = self._doubt.now_and_then if self._doubt else None
+            plan = make_plan(self._model, reference, rules, doubts=doubts)
         except UserError as error:
             self._refused(error)
             return
@@ -263,6 +268,13 @@ class FeedforwardLink:
             **{f"effort limit {joint} [N·m]": float(limit) for joint, limit in limits},
         }
         return Status(Level.OK, f"{self._model.name} loaded", values)
+
+    def certainty_status(self) -> Status:
+        """How sure the model is of the torques along the present reference."""
+        plan = self._stream.plan
+        doubt = None if plan is None else plan.doubt
+        limit = policy(self._parameters).doubt_limit
+        return status(self._model.joints, self._doubt is not None, doubt, limit)
 
     def stream_status(self) -> Status:
         """What is being sent."""

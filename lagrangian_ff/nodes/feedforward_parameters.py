@@ -33,6 +33,9 @@ def declare(parameters: Parameters) -> None:
         "torque to zero there, or allow it", choices=("refuse", "fade", "allow"))  # fmt: skip
     add("range_margin", 0.25, "how far outside still counts as inside, as a fraction of the "
         "range", low=0.0, high=10.0)  # fmt: skip
+    add("doubt_limit", 0.0, "half of the 90 % interval of a torque, as a share of the largest "
+        "torque identified on its joint, above which the reference counts as outside the "
+        "identified range; 0 = never", low=0.0, high=100.0)  # fmt: skip
     add("ramp_time", 0.5, "s in which the torque is brought in", low=0.0, high=10.0)
     add("fade_time", 0.5, "s in which the torque is faded to zero", low=0.0, high=3.0)
     add("reference_timeout", 0.2, "s without a set-point after which the torque fades; 0 = off. "
@@ -67,7 +70,9 @@ def declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
 def policy(parameters: Parameters) -> Policy:
     """How references outside the identified range are met."""
     value = parameters.value
-    return Policy(value("out_of_range"), value("range_margin"), value("fade_time"))
+    return Policy(
+        value("out_of_range"), value("range_margin"), value("fade_time"), value("doubt_limit")
+    )
 
 
 def settings(

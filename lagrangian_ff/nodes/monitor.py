@@ -36,6 +36,7 @@ from lagrangian_ff.nodes.common.treatment import treatment
 from lagrangian_ff.nodes.identify_parameters import declare_joints
 from lagrangian_ff.nodes.monitor_parameters import declare, limits
 from lagrangian_ff.nodes.streaming.loading import load_model
+from lagrangian_ff.nodes.watching.cover import Cover
 from lagrangian_ff.nodes.watching.health import Health
 from lagrangian_ff.nodes.watching.live import Judged, LivePrediction
 from lagrangian_ff.nodes.watching.states import LiveStates, State
@@ -71,6 +72,7 @@ class MonitorNode(ClosingNode):
         )
         self._states = LiveStates(joints, conditioning, value("rate"))
         self._prediction = LivePrediction(self._model)
+        self._cover = Cover.of(self._model)
         self._health = Health.of(joints, self._model.record, self._model.range)
         self._lock = threading.Lock()
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
@@ -117,6 +119,8 @@ class MonitorNode(ClosingNode):
         state = judged.state
         with self._lock:
             self._health.add(judged, self._limits)
+            if self._cover is not None:
+                self._cover.add(judged, self._limits)
         for publisher, effort in (
             (self._residual, judged.residual),
             (self._predicted, judged.predicted),
@@ -139,6 +143,8 @@ class MonitorNode(ClosingNode):
         if rate == 0.0:
             with self._lock:
                 self._health.forget()
+                if self._cover is not None:
+                    self._cover.forget()
             return Status(Level.STALE, f"no joint states on {self._subscription.topic}", values)
         if states.period == 0.0:
             return Status(Level.OK, "measuring the rate of the joint states", values)
@@ -153,6 +159,8 @@ class MonitorNode(ClosingNode):
             "publish rate [Hz]": self._published.take(),
         }
         with self._lock:
+            if self._cover is not None:
+                more |= self._cover.values()
             return self._health.status(self._limits, more)
 
     def close(self) -> None:

@@ -272,6 +272,14 @@ def test_diagnostics_tell_the_rate_and_the_model(node: Feedforward) -> None:
     values = node.bench.values("feedforward: model")
     assert values["model"] == "chain+fri"
     assert "held-out error a" in values
+    node.hold()
+    known = node.bench.until(
+        lambda: node.bench.values("feedforward: certainty").get("doubt a"), "how sure it is"
+    )
+    assert 0.0 < float(known) < 1.0
+    assert (
+        "of the largest torque or better" in node.bench.statuses["feedforward: certainty"].message
+    )
 
 
 def test_without_a_model_it_waits_unconfigured_for_one(bench: Bench, folder: Path) -> None:

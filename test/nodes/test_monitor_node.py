@@ -76,6 +76,8 @@ def test_what_the_model_explains_leaves_nothing(bench: Bench, monitor: Process) 
     bench.spin(0.5)
     send(bench, publisher, 0.0, 8.0)
     bench.until(lambda: "as when identified" in message_of(bench), "the verdict")
+    share = bench.values("monitor: residual")["outside the 90 % interval a"]
+    assert 0.0 <= float(share.rstrip("%")) <= 100.0
     left = np.stack([message.effort for _, message in residual])
     torque = np.stack([message.effort for _, message in predicted])
     assert residual[0][1].name == list(JOINTS)

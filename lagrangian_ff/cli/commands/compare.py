@@ -104,7 +104,7 @@ def run(arguments: Namespace) -> int:
             "",
         )
     if record.get("too_sure"):
-        console.note(record["too_sure"], "")
+        console.note(str(record["too_sure"]), "")
     console.say()
     say_where(record, console)
     console.say()

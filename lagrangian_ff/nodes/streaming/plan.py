@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.nodes.common.errors import RefusedReference
+from lagrangian_ff.nodes.streaming.doubt import Doubts, along, words
 from lagrangian_ff.nodes.streaming.ranges import Excess, Range, excess, fade_around
 from lagrangian_ff.nodes.streaming.reference import Reference
 
@@ -47,11 +48,13 @@ class Policy:
         out_of_range: "refuse" the reference, "fade" its torque to zero there, or "allow" it.
         margin: how far beyond the range still counts as inside, as a fraction of its width.
         fade_time: s over which the torque fades.
+        doubt_limit: the doubt of a torque above which a state counts as outside; 0 = never.
     """
 
     out_of_range: str = "fade"
     margin: float = 0.25
     fade_time: float = 0.5
+    doubt_limit: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class Plan:
         before, after: (4, N) N·m at rest at the first and at the last point.
         own: (K,) which of the L samples are the reference's own points.
         excess: what lies outside the identified range.
+        doubt: (N,) the largest of each joint's torque; None where it was not asked for.
     """
 
     reference: Reference
@@ -76,6 +80,7 @@ class Plan:
     after: Floats
     own: NDArray[np.int64]
     excess: Excess
+    doubt: Floats | None = None
 
     def at(self, elapsed: float) -> tuple[Floats, float]:
         """(4, N) parts and the weight, `elapsed` seconds after the start."""
@@ -112,6 +117,7 @@ def make_plan(
     step: float = 0.004,
     report: Callable[[float], None] = lambda fraction: None,
     chunk: int = 16,
+    doubts: Doubts | None = None,
 ) -> Plan:
     """Compute the torques of a reference.
 
@@ -123,6 +129,7 @@ def make_plan(
             when a joint reverses, so sparse points are not enough.
         report: told the fraction done after each chunk; may raise to cancel.
         chunk: samples per call of the model; between calls other threads get their turn.
+        doubts: how far torques are a guess, where the model tells.
 
     Raises:
         RefusedReference: it leaves the identified range and the policy is to refuse, or the
@@ -131,6 +138,10 @@ def make_plan(
     time, own = _refine(reference.time, step)
     states = reference.sample(time)
     found = excess(reference.joints, time, states, model.range, policy.margin)
+    doubt = None
+    if doubts is not None:
+        doubt = along(doubts, time, states, lambda: report(0.0))
+        found = _with_doubt(found, model, time, doubt, policy.doubt_limit)
     if found.worst and policy.out_of_range == "refuse":
         raise RefusedReference(
             f"outside the identified range: {found.worst}; identify on a larger motion, slow "
@@ -150,7 +161,18 @@ def make_plan(
     before, after = _parts(model, ends, still, still)
     if not (np.isfinite(parts).all() and np.isfinite(before).all() and np.isfinite(after).all()):
         raise RefusedReference("the model gives no finite torque for this reference")
-    return Plan(reference, time, parts, weight, before, after, own, found)
+    most = None if doubt is None else doubt.max(axis=0)
+    return Plan(reference, time, parts, weight, before, after, own, found, most)
+
+
+def _with_doubt(
+    found: Excess, model: InverseDynamics, time: Floats, doubt: Floats, limit: float
+) -> Excess:
+    """What is outside with the states whose torque (L, N) is too much of a guess."""
+    if limit == 0.0:
+        return found
+    told = words(model.joints, time, doubt, model.range.tau_max, limit)
+    return Excess(found.outside | (doubt > limit).any(axis=1), found.worst or told)
 
 
 def _refine(time: Floats, step: float) -> tuple[Floats, NDArray[np.int64]]:

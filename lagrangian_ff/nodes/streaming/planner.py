@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.streaming.doubt import Doubts
 from lagrangian_ff.nodes.streaming.plan import InverseDynamics, Plan, Policy, make_plan
 from lagrangian_ff.nodes.streaming.reference import Reference
 
@@ -30,6 +31,7 @@ class Planner(Generic[Tag]):
         model: gives the torques.
         done: called in this thread with each plan and what came with its reference.
         failed: called in this thread where there is no plan, with the reason.
+        doubts: how far torques are a guess, where the model tells.
 
     Attributes:
         fraction: of the plan under way, 0 to 1; 1 where there is none.
@@ -40,8 +42,9 @@ class Planner(Generic[Tag]):
         model: InverseDynamics,
         done: Callable[[Plan, Tag], None],
         failed: Callable[[Exception], None],
+        doubts: Doubts | None = None,
     ) -> None:
-        self._model = model
+        self._model, self._doubts = model, doubts
         self._done = done
         self._failed = failed
         self._wake = threading.Condition()
@@ -92,7 +95,9 @@ class Planner(Generic[Tag]):
             self.fraction = fraction
 
         self.fraction = 0.0
-        plan = make_plan(self._model, task.reference, task.policy, report=report)
+        plan = make_plan(
+            self._model, task.reference, task.policy, report=report, doubts=self._doubts
+        )
         if self._end(task):
             self._done(plan, task.tag)
 

@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pendulum
@@ -16,7 +17,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.identification.certainty.few import QUICK
-from lagrangian_ff.identification.certainty.uncertainty import Uncertainty, quick_factor
+from lagrangian_ff.identification.certainty.uncertainty import quick_factor
 from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.kernels import KERNELS, CoupledKernel, IndependentKernel, States
@@ -183,17 +184,17 @@ def test_fewer_samples_are_never_surer_before_calibration() -> None:
 
 @pytest.mark.parametrize("more", [{}, {"landmarks": 40}, {"loss": "huber"}])
 def test_the_quick_form_is_the_thinned_one_without_calibrating_anew(
-    more: dict[str, object], tmp_path: Path
+    more: dict[str, Any], tmp_path: Path
 ) -> None:
     found = fitted("vrbfs+fri", wandering(30.0, 2), samples=QUICK + 20, noise=1e-3, **more)
     found.model.save(tmp_path / "model.npz")
     model, x = Model.load(tmp_path / "model.npz"), found.held_out
-    quick = Uncertainty.quick(model)
+    quick = model.quick_uncertainty
     assert "uncertainty" not in vars(model), "the whole system was solved"
     thinned = model.uncertainty.thinned(QUICK)
     of_before = replace(model, record={**model.record, "uncertainty": None})
     expected = thinned.variance(x.q, x.qd, x.qdd)
-    for one in (quick, Uncertainty.quick(of_before)):
+    for one in (quick, of_before.quick_uncertainty):
         np.testing.assert_allclose(one.variance(x.q, x.qd, x.qdd), expected, rtol=1e-6)
     assert quick_factor(of_before) is None
 
@@ -201,8 +202,8 @@ def test_the_quick_form_is_the_thinned_one_without_calibrating_anew(
 def test_some_samples_are_met_with_the_past_of_all() -> None:
     presliding = (Term(EFFECTS["hysteresis"], 0, {"w": 0.3}),)
     found = fitted("chain+fri", further=presliding, samples=60)
-    x, quick = found.held_out, Uncertainty.quick(found.model)
-    past = {"time": x.time, "segment": x.segment}
+    x, quick = found.held_out, found.model.quick_uncertainty
+    past: dict[str, Any] = {"time": x.time, "segment": x.segment}
     every = quick.reach(x.q, x.qd, x.qdd, **past)
     at = np.arange(5, len(x), 7)
     np.testing.assert_allclose(quick.reach(x.q, x.qd, x.qdd, at=at, **past), every[at], rtol=1e-6)
@@ -214,7 +215,7 @@ def test_a_single_block_tells_nothing_of_certainty() -> None:
     found = fitted("vrbfs+fri", samples=60, block_seconds=60.0, train=1.0)
     assert quick_factor(found.model) is None
     with pytest.raises(ModelError, match="longer recording"):
-        Uncertainty.quick(found.model)
+        _ = found.model.quick_uncertainty
 
 
 def test_one_state_is_as_in_a_batch() -> None:
