@@ -16,8 +16,9 @@ Ints = NDArray[np.int64]
 
 MOST = 1500
 """Samples that are looked at where not all of them are asked for: what a page draws."""
-TOO_FEW = 0.75
-"""Share of torques inside 90 % intervals below which something is wrong, on a long motion."""
+TOO_FEW = 0.65
+"""Share of torques inside 90 % intervals below which something is wrong, on a long motion: eight
+models of simulated arms that had not changed since had at least 0.71 on every joint."""
 CHANCE = 3.0
 """Standard deviations, one second counted as one, by which a short motion may fall below 90 %."""
 

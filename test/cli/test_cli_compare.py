@@ -40,9 +40,23 @@ def test_what_changed_is_said_in_words_and_as_json(model: Path, tmp_path: Path) 
     assert region["coordinate"] == "velocity"
     assert region["low"] < 0.0 < region["high"] < 0.6
     assert region["share_of_error"] > 2.0 * region["share_of_time"]
-    assert record["covered"]["elbow"] < 0.75
-    assert f"only {record['covered']['elbow']:.0%} of elbow" in outcome.text
-    assert "surer than it should be" in outcome.text
+
+
+def test_a_model_that_is_surer_than_it_should_be_is_told(model: Path, tmp_path: Path) -> None:
+    recording = arm(30.0, reach=0.9)
+    same = json.loads(
+        lagrangian_ff("compare", model, csv(tmp_path / "same.csv", recording), "--json", "-").out
+    )
+    assert min(same["covered"].values()) > 0.75
+    assert same["too_sure"] == ""
+    assert recording.velocity is not None
+    effort = recording.effort + [0.0, 1.0] * np.sign(recording.velocity)
+    grown = csv(tmp_path / "grown.csv", replace(recording, effort=effort))
+    outcome = lagrangian_ff("compare", model, grown, "--json", "-")
+    covered = json.loads(outcome.out)["covered"]
+    assert covered["elbow"] < 0.5
+    assert covered["shoulder"] == same["covered"]["shoulder"]
+    assert f"only {covered['elbow']:.0%} of elbow lie inside its 90% intervals" in outcome.text
 
 
 def test_the_error_is_that_of_predict(model: Path, tmp_path: Path) -> None:

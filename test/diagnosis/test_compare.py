@@ -84,7 +84,7 @@ def test_a_model_of_an_arm_that_changed_is_too_sure(humble: Model) -> None:
 
 
 def test_a_short_motion_may_miss_more_by_chance(humble: Model) -> None:
-    chance = Interval(("a",), np.arange(3), np.ones((3, 1)), np.array([0.7]), 5)
+    chance = Interval(("a",), np.arange(3), np.ones((3, 1)), np.array([0.6]), 5)
     assert not chance.words()
     assert replace(chance, seconds=60).too_sure == ("a",)
 
