@@ -72,7 +72,7 @@ def verdict(record: Mapping[str, Any]) -> str:
 def covered(record: Mapping[str, Any]) -> str:
     """One sentence: which share of the measured torques lies inside the intervals."""
     shares = ", ".join(f"{share:.0%} of {name}" for name, share in record["covered"].items())
-    return f"Inside the model's 90 % intervals lie {shares}."
+    return f"Of the measured torques, {shares} lie inside the model's 90 % intervals."
 
 
 def worse_than(record: Mapping[str, Any], nmse: float) -> list[str]:
