@@ -8,10 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.model import Model, Terms
 from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
+
+STAGES = ("at rest", "accelerated", "moving")
+"""What the rigid-body torque is asked for, one after the other, to tell its terms apart."""
 
 
 class Pointwise:
@@ -28,6 +31,7 @@ class Pointwise:
         self.joints = model.joints
         count = len(model.joints)
         self._states = States(*np.zeros((3, 1, count)))
+        self._stages = States(*np.zeros((3, len(STAGES), count)))
         self._learned = model.learned
         self._unit = model.unit
         x = self._states
@@ -66,10 +70,36 @@ class Pointwise:
             torque += self._others(x, rigid + self._constant)
         return torque
 
+    def terms(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Terms:
+        """The torque in parts, (N,) N·m each; see `torque` and `Model.terms`.
+
+        Raises:
+            ValueError: an array is not of this many joints.
+        """
+        x, stages = self._states, self._stages
+        x.q[0], x.qd[0], x.qdd[0] = q, qd, qdd
+        stages.q[:] = x.q
+        stages.qd[2], stages.qdd[1:] = x.qd[0], x.qdd[0]
+        gravity, lifted, rigid = self._learned.torque(stages) * self._unit
+        effects = {
+            group.effect.name: np.einsum(
+                "np,np->n", group.columns(self._across), group.coefficients
+            )
+            for group in self._together
+        }
+        if self._rest.terms:
+            for name, torque in self._by_effect(x, rigid + self._constant).items():
+                effects[name] = effects.get(name, 0.0) + torque[0]
+        return Terms(gravity, lifted - gravity, rigid - lifted, effects)
+
     def _others(self, x: States, load: Floats) -> Floats:
-        inputs = Inputs.of(x, None, None, load[None], load[None], self._speed)
-        parts = self._rest.torque(inputs, self._coefficients)
+        parts = self._by_effect(x, load)
         return np.asarray(sum(parts.values(), np.zeros_like(x.q))[0])
+
+    def _by_effect(self, x: States, load: Floats) -> dict[str, Floats]:
+        """(1, N) N·m of each of the effects that are done one by one."""
+        inputs = Inputs.of(x, None, None, load[None], load[None], self._speed)
+        return self._rest.torque(inputs, self._coefficients)
 
 
 @dataclass(frozen=True)

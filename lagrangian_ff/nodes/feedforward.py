@@ -124,6 +124,8 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return self._link.model_status()
 
     def _stream_status(self) -> Status:
+        if self._link is not None and not self._active:
+            self._link.ignore_references()
         if self._link is None or not self._active:
             return Status(Level.STALE, "not active", dict(self._complaints.counts))
         return self._link.stream_status()

@@ -8,18 +8,13 @@ from rclpy.lifecycle import LifecycleNode
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
-from trajectory_msgs.msg import JointTrajectory
 
-from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.errors import MessageError, RefusedReference
+from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.nodes.common.messages import (
     JointStateMaker,
-    annotated,
     command,
-    nanoseconds,
-    points,
 )
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
 from lagrangian_ff.nodes.common.parameters import Parameters
@@ -27,13 +22,11 @@ from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.common.summary import held_out
-from lagrangian_ff.nodes.feedforward_parameters import declare_joints, policy, settings
-from lagrangian_ff.nodes.streaming.doubt import Doubt, status
+from lagrangian_ff.nodes.feedforward_parameters import declare_joints, settings
+from lagrangian_ff.nodes.feedforward_references import References
 from lagrangian_ff.nodes.streaming.loading import load_model
 from lagrangian_ff.nodes.streaming.monitor import Monitor
-from lagrangian_ff.nodes.streaming.plan import Plan, make_plan
-from lagrangian_ff.nodes.streaming.planner import Planner, reason
-from lagrangian_ff.nodes.streaming.reference import read_reference
+from lagrangian_ff.nodes.streaming.planner import reason
 from lagrangian_ff.nodes.streaming.stream import Settings, TorqueStream
 from lagrangian_ff.nodes.streaming.urdf_limits import effort_limits
 
@@ -44,8 +37,8 @@ LOOKS = 50.0  # a second, whether joint states still come
 class FeedforwardLink:
     """Between the topics and the stream of torques.
 
-    Three threads: the executor's takes messages, the planner's computes plans, the paced one
-    sends.
+    Three threads: the executor's takes what is not urgent, the planner's computes plans of
+    trajectories, the paced one takes references and sends.
 
     Raises:
         ModelError: the model cannot be loaded or is of other joints.
@@ -62,18 +55,12 @@ class FeedforwardLink:
         self._monitor = Monitor()
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self._doubt = Doubt.of(self._model)
-        self._planner: Planner[JointTrajectory] = Planner(
-            self._model, self._on_plan, self._refused, self._doubt
-        )
+        self._references = References(node, parameters, complaints, self._model, self._stream)
         self._make_topics()
         node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
 
     def _make_topics(self) -> None:
         node, options = self._node, overridable()
-        self._trajectories = node.create_publisher(
-            JointTrajectory, "~/joint_trajectory", RELIABLE, qos_overriding_options=options
-        )
         self._commands = node.create_publisher(
             Float64MultiArray, "~/commands", RELIABLE, qos_overriding_options=options
         )
@@ -81,17 +68,15 @@ class FeedforwardLink:
             JointState, "~/feedforward", RELIABLE, qos_overriding_options=options
         )
         self._states = PolledSubscription(node, JointState, "joint_states", NEWEST, raw=True)
-        self._subscriptions = (
-            node.create_subscription(
-                JointTrajectory, "~/reference", self._on_reference, RELIABLE,
-                qos_overriding_options=options,
-            ),
-            node.create_subscription(String, "robot_description", self._on_description, LATCHED),
-        )  # fmt: skip
+        self._description = node.create_subscription(
+            String, "robot_description", self._on_description, LATCHED
+        )
         self._service = node.create_service(SetBool, "~/enable", self._on_enable)
 
     def start(self) -> None:
         """Begin to stream: zeros until a reference comes."""
+        self.ignore_references()
+        self._references.active = True
         self._stream.forget()
         self._monitor = Monitor()
         rate = self._parameters.value("rate")
@@ -101,7 +86,8 @@ class FeedforwardLink:
 
     def stop(self) -> None:
         """Fade out, stop, and send zeros; returns when they have arrived."""
-        self._planner.drop()
+        self._references.active = False
+        self._references.drop()
         if self._loop is None:
             return
         self._stream.withhold("deactivated")
@@ -121,16 +107,16 @@ class FeedforwardLink:
     def close(self) -> None:
         """Stop and give everything back."""
         self.stop()
-        self._planner.stop()
-        for publisher in (self._trajectories, self._commands, self._stamped):
+        self._references.close()
+        for publisher in (self._commands, self._stamped):
             self._node.destroy_publisher(publisher)
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
+        self._node.destroy_subscription(self._description)
         self._states.destroy()
         self._node.destroy_service(self._service)
 
     def refresh(self) -> None:
         """Take up parameters or limits that have changed."""
+        self._references.refresh()
         self._stream.settings = self._settings()
 
     def _settings(self) -> Settings:
@@ -177,71 +163,15 @@ class FeedforwardLink:
         self._node.get_logger().info(f"~/enable {request.data}: {response.message}")
         return response
 
-    def _on_reference(self, message: JointTrajectory) -> None:
-        if self._loop is None:
-            self._complaints.add("reference while inactive", "ignored a reference: not active")
-            return
-        rules = policy(self._parameters)
-        try:
-            longest = self._parameters.value("max_points")
-            reference = read_reference(points(message), self._model.joints, longest)
-            if not reference.is_setpoint:
-                self._planner.submit(reference, rules, message)
-                return
-            doubts = self._doubt.now_and_then if self._doubt else None
-            plan = make_plan(self._model, reference, rules, doubts=doubts)
-        except UserError as error:
-            self._refused(error)
-            return
-        # A set-point is computed at once; a trajectory still being planned is out of date.
-        self._planner.drop()
-        if plan.excess.worst and rules.out_of_range == "fade":
-            self._complaints.add("out of range", f"faded: {plan.excess.worst}")
-            self._stream.withhold("the set-point is outside the identified range")
-            return
-        at = nanoseconds(message.header.stamp)
-        self._stream.play(plan, at or self._now(), time.monotonic())
-        self._publish_annotated(plan, message, at)
-
-    def _on_plan(self, plan: Plan, message: JointTrajectory) -> None:
-        """Play and republish a trajectory whose torques are ready; in the planner's thread."""
-        if self._loop is None:
-            return
-        now, reference = self._now(), plan.reference
-        delay = round(self._parameters.value("start_delay") * 1e9)
-        start = nanoseconds(message.header.stamp) or now + delay
-        ahead = (start - now) / 1e9
-        if ahead < -reference.duration:
-            self._refused(RefusedReference(f"it ended {-ahead - reference.duration:.3f} s ago"))
-            return
-        self._stream.play(plan, start, time.monotonic())
-        self._publish_annotated(plan, message, start)
-        self._node.get_logger().info(
-            f"feedforward for {len(reference.time)} points, {reference.duration:.3f} s, starts in "
-            f"{ahead:.3f} s; filled in: {', '.join(reference.filled) or 'nothing'}"
-        )
-        if plan.excess.worst:
-            met = "fades to zero there" if (plan.weight < 1.0).any() else "is sent all the same"
-            self._complaints.add("out of range", f"{plan.excess.worst}; the torque {met}")
-        if ahead < 0.0:
-            self._complaints.add(
-                "late start",
-                f"the reference started {-ahead:.3f} s before its torques were computed; stamp it "
-                "later, or 0",
-            )
-
-    def _publish_annotated(self, plan: Plan, message: JointTrajectory, start: int) -> None:
-        now = self._stream.settings
-        effort = plan.effort(now.switches, now.scale, now.effort_limit)
-        self._trajectories.publish(annotated(message, self._model.joints, effort, start))
-
-    def _refused(self, error: Exception) -> None:
-        self._complaints.add("refused reference", f"refused a reference: {reason(error)}")
+    def ignore_references(self) -> None:
+        """What comes while there is no stream is not followed later."""
+        self._references.ignore()
 
     def _now(self) -> int:
         return int(self._node.get_clock().now().nanoseconds)
 
     def _tick(self, due: range) -> None:
+        self._references.follow()
         if any(index % self._every == 0 for index in due):
             self._look_at_joint_states()
         now = self._now()
@@ -271,19 +201,15 @@ class FeedforwardLink:
 
     def certainty_status(self) -> Status:
         """How sure the model is of the torques along the present reference."""
-        plan = self._stream.plan
-        doubt = None if plan is None else plan.doubt
-        limit = policy(self._parameters).doubt_limit
-        return status(self._model.joints, self._doubt is not None, doubt, limit)
+        return self._references.certainty()
 
     def stream_status(self) -> Status:
         """What is being sent."""
         more = {
             "reference age [s]": self._stream.reference_age(time.monotonic()),
             "enabled": self._stream.enabled,
-            "planned": self._planner.fraction,
             "receivers of commands": self._commands.get_subscription_count(),
-            "receivers of trajectories": self._trajectories.get_subscription_count(),
+            **self._references.values(),
             **self._complaints.counts,
         }
         return self._monitor.status(self._parameters.value("rate"), more)

@@ -34,5 +34,13 @@ def test_it_is_the_torque_of_the_model(
     model = fitted(f"{name}+fri", further=further, samples=40, noise=1e-2, **settings).model
     at = Pointwise(model)
     for i in range(len(X)):
-        expected = model.predict(X.q[i], X.qd[i], X.qdd[i])
-        np.testing.assert_allclose(at.torque(X.q[i], X.qd[i], X.qdd[i]), expected, rtol=1e-9)
+        state = X.q[i], X.qd[i], X.qdd[i]
+        np.testing.assert_allclose(at.torque(*state), model.predict(*state), rtol=1e-9)
+        parts, expected = at.terms(*state), model.terms(*state)
+        for name in ("gravity", "inertia", "coriolis"):
+            np.testing.assert_allclose(
+                getattr(parts, name), getattr(expected, name), rtol=1e-9, atol=1e-9
+            )
+        assert set(parts.effects) == set(expected.effects)
+        for name, torque in expected.effects.items():
+            np.testing.assert_allclose(parts.effects[name], torque, rtol=1e-9, atol=1e-12)

@@ -49,20 +49,13 @@ def test_it_is_the_interval_over_the_largest_torque(model: Model) -> None:
     assert (far.max(axis=0) > 3.0 * found.max(axis=0)).all()
 
 
-def test_a_stream_of_set_points_is_asked_now_and_then(
-    model: Model, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found, clock = Doubt(model), [100.0]
-    monkeypatch.setattr(doubt.time, "monotonic", lambda: clock[0])
+def test_a_stream_of_set_points_has_the_answer_to_the_last_look(model: Model) -> None:
+    found = Doubt(model)
     q, qd, qdd = motion_at(np.array([0.0, 1.0]))
-    first = found.now_and_then(q[:1], qd[:1], qdd[:1])
-    np.testing.assert_allclose(first, found(q[:1], qd[:1], qdd[:1]))
-    clock[0] += 0.5 * doubt.PAUSE
-    assert found.now_and_then(q[1:], 5.0 * qd[1:], qdd[1:]) is first
-    clock[0] += doubt.PAUSE
-    np.testing.assert_allclose(
-        found.now_and_then(q[1:], qd[1:], qdd[1:]), found(q[1:], qd[1:], qdd[1:])
-    )
+    assert not found.latest(q[:1], qd[:1], qdd[:1]).any()
+    found.look(q[:1], qd[:1], qdd[:1])
+    told = found.latest(q[1:], 5.0 * qd[1:], qdd[1:])
+    np.testing.assert_allclose(told, found(q[:1], qd[:1], qdd[:1]))
 
 
 def test_models_of_before_tell_none(model: Model) -> None:

@@ -168,6 +168,11 @@ def test_silence_of_set_points_and_of_joint_states_fades(node: Feedforward) -> N
         return node.tau[0] > 6.0
 
     node.bench.until(step, "torque of set-points")
+    node.bench.until(
+        lambda: int(node.bench.values("feedforward: stream").get("references followed", "0")) > 1,
+        "set-points counted",
+    )
+    node.bench.until(step, "torque of set-points again")
     node.until_silent("no set-points")
     node.bench.until(lambda: "no set-point for" in node.process.output, "a warning")
     node.hold()

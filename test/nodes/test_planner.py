@@ -46,9 +46,9 @@ def reference(q: float = 0.5) -> Reference:
 def test_a_newer_reference_takes_the_place_of_one_under_way() -> None:
     model, results = HeldModel(), Results()
     planner: Planner[str] = Planner(model, results.done, results.failed)
-    planner.submit(reference(), Policy(), "old")
+    planner.submit(lambda: (reference(), "old"), Policy())
     assert model.begun.wait(10.0)
-    planner.submit(reference(), Policy(), "new")
+    planner.submit(lambda: (reference(), "new"), Policy())
     model.gate.set()
     assert results.some.wait(10.0)
     planner.stop()
@@ -62,7 +62,7 @@ def test_what_is_dropped_never_comes_out() -> None:
     model.gate.clear()
     model.begun.clear()
     planner: Planner[str] = Planner(model, results.done, results.failed)
-    planner.submit(reference(), Policy(), "dropped")
+    planner.submit(lambda: (reference(), "dropped"), Policy())
     assert model.begun.wait(10.0)
     planner.drop()
     model.gate.set()
@@ -74,10 +74,10 @@ def test_what_is_dropped_never_comes_out() -> None:
 def test_a_refusal_is_told_and_the_next_reference_planned() -> None:
     results = Results()
     planner: Planner[str] = Planner(FakeModel(), results.done, results.failed)
-    planner.submit(reference(9.0), Policy("refuse"), "outside")
+    planner.submit(lambda: (reference(9.0), "outside"), Policy("refuse"))
     assert results.some.wait(10.0)
     results.some.clear()
-    planner.submit(reference(), Policy("refuse"), "inside")
+    planner.submit(lambda: (reference(), "inside"), Policy("refuse"))
     assert results.some.wait(10.0)
     planner.stop()
     assert [tag for _, tag in results.plans] == ["inside"]

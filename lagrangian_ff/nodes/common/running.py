@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import UserError
 
@@ -49,6 +50,8 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     # The paced threads share the interpreter with the executor; the default of 5 ms would
     # cost them two periods at 500 Hz.
     sys.setswitchinterval(0.0005)
+    # Threads of the linear algebra spin while they wait, and would take the core of a paced loop.
+    threadpool_limits(1)
     stop = threading.Event()
     executor = SingleThreadedExecutor()
 

@@ -1,6 +1,5 @@
 """How far the torques of a reference are a guess, from the predictive variance of the model."""
 
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -17,7 +16,7 @@ Doubts = Callable[[Floats, Floats, Floats], Floats]
 GUESS = 1.0
 """Doubt from which on a torque is told to be a guess: not even its sign is known."""
 PAUSE = 0.1
-"""s between two answers where set-points are streamed: one takes 1 ms of the executor."""
+"""s between two looks where set-points are streamed: one takes milliseconds."""
 STEP = 0.05
 """s between the states of a trajectory that are asked for: far less than a motion changes in."""
 CHUNK = 4
@@ -42,7 +41,6 @@ class Doubt:
         self._certain = model.quick_uncertainty
         self._scale = 1.0 / np.maximum(model.range.tau_max, 1e-9)
         self._last = np.zeros((1, len(model.joints)))
-        self._next = -np.inf
         middle = 0.5 * (model.range.q_low + model.range.q_high)[None]
         self(middle, 0.0 * middle, 0.0 * middle)  # compiles what is compiled on first use
 
@@ -55,11 +53,12 @@ class Doubt:
         """(L, N) at L states."""
         return np.asarray(self._certain.reach(q, qd, qdd) * self._scale)
 
-    def now_and_then(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-        """(1, N) at this one state, or at one at most `PAUSE` s ago."""
-        now = time.monotonic()
-        if now >= self._next:
-            self._last, self._next = self(q, qd, qdd), now + PAUSE
+    def look(self, q: Floats, qd: Floats, qdd: Floats) -> None:
+        """Ask at one state, (1, N) each; `latest` tells the answer from then on."""
+        self._last = self(q, qd, qdd)
+
+    def latest(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        """(1, N) the answer to the last `look`, at once, whatever state is asked for."""
         return self._last
 
 

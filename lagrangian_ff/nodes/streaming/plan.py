@@ -15,6 +15,7 @@ from lagrangian_ff.nodes.streaming.reference import Reference
 Floats = NDArray[np.float64]
 
 TERMS = ("gravity", "inertia", "coriolis", "friction")
+FIRST = np.zeros(1, dtype=np.int64)
 
 
 class TermTorques(Protocol):
@@ -135,6 +136,8 @@ def make_plan(
         RefusedReference: it leaves the identified range and the policy is to refuse, or the
             model gives no finite torque.
     """
+    if reference.is_setpoint:
+        return _setpoint_plan(model, reference, policy, doubts)
     time, own = _refine(reference.time, step)
     states = reference.sample(time)
     found = excess(reference.joints, time, states, model.range, policy.margin)
@@ -142,11 +145,7 @@ def make_plan(
     if doubts is not None:
         doubt = along(doubts, time, states, lambda: report(0.0))
         found = _with_doubt(found, model, time, doubt, policy.doubt_limit)
-    if found.worst and policy.out_of_range == "refuse":
-        raise RefusedReference(
-            f"outside the identified range: {found.worst}; identify on a larger motion, slow "
-            "the reference down, or set out_of_range to fade or allow"
-        )
+    _require_inside(found, policy)
     if policy.out_of_range == "fade":
         weight = fade_around(time, found.outside, policy.fade_time)
     else:
@@ -159,10 +158,41 @@ def make_plan(
     ends = reference.q[[0, -1]]
     still = np.zeros_like(ends)
     before, after = _parts(model, ends, still, still)
-    if not (np.isfinite(parts).all() and np.isfinite(before).all() and np.isfinite(after).all()):
-        raise RefusedReference("the model gives no finite torque for this reference")
+    _require_finite(parts, before, after)
     most = None if doubt is None else doubt.max(axis=0)
     return Plan(reference, time, parts, weight, before, after, own, found, most)
+
+
+def _setpoint_plan(
+    model: InverseDynamics, reference: Reference, policy: Policy, doubts: Doubts | None
+) -> Plan:
+    """The plan of a single state, with nothing that a trajectory needs: it may come at 1 kHz."""
+    time, states = reference.time, (reference.q, reference.qd, reference.qdd)
+    found = excess(reference.joints, time, states, model.range, policy.margin)
+    doubt = None if doubts is None else doubts(*states)
+    if doubt is not None:
+        found = _with_doubt(found, model, time, doubt, policy.doubt_limit)
+    _require_inside(found, policy)
+    parts = _parts(model, *states)
+    _require_finite(parts)
+    weight = np.ones(1)
+    if policy.out_of_range == "fade":
+        weight[found.outside] = 0.0
+    most = None if doubt is None else doubt[0]
+    return Plan(reference, time, parts, weight, parts[0], parts[0], FIRST, found, most)
+
+
+def _require_inside(found: Excess, policy: Policy) -> None:
+    if found.worst and policy.out_of_range == "refuse":
+        raise RefusedReference(
+            f"outside the identified range: {found.worst}; identify on a larger motion, slow "
+            "the reference down, or set out_of_range to fade or allow"
+        )
+
+
+def _require_finite(*parts: Floats) -> None:
+    if not all(np.isfinite(part).all() for part in parts):
+        raise RefusedReference("the model gives no finite torque for this reference")
 
 
 def _with_doubt(
@@ -177,8 +207,6 @@ def _with_doubt(
 
 def _refine(time: Floats, step: float) -> tuple[Floats, NDArray[np.int64]]:
     """Times at most `step` apart that include the given ones, and where those are."""
-    if len(time) == 1:
-        return time, np.zeros(1, dtype=np.int64)
     # Rounding must not double the samples of a reference that already has this step.
     pieces = np.maximum(1, np.ceil(np.diff(time) / step - 1e-6).astype(np.int64))
     own = np.concatenate([[0], np.cumsum(pieces)])
@@ -192,8 +220,8 @@ def _parts(model: InverseDynamics, q: Floats, qd: Floats, qdd: Floats) -> Floats
     identification may share the mean of gravity between the two in any way.
     """
     terms = model.terms(q, qd, qdd)
-    gravity, friction = terms.gravity.copy(), np.zeros_like(q)
+    parts = np.zeros((len(q), len(TERMS), q.shape[1]))
+    parts[:, 0], parts[:, 1], parts[:, 2] = terms.gravity, terms.inertia, terms.coriolis
     for name, torque in terms.effects.items():
-        part = gravity if name == "offset" else friction
-        part += torque
-    return np.stack([gravity, terms.inertia, terms.coriolis, friction], axis=1)
+        parts[:, 0 if name == "offset" else 3] += torque
+    return parts

@@ -19,9 +19,8 @@ class _SupersededError(Exception):
 
 @dataclass(frozen=True)
 class _Task(Generic[Tag]):
-    reference: Reference
+    read: Callable[[], tuple[Reference, Tag]]
     policy: Policy
-    tag: Tag
 
 
 class Planner(Generic[Tag]):
@@ -54,10 +53,15 @@ class Planner(Generic[Tag]):
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
         self._thread.start()
 
-    def submit(self, reference: Reference, policy: Policy, tag: Tag) -> None:
-        """Compute the plan of this reference next, and nothing older."""
+    def submit(self, read: Callable[[], tuple[Reference, Tag]], policy: Policy) -> None:
+        """Compute the plan of this reference next, and nothing older.
+
+        Args:
+            read: called in the thread: the reference, and what comes with it.
+            policy: what to do outside the identified range.
+        """
         with self._wake:
-            self._task = _Task(reference, policy, tag)
+            self._task = _Task(read, policy)
             self._wake.notify()
 
     def drop(self) -> None:
@@ -95,11 +99,10 @@ class Planner(Generic[Tag]):
             self.fraction = fraction
 
         self.fraction = 0.0
-        plan = make_plan(
-            self._model, task.reference, task.policy, report=report, doubts=self._doubts
-        )
+        reference, tag = task.read()
+        plan = make_plan(self._model, reference, task.policy, report=report, doubts=self._doubts)
         if self._end(task):
-            self._done(plan, task.tag)
+            self._done(plan, tag)
 
     def _end(self, task: "_Task[Tag]") -> bool:
         """Whether this task was still the newest; forget it."""

@@ -120,7 +120,8 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
     if not 1 <= count <= max_points:
         raise RefusedReference(f"{count} points; expected 1 to {max_points}")
     time = np.asarray(points.time, dtype=np.float64)
-    _check_time(time)
+    if count > 1 or points.time[0] != 0.0:
+        _check_time(time)
     q = _table(points.position, "position", points.names, columns)
     if q is None:
         raise RefusedReference("the points have no positions")
@@ -161,6 +162,8 @@ def read_effort(points: Points, joints: Sequence[str]) -> Floats | None:
 def _columns(names: Sequence[str], joints: Sequence[str]) -> list[int]:
     if len(set(names)) != len(names):
         raise RefusedReference(f"it names a joint twice: {', '.join(names)}")
+    if list(names) == list(joints):
+        return list(range(len(joints)))
     missing = [joint for joint in joints if joint not in names]
     if missing:
         raise RefusedReference(
@@ -198,11 +201,13 @@ def _table(
         raise RefusedReference(
             f"point {wrong} has {len(rows[wrong])} {label} values for {len(names)} joints"
         )
-    flat = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * len(names))
+    if len(rows) == 1:
+        flat = np.array(rows[0], dtype=np.float64)
+    else:
+        flat = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * len(names))
     table = flat.reshape(len(rows), len(names))[:, columns]
-    bad = np.argwhere(~np.isfinite(table))
-    if len(bad):
-        point, joint = bad[0]
+    if not np.isfinite(table).all():
+        point, joint = np.argwhere(~np.isfinite(table))[0]
         raise RefusedReference(
             f"the {label} of {names[columns[joint]]} in point {point} is {table[point, joint]}"
         )
