@@ -6,21 +6,22 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.studies.common.case import Line
+from lagrangian_ff.studies.common.findings import Finding, finding
 from lagrangian_ff.studies.common.study import Numbers, failures
 
-Finding = dict[str, Any]
+Comparison = dict[str, Any]
 """`claim` in words; `joints`, from their number as text to whether it `holds`, the `means` behind
 it by model, and over how many `robots`."""
 ByRobot = dict[int, Line]
 
 
-def numbers_of(lines: Sequence[Line], findings: Sequence[Finding]) -> Numbers:
+def numbers_of(lines: Sequence[Line], comparisons: Sequence[Comparison]) -> Numbers:
     """The numbers of a study, for JSON.
 
     Returns:
         `cases`, how many; `failed`, why some did; `models`, from the name and the number of joints
         to `mean`, `variance` (None of one robot), `median` and `count`, and the most that γ had to
-        be raised by; and `findings`.
+        be raised by; and `findings` by claim, each with the `joints` of its comparison.
     """
     return {
         "cases": len(lines),
@@ -29,8 +30,18 @@ def numbers_of(lines: Sequence[Line], findings: Sequence[Finding]) -> Numbers:
             model: {str(joints): _statistics(by_robot) for joints, by_robot in by_joints.items()}
             for model, by_joints in by_model(lines).items()
         },
-        "findings": list(findings),
+        "findings": {each["claim"]: _finding(each) for each in comparisons},
     }
+
+
+def _finding(comparison: Comparison) -> Finding:
+    """Whether a claim holds at every number of joints, and at which."""
+    rows = comparison["joints"]
+    holds = [n for n, row in rows.items() if row["holds"]]
+    fails = [n for n, row in rows.items() if not row["holds"]]
+    said = f"at {', '.join(holds)} joints" if holds else "nowhere"
+    said += f"; not at {', '.join(fails)}" if fails and holds else ""
+    return finding(not fails, f"{comparison['claim']}: {said}", joints=rows)
 
 
 def by_model(lines: Sequence[Line]) -> dict[str, dict[int, ByRobot]]:
@@ -54,7 +65,7 @@ def _statistics(by_robot: ByRobot) -> dict[str, Any]:
     }
 
 
-def order(lines: Sequence[Line], better_first: Sequence[str], least_joints: int = 1) -> Finding:
+def order(lines: Sequence[Line], better_first: Sequence[str], least_joints: int = 1) -> Comparison:
     """Whether models have mean errors in this order, over the robots that all of them learned.
 
     Args:

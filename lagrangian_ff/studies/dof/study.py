@@ -8,7 +8,7 @@ from typing import ClassVar
 from lagrangian_ff.studies.common.case import Line
 from lagrangian_ff.studies.common.study import Numbers, Request, Study
 from lagrangian_ff.studies.dof.case import Learning
-from lagrangian_ff.studies.dof.numbers import Finding, numbers_of
+from lagrangian_ff.studies.dof.numbers import Comparison, numbers_of
 from lagrangian_ff.studies.dof.table import table_of
 from lagrangian_ff.studies.regression.learn import model_of
 from lagrangian_ff.studies.robots.samples import Scene
@@ -55,12 +55,12 @@ class DofStudy(Study):
         ]
 
     @abstractmethod
-    def findings(self, lines: Sequence[Line]) -> list[Finding]:
+    def comparisons(self, lines: Sequence[Line]) -> list[Comparison]:
         """The paper's claims, and whether the lines bear them out."""
 
     def numbers(self, lines: Sequence[Line]) -> Numbers:
         """See `numbers_of`."""
-        return numbers_of(lines, self.findings(lines))
+        return numbers_of(lines, self.comparisons(lines))
 
     def table(self, numbers: Numbers) -> list[str]:
         """See `table_of`."""

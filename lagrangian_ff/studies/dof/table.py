@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from lagrangian_ff.studies.common.findings import told
 from lagrangian_ff.studies.common.study import Numbers
-from lagrangian_ff.studies.dof.numbers import Finding
 
 
 def table_of(numbers: Numbers) -> list[str]:
@@ -19,20 +19,10 @@ def table_of(numbers: Numbers) -> list[str]:
     if counts:
         robots = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         text += ["", f"each the mean over {robots} robot{'' if counts[-1] == 1 else 's'}"]
-    if numbers["findings"]:
-        text += ["", "what is claimed, and the numbers of joints at which it holds:"]
-        text += [_finding(finding) for finding in numbers["findings"]]
+    text += told(numbers["findings"])
     if numbers["failed"]:
         text += ["", "failed:", *(f"  {case}: {why}" for case, why in numbers["failed"].items())]
     return text
-
-
-def _finding(finding: Finding) -> str:
-    rows = finding["joints"]
-    holds = [n for n, row in rows.items() if row["holds"]]
-    fails = [n for n, row in rows.items() if not row["holds"]]
-    said = f"at {', '.join(holds)}" if holds else "nowhere"
-    return f"  {finding['claim']}: {said}" + (f"; not at {', '.join(fails)}" if fails else "")
 
 
 def _row(cells: Sequence[str]) -> str:

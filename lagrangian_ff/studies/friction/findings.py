@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.studies.common.case import Line
-from lagrangian_ff.studies.dof.numbers import ByRobot, Finding, by_model
+from lagrangian_ff.studies.dof.numbers import ByRobot, Comparison, by_model
 
 FEW_JOINTS = 2
 MANY_TIMES = 3.0
@@ -14,11 +14,11 @@ MANY_TIMES = 3.0
 is back where its error is less than this times that where there is no friction."""
 
 
-def findings(lines: Sequence[Line]) -> list[Finding]:
+def findings(lines: Sequence[Line]) -> list[Comparison]:
     """The claims, kernel by kernel.
 
     Returns:
-        See `Finding`. `means` are over the robots that were learned with both: of the kernel, of
+        See `Comparison`. `means` are over the robots that were learned with both: of the kernel, of
         the same with `fri`, and `frictionless`, that of the latter's numbers where there is no
         friction.
     """
@@ -33,7 +33,7 @@ def findings(lines: Sequence[Line]) -> list[Finding]:
 
 def _of_kernel(
     model: str, bare: Mapping[int, ByRobot], knowing: Mapping[int, ByRobot]
-) -> list[Finding]:
+) -> list[Comparison]:
     rows: dict[int, dict[str, Any]] = {}
     without, with_fri, alone, ratio = {}, {}, {}, {}
     for joints in sorted(set(bare) & set(knowing)):
@@ -48,7 +48,7 @@ def _of_kernel(
         means = (without[joints], with_fri[joints], alone[joints])
         rows[joints] = {"means": dict(zip(names, means, strict=True)), "robots": len(robots)}
 
-    def claim(words: str, holds: Mapping[int, bool]) -> Finding:
+    def claim(words: str, holds: Mapping[int, bool]) -> Comparison:
         judged = {str(joints): {"holds": held, **rows[joints]} for joints, held in holds.items()}
         return {"claim": words, "joints": judged}
 

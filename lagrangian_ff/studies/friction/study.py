@@ -34,7 +34,7 @@ class FrictionStudy(DofStudy):
     quick_scene = Scene(training=100, validation=500, friction=True, noise=0.05)
     gamma = None
 
-    def findings(self, lines: Sequence[Line]) -> list[dict[str, Any]]:
+    def comparisons(self, lines: Sequence[Line]) -> list[dict[str, Any]]:
         """See `findings`."""
         return findings(lines)
 

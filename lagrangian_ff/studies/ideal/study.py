@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from lagrangian_ff.studies.common.case import Line
 from lagrangian_ff.studies.common.study import Numbers
 from lagrangian_ff.studies.dof.curves import curves
-from lagrangian_ff.studies.dof.numbers import Finding, order
+from lagrangian_ff.studies.dof.numbers import Comparison, order
 from lagrangian_ff.studies.dof.study import DofStudy
 from lagrangian_ff.studies.robots.samples import Scene
 
@@ -38,8 +38,8 @@ class IdealStudy(DofStudy):
     quick_scene = Scene(training=100, validation=500)
     gamma = 1e-12
 
-    def findings(self, lines: Sequence[Line]) -> list[Finding]:
-        """See `DofStudy.findings`."""
+    def comparisons(self, lines: Sequence[Line]) -> list[Comparison]:
+        """See `DofStudy.comparisons`."""
         found = [order(lines, claim, LEAST_JOINTS) for claim in CLAIMS]
         return [finding for finding in found if finding["joints"]]
 

@@ -53,7 +53,7 @@ def test_models_are_compared_on_robots_that_both_learned() -> None:
 
 def test_the_table_says_where_a_claim_holds_and_where_not() -> None:
     text = "\n".join(table_of(numbers_of(LINES, [order(LINES, ("vrbfs", "rbfs"))])))
-    assert "vrbfs < rbfs: at 2; not at 3" in text
+    assert "NO   vrbfs < rbfs: at 2 joints; not at 3" in text
     assert "each the mean over 1 to 3 robots" in text
     assert "n3-robot01-rbfs: out of luck" in text
 

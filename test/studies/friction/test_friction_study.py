@@ -16,7 +16,7 @@ def test_fri_mends_what_friction_spoils(tmp_path: Path) -> None:
     assert main([*command, "--robots", "1", "--cases", "n[12]-*"]) == 0
     numbers = json.loads((folder / "summary.json").read_text())
     assert not numbers["failed"]
-    claims = {finding["claim"]: finding["joints"] for finding in numbers["findings"]}
+    claims = {claim: each["joints"] for claim, each in numbers["findings"].items()}
     for kernel in ("srbfs", "vrbfs", "chain"):
         for claim in (
             f"{kernel} without fri fails at few joints",

@@ -18,7 +18,7 @@ def test_a_quick_study_bears_out_the_paper(
     assert main(command) == 0
     numbers = json.loads((folder / "summary.json").read_text())
     assert not numbers["failed"]
-    findings = {finding["claim"]: finding["joints"] for finding in numbers["findings"]}
+    findings = {claim: each["joints"] for claim, each in numbers["findings"].items()}
     assert set(findings) == {"vrbfs < srbfs < rbfs", "rbfs < rbf", "chain < vrbfs"}
     for claim, joints in findings.items():
         assert joints.keys() == {"2", "3"}
