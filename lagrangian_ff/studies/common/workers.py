@@ -51,7 +51,7 @@ def processes(jobs: int | None = None) -> Workers:
         for tries in range(KILLS + 1):
             work = joblib.Parallel(n_jobs=many, return_as="generator_unordered", batch_size=1)
             try:
-                for line in work(joblib.delayed(_quietly)(case) for case in left.values()):
+                for line in work(joblib.delayed(_quietly)(case) for case in list(left.values())):
                     del left[line["case"]]
                     yield line
                 return

@@ -22,9 +22,9 @@ def squares(folder: Path, count: int = 4) -> list[Square]:
 
 
 def test_processes_do_what_one_does(tmp_path: Path) -> None:
-    lines = list(processes(2)(squares(tmp_path)))
+    lines = list(processes(2)(squares(tmp_path, 24)))
     assert {line["case"]: line["square"] for line in lines} == {
-        f"square-{number}": number**2 for number in range(4)
+        f"square-{number}": number**2 for number in range(24)
     }
     assert os.getpid() not in {line["process"] for line in lines}
     assert [line["process"] for line in processes(1)(squares(tmp_path, 1))] == [os.getpid()]
