@@ -2,6 +2,10 @@
 
 from pathlib import Path
 
+import pytest
+
+from lagrangian_ff.diagnosis.ground import tuning
+from lagrangian_ff.diagnosis.search import confirm
 from lagrangian_ff.studies.common.run import run
 from lagrangian_ff.studies.common.study import Request
 from lagrangian_ff.studies.hidden.examiner import Diagnosis
@@ -9,6 +13,12 @@ from lagrangian_ff.studies.hidden.plants import Stretches
 from lagrangian_ff.studies.hidden.study import HiddenStudy
 
 SHORT = Stretches(((2, 6.0), (6, 12.0)))
+
+
+@pytest.fixture(autouse=True)
+def _small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tuning, "ROWS", 2100)
+    monkeypatch.setattr(confirm, "ROWS", 2100)
 
 
 def test_a_ripple_is_named_and_a_clean_arm_is_left_alone(tmp_path: Path) -> None:
