@@ -116,8 +116,9 @@ def build(
         whole = model.predict(*states, share, time=data.time, segment=data.segment)
         predicted = whole[~blueprint.trained]
         judged = "motion after the training part"
-    factor = calibrated(blueprint, solved).tolist()
-    quick = _quick_factor(replace(blueprint, trust=trust), inputs, solved)
+    met, _ = solved.weighed.left_out(blueprint.apart)
+    factor = calibrated(blueprint, solved, met).tolist()
+    quick = _quick_factor(replace(blueprint, trust=trust), inputs, solved, met)
     values = expansion.coefficients
     record: dict[str, object] = {
         "model": blueprint.name,
@@ -164,14 +165,16 @@ def _expansion(blueprint: Blueprint, fitted: Fit, progress: Progress) -> Expansi
     return keep_positive(fitted, States.of(along.q, along.qd, along.qdd), progress)
 
 
-def _quick_factor(blueprint: Blueprint, inputs: Inputs, solved: Solved) -> dict[str, float] | None:
+def _quick_factor(
+    blueprint: Blueprint, inputs: Inputs, solved: Solved, met: Floats
+) -> dict[str, float] | None:
     """Of certainty's cheap form, by joint, so that asking it later costs nothing; None without."""
     choice = replace(blueprint.choice, noise=solved.noise)
     x = inputs.take(blueprint.seen)
     few = Few(replace(blueprint, choice=choice), x, solved.weighed.trust, QUICK)
     try:
         few.fit()  # which is what will be asked
-        factor = few.factor(solved.weighed)
+        factor = few.factor(met)
     except (ModelError, NotPositiveDefiniteError):
         return None
     if not np.isfinite(factor).all():

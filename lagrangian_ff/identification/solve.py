@@ -23,7 +23,11 @@ from lagrangian_ff.identification.solving.robust import (
     doubted,
     huber,
 )
-from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.solution import (
+    STRONGER,
+    NotPositiveDefiniteError,
+    with_least_noise,
+)
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 
@@ -61,21 +65,24 @@ def solve(blueprint: Blueprint, inputs: Inputs, progress: Progress = silent) -> 
         ModelError: there is no factor with much more noise either.
     """
     x = inputs.take(blueprint.seen)
-    for factor in STRONGER:
+
+    def solved(factor: float) -> Solved:
         noise = blueprint.choice.noise * factor
         noisier = replace(blueprint, choice=replace(blueprint.choice, noise=noise))
-        try:
-            fitted, weighed, threshold = _with_loss(noisier, x, progress)
-        except NotPositiveDefiniteError:
-            continue
+        fitted, weighed, threshold = _with_loss(noisier, x, progress)
         notes = (*_raised(factor, len(blueprint.index)), *_landmarks(noisier, fitted))
         return Solved(fitted, weighed, threshold, noise, notes)
-    raise ModelError(
-        f"the Gram matrix of {len(blueprint.index)} samples has no Cholesky factor, with "
-        f"{STRONGER[-1]:g} times the chosen noise neither: look for impossible velocities and "
-        f"accelerations in the recording (up to {np.abs(x.qd).max():.3g} rad/s and "
-        f"{np.abs(x.qdd).max():.3g} rad/s² here), or use fewer samples or --selection validation"
-    )
+
+    try:
+        return with_least_noise(solved)[0]
+    except NotPositiveDefiniteError as error:
+        raise ModelError(
+            f"the Gram matrix of {len(blueprint.index)} samples has no Cholesky factor, with "
+            f"{STRONGER[-1]:g} times the chosen noise neither: look for impossible velocities and "
+            f"accelerations in the recording (up to {np.abs(x.qd).max():.3g} rad/s and "
+            f"{np.abs(x.qdd).max():.3g} rad/s² here), or use fewer samples or --selection "
+            "validation"
+        ) from error
 
 
 def _with_loss(

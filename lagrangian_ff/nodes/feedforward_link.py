@@ -12,10 +12,7 @@ from std_srvs.srv import SetBool
 from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
-from lagrangian_ff.nodes.common.messages import (
-    JointStateMaker,
-    command,
-)
+from lagrangian_ff.nodes.common.messages import JointStateMaker, command
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription

@@ -102,16 +102,16 @@ class References:
             if waiting is not None:
                 self._follow_setpoint(waiting)
                 waiting = None
-            self._submit(data)
+            self._submit(data, message)
         if waiting is not None:
             self._follow_setpoint(waiting)
 
-    def _submit(self, data: bytes) -> None:
-        """Have a trajectory planned."""
+    def _submit(self, data: bytes, message: JointTrajectory | None) -> None:
+        """Have a trajectory planned; a long one is still in its bytes."""
 
         def read() -> tuple[Reference, JointTrajectory]:
-            message = deserialize_message(data, JointTrajectory)
-            return self._read(message), message
+            whole = message or deserialize_message(data, JointTrajectory)
+            return self._read(whole), whole
 
         self._planner.submit(read, self._rules)
 

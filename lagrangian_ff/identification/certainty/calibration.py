@@ -12,12 +12,16 @@ from lagrangian_ff.identification.solve import Solved
 Floats = NDArray[np.float64]
 
 
-def calibrated(blueprint: Blueprint, solved: Solved) -> Floats:
-    """(N,) what the deviations of a fit are to be multiplied with; outliers do not count."""
-    residual, _ = solved.weighed.left_out(blueprint.apart)
+def calibrated(blueprint: Blueprint, solved: Solved, met: Floats) -> Floats:
+    """(N,) what the deviations of a fit are to be multiplied with; outliers do not count.
+
+    Args:
+        blueprint: what the model is made from.  solved: how.
+        met: (S, N) N·m, its residuals of blocks left out.
+    """
     expected = solved.weighed.left_out_deviation(blueprint.apart)
     expected[doubtful(solved.fitted.trust)] = np.nan
-    return factors(residual, expected, len(np.unique(blueprint.seconds)))
+    return factors(met, expected, len(np.unique(blueprint.seconds)))
 
 
 def factors(residual: Floats, deviation: Floats, independent: int) -> Floats:

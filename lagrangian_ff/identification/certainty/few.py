@@ -53,11 +53,11 @@ class Few:
             made.basis, made.choice, self.x.take(some), tau, made.scaling, self.trust[some]
         )
 
-    def factor(self, whole: Fit) -> Floats:
+    def factor(self, met: Floats) -> Floats:
         """(N,) what its deviations are to be multiplied with; see `calibrated`.
 
         Args:
-            whole: the model's own fit, whose residuals of blocks left out are met.
+            met: (S, N) N·m, the residuals of blocks left out of the model's own fit.
 
         Raises:
             ModelError: there is no second block to learn from while one is left out.
@@ -76,5 +76,4 @@ class Few:
             expected[seen] = without.variance(self.x.take(seen)).whole
         if made.trust is not None:
             expected[doubtful(made.trust)] = np.nan
-        residual, _ = whole.left_out(made.apart)
-        return factors(residual, np.sqrt(expected), len(np.unique(made.seconds)))
+        return factors(met, np.sqrt(expected), len(np.unique(made.seconds)))

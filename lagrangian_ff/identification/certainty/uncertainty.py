@@ -58,7 +58,8 @@ class Uncertainty:
         """Solve a model's system again from the data that it keeps."""
         made = Blueprint.of(model)
         solved = solve(made, _data(model))
-        return cls(model, calibrated(made, solved), solved.weighed)
+        met, _ = solved.weighed.left_out(made.apart)
+        return cls(model, calibrated(made, solved, met), solved.weighed)
 
     @classmethod
     def quick(cls, model: Model) -> "Uncertainty":
@@ -91,7 +92,8 @@ class Uncertainty:
             raise ModelError(f"samples is {samples}, expected at least 10")
         made = Blueprint.of(self.model)
         few = Few(made, _data(self.model).take(made.seen), self.fitted.trust, samples)
-        return replace(self, factor=few.factor(self.fitted), fitted=few.fit())
+        met, _ = self.fitted.left_out(made.apart)
+        return replace(self, factor=few.factor(met), fitted=few.fit())
 
     def variance(
         self,

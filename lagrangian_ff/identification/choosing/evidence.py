@@ -19,7 +19,7 @@ from lagrangian_ff.identification.choosing.ascent import (
 from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.solving.fit import Fit
-from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.solution import with_least_noise
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, silent
@@ -89,15 +89,14 @@ def _footing(point: Floats, path: "_Path", go: Callable[[Floats], Fit]) -> Float
     Raises:
         NotPositiveDefiniteError: there is none.
     """
-    for factor in STRONGER:
-        raised = point.copy()
-        raised[path.noise] += np.log(factor)
-        try:
-            go(raised)
-        except NotPositiveDefiniteError:
-            continue
-        return raised
-    raise NotPositiveDefiniteError(f"no factor with {STRONGER[-1]:g} times the noise either")
+
+    def raised(factor: float) -> Floats:
+        tried = point.copy()
+        tried[path.noise] += np.log(factor)
+        go(tried)
+        return tried
+
+    return with_least_noise(raised)[0]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,11 @@ from lagrangian_ff.identification.solving.robust import (
     threshold_of,
     trust_in,
 )
-from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.solution import (
+    STRONGER,
+    NotPositiveDefiniteError,
+    with_least_noise,
+)
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.progress import Progress, part, silent
 
@@ -101,14 +105,16 @@ def _trust(chosen: Chosen, data: TrainingSet) -> Floats:
 def _solved(chosen: Chosen, data: TrainingSet, how: Callable[[Equations], Fit]) -> Fit:
     """A fit; noise that few samples bear may be too little for these."""
     basis = chosen.choice.basis(chosen.spec, data.x.joints)
-    for factor in STRONGER:
+
+    def solved(factor: float) -> Fit:
         choice = replace(chosen.choice, noise=chosen.choice.noise * factor)
-        try:
-            return how(Equations.of(basis, choice, data.x, data.tau, chosen.scaling))
-        except NotPositiveDefiniteError:
-            continue
-    raise ModelError(
-        f"the Gram matrix of {len(data.x)} samples has no Cholesky factor, with {STRONGER[-1]:g} "
-        "times the chosen noise neither: look for impossible velocities and accelerations in the "
-        "recording"
-    )
+        return how(Equations.of(basis, choice, data.x, data.tau, chosen.scaling))
+
+    try:
+        return with_least_noise(solved)[0]
+    except NotPositiveDefiniteError as error:
+        raise ModelError(
+            f"the Gram matrix of {len(data.x)} samples has no Cholesky factor, with "
+            f"{STRONGER[-1]:g} times the chosen noise neither: look for impossible velocities and "
+            "accelerations in the recording"
+        ) from error

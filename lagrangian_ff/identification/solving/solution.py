@@ -8,12 +8,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Made = TypeVar("Made")
 
 UNSEEN = 1e-11
 """Share of the largest eigenvalue of the scaled information below which nothing shows."""
@@ -25,6 +27,23 @@ STRONGER = 10.0 ** np.arange(7)
 
 class NotPositiveDefiniteError(ArithmeticError):
     """The regularised Gram matrix has no Cholesky factor: more regularisation is needed."""
+
+
+def with_least_noise(attempt: Callable[[float], Made]) -> tuple[Made, float]:
+    """What is made with the least noise that there is a factor with, and how often it is taken.
+
+    Args:
+        attempt: with the noise so many times as large as it was chosen.
+
+    Raises:
+        NotPositiveDefiniteError: there is none with much more noise either.
+    """
+    for factor in STRONGER:
+        try:
+            return attempt(float(factor)), float(factor)
+        except NotPositiveDefiniteError as error:
+            last = str(error)
+    raise NotPositiveDefiniteError(f"no factor with {STRONGER[-1]:g} times the noise: {last}")
 
 
 @dataclass(frozen=True)

@@ -201,7 +201,7 @@ def _table(
         raise RefusedReference(
             f"point {wrong} has {len(rows[wrong])} {label} values for {len(names)} joints"
         )
-    if len(rows) == 1:
+    if len(rows) == 1:  # a set-point: ten times as fast, of many rows three times as slow
         flat = np.array(rows[0], dtype=np.float64)
     else:
         flat = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * len(names))

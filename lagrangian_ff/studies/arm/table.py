@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.studies.common.findings import told
+from lagrangian_ff.studies.common.study import failures_told
 
 NAME, CELL = 22, 8
 
@@ -17,7 +18,7 @@ def prediction_table(numbers: Mapping[str, Any]) -> list[str]:
         f"{numbers['cases']} cases; RMS error of torque [N·m] on the last two thirds",
         *errors_table({**numbers["curves"], **unloaded}),
         *told(numbers["findings"]),
-        *failed(numbers["failed"]),
+        *failures_told(numbers["failed"]),
     ]
 
 
@@ -49,13 +50,6 @@ def errors_table(curves: Mapping[str, Any], unit: float = 1.0) -> list[str]:
         mean = _figure(np.exp(np.mean(np.log(curve["rmse"]))) / unit) if whole else "-"
         text.append(_row(name, [*cells, mean]))
     return text
-
-
-def failed(failures: Mapping[str, str]) -> list[str]:
-    """The cases that broke down, and why."""
-    if not failures:
-        return []
-    return ["", "failed:", *(f"  {case}: {why}" for case, why in failures.items())]
 
 
 def _figure(value: float) -> str:

@@ -109,3 +109,10 @@ class Study(ABC):
 def failures(lines: Sequence[Line]) -> Mapping[str, str]:
     """Why cases failed, by their names."""
     return {line["case"]: line["failed"] for line in lines if "failed" in line}
+
+
+def failures_told(failed: Mapping[str, str]) -> list[str]:
+    """The failures as lines of text, after an empty one; nothing where there are none."""
+    if not failed:
+        return []
+    return ["", "failed:", *(f"  {case}: {why}" for case, why in failed.items())]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.studies.dof.case import error_of
 from lagrangian_ff.studies.regression.learn import learn, model_of
 from lagrangian_ff.studies.regression.relaxed import friction_columns
 from lagrangian_ff.studies.robots.samples import Samples, Scene, draw_samples
@@ -48,12 +49,11 @@ class Growing:
         spec = model_of(self.model)
         samples = draw_samples(self.scene, self.seed, self.joints, self.robot)
         learned = learn(spec, samples.x, samples.tau, samples.fold, None)
-        error = learned.torque(samples.asked) - samples.truth
         return {
             "samples": self.scene.training,
             "robot": self.robot,
             "model": self.model,
-            "error": float(np.sqrt(np.mean(error**2))),
+            "error": error_of(learned, samples, samples.truth),
             "bound": bound(samples, with_basis=bool(spec.effects)),
             **learned.record(),
         }

@@ -13,9 +13,9 @@ from lagrangian_ff.studies.common.case import Line
 from lagrangian_ff.studies.common.curves import Curve, curves_figure
 from lagrangian_ff.studies.common.findings import Finding, finding, told
 from lagrangian_ff.studies.common.strokes import DOTTED, stroke_of
-from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures
+from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures, failures_told
 from lagrangian_ff.studies.consistency.case import Growing
-from lagrangian_ff.studies.regression.learn import model_of
+from lagrangian_ff.studies.regression.learn import asked
 from lagrangian_ff.studies.robots.samples import Scene
 
 JOINTS = 2
@@ -44,19 +44,17 @@ class ConsistencyStudy(Study):
 
     def __init__(self, request: Request, folder: Path) -> None:
         super().__init__(request, folder)
-        for model in request.models:
-            model_of(model)
+        self.models = asked(request.models, QUICK_MODELS if request.quick else MODELS)
 
     def every_case(self) -> Sequence[Growing]:
         """See `Study.every_case`: robot by robot, few samples first."""
         quick, seed = self.request.quick, self.request.seed
         scene = replace(SCENE, validation=500) if quick else SCENE
-        models = self.request.models or (QUICK_MODELS if quick else MODELS)
         return [
             Growing(replace(scene, training=count), seed, JOINTS, robot, model)
             for robot in range(self.request.robots or (QUICK_ROBOTS if quick else ROBOTS))
             for count in (QUICK_COUNTS if quick else COUNTS)
-            for model in models
+            for model in self.models
         ]
 
     def numbers(self, lines: Sequence[Line]) -> Numbers:
@@ -90,8 +88,7 @@ class ConsistencyStudy(Study):
             cells = [f"{by_count[count]:.4f}" if count in by_count else "-" for count in counts]
             text.append(_row(model, [*cells, f"{held['bound']:.2g}"]))
         text += told(numbers["findings"])
-        if numbers["failed"]:
-            text += ["", "failed:", *(f"  {c}: {why}" for c, why in numbers["failed"].items())]
+        text += failures_told(numbers["failed"])
         return text
 
     def figure(self, numbers: Numbers) -> Figure:

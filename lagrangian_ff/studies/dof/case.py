@@ -52,17 +52,22 @@ class Learning:
             "joints": self.joints,
             "robot": self.robot,
             "model": self.model,
-            "error": _error(learned, samples, samples.truth),
+            "error": error_of(learned, samples, samples.truth),
             "spread": float(np.std(samples.truth)),
             "unit": samples.unit,
             **learned.record(),
         }
         if self.scene.friction and spec.effects:
             bare = learned.without_friction(samples.tau - samples.friction)
-            found["frictionless"] = _error(bare, samples, samples.truth - samples.asked_friction)
+            found["frictionless"] = error_of(bare, samples, samples.truth - samples.asked_friction)
         return found
 
 
-def _error(learned: Learned, samples: Samples, truth: Floats) -> float:
+def error_of(learned: Learned, samples: Samples, truth: Floats) -> float:
+    """Root of the mean squared error of what is learned, over validation samples and joints.
+
+    Args:
+        truth: (V, N) torques at the validation samples, in the samples' unit.
+    """
     error = learned.torque(samples.asked) - truth
     return float(np.sqrt(np.mean(error**2)))

@@ -10,7 +10,7 @@ from lagrangian_ff.studies.common.study import Numbers, Request, Study
 from lagrangian_ff.studies.dof.case import Learning
 from lagrangian_ff.studies.dof.numbers import Comparison, numbers_of
 from lagrangian_ff.studies.dof.table import table_of
-from lagrangian_ff.studies.regression.learn import model_of
+from lagrangian_ff.studies.regression.learn import asked
 from lagrangian_ff.studies.robots.samples import Scene
 
 MOST_JOINTS, QUICK_JOINTS = 8, 3
@@ -38,20 +38,19 @@ class DofStudy(Study):
 
     def __init__(self, request: Request, folder: Path) -> None:
         super().__init__(request, folder)
-        for model in request.models:
-            model_of(model)
+        usual = self.quick_models if request.quick else self.models
+        self.asked = asked(request.models, usual)
 
     def every_case(self) -> Sequence[Learning]:
         """See `Study.every_case`: robot by robot, each of every number of joints."""
         quick, seed = self.request.quick, self.request.seed
         scene = self.quick_scene if quick else self.scene
-        models = self.request.models or (self.quick_models if quick else self.models)
         robots = self.request.robots or (QUICK_ROBOTS if quick else self.robots)
         return [
             Learning(scene, self.gamma, seed, joints, robot, model)
             for robot in range(robots)
             for joints in range(1, (QUICK_JOINTS if quick else MOST_JOINTS) + 1)
-            for model in models
+            for model in self.asked
         ]
 
     @abstractmethod

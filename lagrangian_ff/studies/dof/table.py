@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from lagrangian_ff.studies.common.findings import told
-from lagrangian_ff.studies.common.study import Numbers
+from lagrangian_ff.studies.common.study import Numbers, failures_told
 
 
 def table_of(numbers: Numbers) -> list[str]:
@@ -20,8 +20,7 @@ def table_of(numbers: Numbers) -> list[str]:
         robots = str(counts[0]) if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
         text += ["", f"each the mean over {robots} robot{'' if counts[-1] == 1 else 's'}"]
     text += told(numbers["findings"])
-    if numbers["failed"]:
-        text += ["", "failed:", *(f"  {case}: {why}" for case, why in numbers["failed"].items())]
+    text += failures_told(numbers["failed"])
     return text
 
 

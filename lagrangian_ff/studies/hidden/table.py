@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import beta
 
 from lagrangian_ff.arm.hidden import HIDDEN
+from lagrangian_ff.studies.common.study import failures, failures_told
 from lagrangian_ff.studies.hidden.cases import SIZES
 from lagrangian_ff.studies.hidden.verdicts import OUTCOMES
 
@@ -37,7 +38,7 @@ def summary(lines: Lines) -> dict[str, Any]:
     firm = [line for line in alone if not line["plant"]["hidden"][0]["absorbed"]]
     return {
         "cases": len(lines),
-        "failed": {line["case"]: line["failed"] for line in lines if "failed" in line},
+        "failed": failures(lines),
         "sizes": _by_size(firm),
         "absorbed": _by_size(line for line in alone if line not in firm),
         "visible": _by_visible(firm),
@@ -160,8 +161,7 @@ def table(numbers: dict[str, Any]) -> list[str]:
             text += ["", f"{title}: {row['wrong']} of {row['cases']} with a confirmed effect "
                      f"(at most {row['high']:.0%} with 95 % confidence)"]  # fmt: skip
             text += [f"  {case}: {'; '.join(claims)}" for case, claims in row["claims"].items()]
-    if numbers["failed"]:
-        text += ["", "failed:", *(f"  {case}: {why}" for case, why in numbers["failed"].items())]
+    text += failures_told(numbers["failed"])
     return text
 
 

@@ -1,5 +1,6 @@
 """Learning torques with a model, in the way that suits its kernel."""
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -47,6 +48,17 @@ def model_of(text: str) -> Spec:
             f"model '{text}': expected one kernel ({known}), alone or with fri as in vrbfs+fri"
         )
     return spec
+
+
+def asked(models: Sequence[str], usual: Sequence[str]) -> tuple[str, ...]:
+    """The models that are asked for; the usual ones where none is.
+
+    Raises:
+        UserError: there is no such model; see `model_of`.
+    """
+    for model in models:
+        model_of(model)
+    return tuple(models or usual)
 
 
 def learn(spec: Spec, x: States, tau: Floats, fold: Ints, gamma: float | None) -> Learned:

@@ -12,7 +12,7 @@ from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.records import hyperparameter_record
 from lagrangian_ff.identification.solving.equations import fit
 from lagrangian_ff.identification.solving.fit import Fit
-from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.solution import with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.kernels import States
@@ -42,14 +42,12 @@ class Exact:
         Raises:
             NotPositiveDefiniteError: even with much more noise there is no factor.
         """
-        for raised in STRONGER:
-            try:
-                stronger = replace(choice, noise=choice.noise * raised)
-                return cls(spec, fit(spec, stronger, x, tau, _alike(x.joints)), float(raised))
-            except NotPositiveDefiniteError:
-                if raised == STRONGER[-1]:
-                    raise
-        raise AssertionError("no factor was tried")
+
+        def fitted(raised: float) -> Fit[System]:
+            stronger = replace(choice, noise=choice.noise * raised)
+            return fit(spec, stronger, x, tau, _alike(x.joints))
+
+        return cls(spec, *with_least_noise(fitted))
 
     def torque(self, x: States) -> Floats:
         """(V, N) predicted, in the unit of those learned from."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.identification.solving.rows import rows_of
-from lagrangian_ff.identification.solving.solution import STRONGER, NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError, with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.kernels.base import largest
@@ -73,13 +73,7 @@ def solve(setting: Setting, x: States, tau: Floats, joints: Joints) -> Solved:
         NotPositiveDefiniteError: even with much more regularisation there is no factor, or ρ is no
             number below 1.
     """
-    for raised in STRONGER:
-        try:
-            return _solve(setting, x, tau, joints, float(raised))
-        except NotPositiveDefiniteError:
-            if raised == STRONGER[-1]:
-                raise
-    raise AssertionError("no factor was tried")
+    return with_least_noise(lambda raised: _solve(setting, x, tau, joints, raised))[0]
 
 
 def _solve(setting: Setting, x: States, tau: Floats, joints: Joints, raised: float) -> Solved:

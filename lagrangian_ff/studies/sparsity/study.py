@@ -13,7 +13,7 @@ from lagrangian_ff.studies.arm.models import asked
 from lagrangian_ff.studies.arm.plan import Plan
 from lagrangian_ff.studies.common.case import Line
 from lagrangian_ff.studies.common.findings import Finding, finding, told
-from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures
+from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures, failures_told
 from lagrangian_ff.studies.sparsity.case import Sparse
 from lagrangian_ff.studies.sparsity.figure import sparsity_figure
 
@@ -91,8 +91,7 @@ class SparsityStudy(Study):
                     cells = [f"{by_count[c]:.3g}" if c in by_count else "-" for c in centres]
                     text.append(_row(f"{model}, {_said(way)}", cells))
         text += told(numbers["findings"])
-        if numbers["failed"]:
-            text += ["", "failed:", *(f"  {c}: {why}" for c, why in numbers["failed"].items())]
+        text += failures_told(numbers["failed"])
         return text
 
     def figure(self, numbers: Numbers) -> Figure:

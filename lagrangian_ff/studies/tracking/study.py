@@ -9,10 +9,10 @@ from lagrangian_ff.studies.arm.drive import drives
 from lagrangian_ff.studies.arm.errors import Errors
 from lagrangian_ff.studies.arm.models import asked
 from lagrangian_ff.studies.arm.plan import Plan
-from lagrangian_ff.studies.arm.table import errors_table, failed
+from lagrangian_ff.studies.arm.table import errors_table
 from lagrangian_ff.studies.common.case import Line
 from lagrangian_ff.studies.common.findings import told
-from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures
+from lagrangian_ff.studies.common.study import Numbers, Request, Study, failures, failures_told
 from lagrangian_ff.studies.tracking.case import NONE, TRUE, Tracked
 from lagrangian_ff.studies.tracking.figure import MRAD, tracking_figure
 from lagrangian_ff.studies.tracking.findings import tracking_findings
@@ -65,7 +65,7 @@ class TrackingStudy(Study):
             f"{numbers['cases']} cases; RMS tracking error [mrad] on the last two thirds",
             *errors_table(numbers["curves"], MRAD),
             *told(numbers["findings"]),
-            *failed(numbers["failed"]),
+            *failures_told(numbers["failed"]),
         ]
 
     def figure(self, numbers: Numbers) -> Figure:
