@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
+import numpy as np
+
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.effects.memory import stop
@@ -41,5 +43,6 @@ class Hysteresis(Effect):
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""
         settled = x.sign(joint)
-        deflection = stop(x.q[:, joint].copy(), x.segment, settled, shape["w"])
+        position, segment = np.ascontiguousarray(x.q[:, joint]), np.ascontiguousarray(x.segment)
+        deflection = stop(position, segment, settled, shape["w"])
         return (deflection - settled)[:, None]

@@ -14,9 +14,15 @@ Floats = NDArray[np.float64]
 Prepared = tuple[Floats, Floats, Floats, Floats, Floats]
 
 
+def contiguous(x: States) -> tuple[Floats, Floats, Floats]:
+    """q, qd, qdd in the one layout for which loops are compiled: each other one would cost anew."""
+    return np.ascontiguousarray(x.q), np.ascontiguousarray(x.qd), np.ascontiguousarray(x.qdd)
+
+
 def prepared(x: States) -> Prepared:
     """What the loops read of states: q, qd, qdd, and the sines and cosines of q."""
-    return x.q, x.qd, x.qdd, np.sin(x.q), np.cos(x.q)
+    q, qd, qdd = contiguous(x)
+    return q, qd, qdd, np.sin(q), np.cos(q)
 
 
 class CompiledKernel(CoupledKernel):
@@ -71,6 +77,6 @@ class _Prepared(Learned):
 
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
-        out = np.empty_like(x.q)
+        out = np.empty(x.q.shape)
         self.kernel.loops.apply_blocks(prepared(x), self.u, *self.weights, self.a, out)
         return out

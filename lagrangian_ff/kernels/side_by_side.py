@@ -28,6 +28,7 @@ _OPTIONS: dict[str, Any] = {
     "error_model": "numpy",
     "fastmath": {"contract", "nsz", "reassoc"},
 }
+_INNER = _OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class SideBySide(Learned):
 
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
-        out = np.empty_like(x.q)
+        out = np.empty(x.q.shape)
         _apply(prepared(x), self.centres, *self.weights, out)
         return out
 
@@ -69,7 +70,7 @@ def _apply(x, u, angle, alpha, w, out):  # type: ignore[no-untyped-def]
             _spread(i, first, x, u, w, of_joint, total, out)
 
 
-@njit(**_OPTIONS)
+@njit(**_INNER)
 def _gather(i, first, x, u, angle, alpha, w, of_joint, total):  # type: ignore[no-untyped-def]
     """Fill e, p, r of every joint, and the sums over joints."""
     e, p, r = of_joint[0], of_joint[1], of_joint[2]
@@ -121,7 +122,7 @@ def _gather(i, first, x, u, angle, alpha, w, of_joint, total):  # type: ignore[n
             ra[z] += rn[z] * v * a[z]
 
 
-@njit(**_OPTIONS)
+@njit(**_INNER)
 def _spread(i, first, x, u, w, of_joint, total, out):  # type: ignore[no-untyped-def]
     """Add K a of these centres to out[i]."""
     e, p, r = of_joint[0], of_joint[1], of_joint[2]

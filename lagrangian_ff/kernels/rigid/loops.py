@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, OPTIONS
 
 
 @njit(**OPTIONS)
@@ -37,14 +37,14 @@ def write_regressor(x, tree, gravity, out):  # type: ignore[no-untyped-def]
                 at = parent[at]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _cross(a, b, k):  # type: ignore[no-untyped-def]
     """Component k of a × b."""
     i, j = (k + 1) % 3, (k + 2) % 3
     return a[i] * b[j] - a[j] * b[i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _frame(x, m, tree, gravity, body, turn, place, motion):  # type: ignore[no-untyped-def]
     """Where a body is in its parent, and ω, ω̇ and a of its frame, in its own coordinates."""
     parent, rotation, offset, axis, sliding, driver, ratio, shift = tree
@@ -99,7 +99,7 @@ def _frame(x, m, tree, gravity, body, turn, place, motion):  # type: ignore[no-u
             motion[body, 0, k] += rate * own[k]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _write_wrench(motion, wrench):  # type: ignore[no-untyped-def]
     """Write force and moment per unit of a body's parameters to wrench (2, 3, 10)."""
     omega, alpha, push = motion[0], motion[1], motion[2]
@@ -126,7 +126,7 @@ def _write_wrench(motion, wrench):  # type: ignore[no-untyped-def]
             wrench[1, (i + 2) % 3, entry] -= omega[(i + 1) % 3] * omega[n]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _to_parent(turn, place, wrench, moved):  # type: ignore[no-untyped-def]
     """Rotate and move a wrench into the frame of the parent, in place."""
     for p in range(10):
@@ -139,4 +139,8 @@ def _to_parent(turn, place, wrench, moved):  # type: ignore[no-untyped-def]
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
             moved[1, i, p] += place[j] * moved[0, k, p] - place[k] * moved[0, j, p]
-    wrench[:, :, :] = moved
+    # A loop: assigning to a slice takes seconds to compile, for its error message.
+    for which in range(2):
+        for i in range(3):
+            for p in range(10):
+                wrench[which, i, p] = moved[which, i, p]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from lagrangian_ff.kernels.compiled import contiguous
 from lagrangian_ff.kernels.rigid.loops import write_regressor
 from lagrangian_ff.kernels.states import States
 
@@ -66,7 +67,7 @@ class Tree:
             self.parent, self.rotation, self.offset, self.axis, self.sliding, self.driver,
             self.ratio, self.shift,
         )  # fmt: skip
-        write_regressor((x.q, x.qd, x.qdd), tree, self.gravity, out)
+        write_regressor(contiguous(x), tree, self.gravity, out)
         return out.reshape(len(x), x.joints, -1)
 
     def momentum(self, x: States) -> Floats:

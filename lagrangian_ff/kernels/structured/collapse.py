@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.kernels.base import Learned
+from lagrangian_ff.kernels.compiled import contiguous
 from lagrangian_ff.kernels.states import States
 from lagrangian_ff.kernels.structured import polynomial
 from lagrangian_ff.kernels.structured.base import Structured
@@ -32,9 +33,9 @@ class Polynomial(Learned):
 
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
-        out = np.empty_like(x.q)
+        out = np.empty(x.q.shape)
         work = polynomial.workspace(x.joints)
-        polynomial.torques(x.q, x.qd, x.qdd, self.mass, self.potential, self.rotor, work, out)
+        polynomial.torques(*contiguous(x), self.mass, self.potential, self.rotor, work, out)
         return out
 
 

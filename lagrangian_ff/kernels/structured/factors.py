@@ -10,12 +10,12 @@ Each is 1 at d = 0 and positive definite for every ω > 0.
 import numpy as np
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, LANES
 
 COSINE, BELL, LINE = 0, 1, 2
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def factor(form, omega, x, i, u, lanes, n, c):  # type: ignore[no-untyped-def]
     """Write factor, first and second derivative in d of joint n to c (3, N, L).
 
@@ -52,7 +52,7 @@ def factor(form, omega, x, i, u, lanes, n, c):  # type: ignore[no-untyped-def]
         c[2, n, z] = omega * (omega * sin * sin - cos) * value
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def move(form, omega, amount, x, i, u, lanes, n, c, rate):  # type: ignore[no-untyped-def]
     """Add an amount of how joint n's factor and its two derivatives change with ω.
 
@@ -65,7 +65,7 @@ def move(form, omega, amount, x, i, u, lanes, n, c, rate):  # type: ignore[no-un
             c[d, n, z] += amount * rate[d, z]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _rate(form, omega, x, i, u, lanes, n, c, out):  # type: ignore[no-untyped-def]
     """Write the derivatives in ω of what `factor` wrote for joint n to out (3, L)."""
     if form == COSINE:

@@ -8,7 +8,7 @@ from numba import njit
 
 from lagrangian_ff.kernels.structured import product, serial
 from lagrangian_ff.kernels.structured.factors import factor, move
-from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, LANES, OPTIONS
 from lagrangian_ff.kernels.structured.potential import add_potential, slope_along
 
 ALL, LOWER, DIAGONAL = 0, 1, 2
@@ -17,7 +17,7 @@ NOTHING, WAVE, SWING = 0, 1, 2
 """Whose factors are moved: none, those of the kinetic part, those of the potential part."""
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _load(x, i, u, first, count, numbers, nudge, space):  # type: ignore[no-untyped-def]
     """Fetch state i, the states from `first` on, and the factors between them.
 
@@ -42,7 +42,7 @@ def _load(x, i, u, first, count, numbers, nudge, space):  # type: ignore[no-unty
         move(form[joint], swing[joint], amount, x, i, u, lanes, joint, factors[1], rate)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _blocks(numbers, parts, space, out):  # type: ignore[no-untyped-def]
     """Write the blocks of what was loaded to out (N, N, L)."""
     serially, _, inertia, link, potential, _, _, rotor = numbers

@@ -6,10 +6,10 @@ the matrix of second derivatives in d.
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, LANES
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_potential(g, weight, tail, head, out):  # type: ignore[no-untyped-def]
     """Add the blocks to out (N, N, L).
 
@@ -38,7 +38,7 @@ def add_potential(g, weight, tail, head, out):  # type: ignore[no-untyped-def]
                 out[m, n, z] -= both
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def slope_along(g, weight, a, product, rate, out):  # type: ignore[no-untyped-def]
     """Write the derivative of Σ_i λ_i Π_{l≤i} g_l(d_l) along a, as d moves, to out (L,).
 

@@ -15,10 +15,10 @@ the push-forward (22) of the kernel is
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, LANES
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def kinetic(v, a, vu, au, c, inertia, link, work, square, out):  # type: ignore[no-untyped-def]
     """Write the blocks of one state with L others to out (N, N, L).
 

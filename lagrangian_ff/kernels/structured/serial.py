@@ -22,10 +22,10 @@ pair (z0, z1) stands for z0 + z1 ε with ε² = 0: derivatives along a velocity 
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import LANES, OPTIONS
+from lagrangian_ff.kernels.structured.options import INNER, LANES
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _sums(z0, z1, rate, c, h0, h1, g0, g1, p0, p1, s0, s1, out):  # type: ignore[no-untyped-def]
     """Write ∂_n of the ε part of Σ_k z_k F_mk to out[m, n], n ≥ 1.
 
@@ -85,7 +85,7 @@ def _sums(z0, z1, rate, c, h0, h1, g0, g1, p0, p1, s0, s1, out):  # type: ignore
                 out[m, n, z] = s1[m, n, z] + p0[m, 0, z] * g1[m, n, z] + p1[m, 0, z] * g0[m, n, z]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _tails(v, vu, c, link, h, hv, hu, hvu, g, gv, gu):  # type: ignore[no-untyped-def]
     """H with its derivatives along the velocities, (N, L), and ∂_n H_m, (N, N, L)."""
     joints = v.shape[0]
@@ -116,7 +116,7 @@ def _tails(v, vu, c, link, h, hv, hu, hvu, g, gv, gu):  # type: ignore[no-untype
                 gu[m, n, z] = e * gu[k, n, z] + rise * vu[k, z] * g[k, n, z]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _entries(  # type: ignore[no-untyped-def]
     v, a, vu, c, w, b, inertia, h, hv, hu, hvu, diagonal, run, run_v, run_u, run_vu, out
 ):
@@ -154,7 +154,7 @@ def _entries(  # type: ignore[no-untyped-def]
                 out[k, j, z] = inertia[j] * (b[k, z] * straight - w[k, z] * turned)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def _bend(t, c, h, p0, s0, square, slope, out):  # type: ignore[no-untyped-def]
     """Subtract half the second derivatives of Q = Σ_jk t_j t_k F_jk from out.
 
@@ -180,7 +180,7 @@ def _bend(t, c, h, p0, s0, square, slope, out):  # type: ignore[no-untyped-def]
                 slope[m, n, z] = 2.0 * t[m, z] * p0[m, n, z] + c0 * c0 * slope[m - 1, n, z]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def kinetic(v, a, vu, au, c, inertia, link, work, square, out):  # type: ignore[no-untyped-def]
     """Write the blocks of one state with L others to out (N, N, L).
 
