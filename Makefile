@@ -32,7 +32,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-oldest lint types format benchmark install clean
+.PHONY: help demo test test-oldest lint types loops format benchmark install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -42,7 +42,8 @@ demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in o
 	$(environment) ros
 	@$(BIN)/lagrangian_ff demo $(ARGS)
 
-test: lint types  ## everything CI checks: style, types, then all tests
+test:  ## everything CI checks: style, types, then all tests
+	@$(MAKE) --no-print-directory --jobs 2 lint types loops
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
@@ -65,6 +66,10 @@ lint: install  ## check style
 
 types: install  ## check types
 	@$(BIN)/mypy
+
+# The test processes would each compile the same loops, at the same time.
+loops: install
+	@$(BIN)/python tools/compile_loops.py
 
 format: install  ## put the sources into the one format
 	@$(BIN)/ruff check --fix $(SOURCES)

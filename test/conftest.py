@@ -20,6 +20,9 @@ from hypothesis import HealthCheck, settings
 ROOT = Path(__file__).resolve().parent.parent
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+# Tests run in as many processes as there are processors: threads of BLAS beside them spend four
+# times the work on waiting for each other. To be set before NumPy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Machines differ in speed, so no example has a deadline; CI tries the same examples every time.
 settings.register_profile(

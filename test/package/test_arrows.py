@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,7 @@ def sources(*folders: str) -> list[Path]:
     return sorted(file for folder in folders for file in (ROOT / folder).rglob("*.py"))
 
 
+@cache
 def imports(file: Path) -> list[tuple[int, str]]:
     """Return the line and the dotted name of every import in a file, the relative ones too."""
     return list(imports_of(file.read_text(), list(file.relative_to(ROOT).parts[:-1])))

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -75,14 +76,21 @@ def tracked() -> list[Path]:
 
 def imported(*folders: str) -> set[str]:
     """Return the top-level modules that files of the folders import, the standard library's not."""
-    modules: set[str] = set()
-    for file in (file for folder in folders for file in (ROOT / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.Import):
-                modules |= {alias.name.split(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                modules.add(node.module.split(".")[0])
+    files = (file for folder in folders for file in (ROOT / folder).rglob("*.py"))
+    modules = {module for file in files for module in imported_by(file)}
     return modules - set(sys.stdlib_module_names) - {"lagrangian_ff"}
+
+
+@cache
+def imported_by(file: Path) -> set[str]:
+    """Return the top-level modules that a file imports."""
+    modules: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            modules.add(node.module.split(".")[0])
+    return modules
 
 
 def is_ros(module: str) -> bool:
