@@ -41,10 +41,12 @@ def cogging(seconds: float = 24.0, reach: float = 1.0) -> Recording:
 
 @pytest.fixture(autouse=True, scope="module")
 def _few_samples() -> Iterator[None]:
-    """Judge on fewer samples, which is quicker."""
+    """Judge on fewer samples and choose the prior in fewer sweeps, which is quicker."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.ROWS", 1600)
-        patch.setattr("lagrangian_ff.diagnosis.search.confirm.ROWS", 1600)
+        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.ROWS", 1000)
+        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.COARSE_SWEEPS", 1)
+        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.FINE_SWEEPS", 1)
+        patch.setattr("lagrangian_ff.diagnosis.search.confirm.ROWS", 1000)
         yield
 
 

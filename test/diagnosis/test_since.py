@@ -14,7 +14,9 @@ from lagrangian_ff.identification import Model, Settings, identify
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1400)
+        patch.setattr(tuning, "ROWS", 1000)
+        patch.setattr(tuning, "COARSE_SWEEPS", 1)
+        patch.setattr(tuning, "FINE_SWEEPS", 1)
         yield
 
 

@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tuning, "ROWS", 1000)
+        patch.setattr(tuning, "COARSE_SWEEPS", 1)
+        patch.setattr(tuning, "FINE_SWEEPS", 1)
         yield
 
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -149,34 +150,43 @@ def graph(ros_environment: dict[str, str]) -> Iterator[object]:
     rclpy.try_shutdown(context=context)
 
 
-@pytest.mark.parametrize("name", NODES)
-def test_a_node_starts_from_the_workspace_and_stops_when_told(
-    workspace: Workspace, graph: object, name: str, tmp_path: Path
-) -> None:
-    output = tmp_path / "output"
-    with output.open("w") as file:
+@contextmanager
+def started(workspace: Workspace, name: str, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Start a node of the workspace, which writes to a file of its name."""
+    with (folder / name).open("w") as file:
         process = subprocess.Popen(
             [workspace.prefix / "lib" / "lagrangian_ff" / name],
             env=workspace.environment,
-            cwd=tmp_path,
+            cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=file,
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
     try:
-        end = time.monotonic() + 60
-        while name not in graph.get_node_names():  # type: ignore[attr-defined]
-            assert process.poll() is None, output.read_text()
-            assert time.monotonic() < end, f"{name} did not appear:\n{output.read_text()}"
-            time.sleep(0.1)
-        os.killpg(process.pid, signal.SIGINT)
-        assert process.wait(timeout=30) == 0, output.read_text()
+        yield process
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
-    assert "Traceback" not in output.read_text()
+
+
+def test_the_nodes_start_from_the_workspace_and_stop_when_told(
+    workspace: Workspace, graph: object, tmp_path: Path
+) -> None:
+    with ExitStack() as stack:
+        nodes = {name: stack.enter_context(started(workspace, name, tmp_path)) for name in NODES}
+        end = time.monotonic() + 60
+        while not set(NODES) <= set(graph.get_node_names()):  # type: ignore[attr-defined]
+            for name, process in nodes.items():
+                assert process.poll() is None, (tmp_path / name).read_text()
+            assert time.monotonic() < end, graph.get_node_names()  # type: ignore[attr-defined]
+            time.sleep(0.1)
+        for process in nodes.values():
+            os.killpg(process.pid, signal.SIGINT)
+        for name, process in nodes.items():
+            assert process.wait(timeout=30) == 0, (tmp_path / name).read_text()
+            assert "Traceback" not in (tmp_path / name).read_text()
 
 
 def test_a_symlinked_build_runs_the_sources_themselves(tmp_path: Path) -> None:

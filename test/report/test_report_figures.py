@@ -43,29 +43,21 @@ def test_a_figure_is_a_png_of_its_size(name: str) -> None:
     assert (width, height) == pytest.approx(tuple(inches * figure.dpi), abs=1)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 6, 7])
-def test_any_number_of_joints_can_be_drawn(count: int) -> None:
-    joints = tuple(f"joint_{n}" for n in range(count))
-    found = motion(joints=joints)
-    figure = torque_figure(found, found.tau)
-    assert len(figure.axes) == 2 * count
-    assert png(figure).startswith(html.PNG)
-
-
 @pytest.mark.parametrize(
     ("count", "name", "size"),
     [
         (1, 30 * "long", 1.0), (2, "shoulder_pan_joint", 1.3e4), (3, 30 * "long", 1.0),
-        (6, "joint", 0.0171),
+        (7, "joint", 0.0171),
     ],
 )  # fmt: skip
-def test_titles_stay_in_their_column_and_above_their_axes(
+def test_any_number_of_titles_stay_in_their_column_and_above_their_axes(
     count: int, name: str, size: float
 ) -> None:
     found = motion(joints=tuple(f"{name}_{n}" for n in range(count)))
     tau = size * found.tau
     figure = torque_figure(replace(found, tau=tau), 0.81 * tau)
-    png(figure)  # lays it out
+    assert len(figure.axes) == 2 * count
+    assert png(figure).startswith(html.PNG)  # lays it out
     assert isinstance(figure.canvas, FigureCanvasAgg)
     renderer = figure.canvas.get_renderer()
     torques = figure.axes[::2]

@@ -65,9 +65,9 @@ def scheduler() -> Iterator[str]:
         ]
         yield address
     finally:
+        # Workers first, and waited for: without their scheduler they take seconds to end.
         for process in reversed(started):
             process.terminate()
-        for process in started:
             process.wait(20.0)
 
 
