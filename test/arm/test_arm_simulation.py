@@ -28,7 +28,7 @@ def error(run: Run) -> float:
 
 
 def test_tracking_falls_in_the_papers_three_groups() -> None:
-    trajectory = exciting_trajectory(6, duration=6.0)
+    trajectory = exciting_trajectory(6, duration=4.0)
     none = simulate(trajectory)
     partial = simulate(trajectory, without_friction)
     full = simulate(trajectory, "true")

@@ -1,6 +1,8 @@
 """Every hidden effect: its list, its size, what it does to the arm, and that it stays physics."""
 
 import ast
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 import lagrangian_ff.arm.hidden
 from lagrangian_ff.arm import HOME, JointMoment, Load, Plant, Run, exciting_trajectory, simulate
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Reference, Site, size, sized
+from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Installed, Reference, Site, size, sized
 from lagrangian_ff.arm.hidden.base import ALL_JOINTS, replay
 from lagrangian_ff.arm.hidden.solid import Bristles
 from lagrangian_ff.effects import EFFECTS
@@ -18,15 +20,24 @@ MOTION = exciting_trajectory(6, 1, duration=4.0)
 JOINT = 1
 
 
-def run_with(effect: HiddenEffect, site: Site, wanted: float) -> Run:
-    parts, _ = sized(effect, site, wanted)
-    return simulate(
-        MOTION,
-        effects=parts.effects,
-        sensors=parts.sensors,
-        gears=parts.gears,
-        attached=parts.attached,
-    )
+@pytest.fixture(scope="module")
+def driven(site: Site) -> Callable[[str], tuple[Installed, Run]]:
+    """Return what drives the arm with a tenth of an effect, or its largest, once for all tests."""
+
+    @cache
+    def drive(name: str) -> tuple[Installed, Run]:
+        effect = HIDDEN[name]
+        parts, _ = sized(effect, site, min(0.1, effect.largest))
+        run = simulate(
+            MOTION,
+            effects=parts.effects,
+            sensors=parts.sensors,
+            gears=parts.gears,
+            attached=parts.attached,
+        )
+        return parts, run
+
+    return drive
 
 
 @pytest.fixture(scope="module")
@@ -107,11 +118,11 @@ def test_an_effect_acts_where_it_says(effect: HiddenEffect, site: Site) -> None:
 @pytest.mark.parametrize(
     "name", ["stribeck", "load_friction", "hysteresis", "ripple", "coupled", "contact", "starved"]
 )
-def test_a_run_meets_the_torque_that_was_sized(name: str, site: Site) -> None:
+def test_a_run_meets_the_torque_that_was_sized(
+    name: str, site: Site, driven: Callable[[str], tuple[Installed, Run]]
+) -> None:
     """The plant's own account of the effect, and the effect replayed along what happened."""
-    effect = HIDDEN[name]
-    parts, _ = sized(effect, site, 0.1)
-    run = simulate(MOTION, effects=parts.effects)
+    parts, run = driven(name)
     again = replay(parts, Site(JOINT, site.seed, 0, Reference.of(run)))
     true = run.added_torque
     error = np.sqrt(np.mean((again - true) ** 2, axis=0))[JOINT]
@@ -135,9 +146,10 @@ OF_EACH_KIND = (
 
 
 @pytest.mark.parametrize("name", OF_EACH_KIND)
-def test_the_recording_changes_and_the_arm_still_tracks(name: str, site: Site, clean: Run) -> None:
-    effect = HIDDEN[name]
-    run = run_with(effect, site, min(0.1, effect.largest))
+def test_the_recording_changes_and_the_arm_still_tracks(
+    name: str, clean: Run, driven: Callable[[str], tuple[Installed, Run]]
+) -> None:
+    _, run = driven(name)
     changed = run.recording.effort - clean.recording.effort
     noise = 160.0 * 0.0385 * 0.12
     assert np.abs(changed[:, JOINT]).max() > 3.0 * noise or not np.array_equal(

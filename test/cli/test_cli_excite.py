@@ -144,7 +144,7 @@ def test_small_numbers_stay_numbers() -> None:
 def test_the_simulated_arm_follows(tmp_path: Path, name: str, joint: str) -> None:
     output = tmp_path / "m.csv"
     outcome = lagrangian_ff(
-        "excite", name, "--joint", joint, "--arm", "--output", output, "--duration", "10"
+        "excite", name, "--joint", joint, "--arm", "--output", output, "--duration", "6"
     )
     assert outcome.code == 0, outcome
     assert f"simulate --trajectory {output}" in outcome.out

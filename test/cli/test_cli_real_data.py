@@ -11,7 +11,8 @@ FILE = "ur10/ur10_exciting_trajectory/ur10_exciting_trajectory.db3"
 def test_a_measured_ur10_is_identified_as_the_file_is(shared_data: Path, tmp_path: Path) -> None:
     model, found = tmp_path / "ur10.npz", tmp_path / "found.json"
     outcome = process(
-        "identify", shared_data / FILE, "--samples", "120", "--train", "1.0",
+        "identify", shared_data / FILE, "--model", "chain+fri", "--samples", "60",
+        "--train", "1.0",
         "--output", model, "--json", found,
     )  # fmt: skip
     assert outcome.code == 0, outcome

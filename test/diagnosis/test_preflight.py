@@ -267,7 +267,8 @@ def test_a_measured_arm_is_sound(shared_data: Path) -> None:
     """An LWR 4 that makes one motion twice: nothing to mend, and its noise is seen."""
     files = [shared_data / "kuka_lwr4" / f"measurements_{k}.npz" for k in (1, 2)]
     first, second = (condition(load(path)) for path in files)
-    model = identify(first, Settings(samples=120, evaluations=15, train=1.0)).model
+    settings = Settings("chain+fri", samples=80, evaluations=8, train=1.0)
+    model = identify(first, settings).model
     checks = preflight(model, second, [first])
     assert not serious(checks)
     floor = [check for check in checks if check.check == "noise floor"]

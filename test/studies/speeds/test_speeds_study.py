@@ -1,6 +1,7 @@
 """`study speeds`: a small one from the arm to the findings, and what it refuses."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +26,14 @@ def done(folder: Path) -> tuple[list[dict[str, Any]], dict[str, Any]]:
 @pytest.fixture(scope="module")
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("speeds")
-    assert main([*QUICK, str(folder), "--cases", "speed0[59]-*"]) == 0
+    assert main([*QUICK, str(folder), "--cases", "speed0[59]-*", "--keep"]) == 0
     return folder
+
+
+def given(recordings: Path, folder: Path) -> None:
+    """Give a study the slower one of the recordings of another."""
+    (folder / "recordings").mkdir()
+    shutil.copy(recordings / "speed05.npz", folder / "recordings")
 
 
 def test_its_findings_hold(small: Path) -> None:
@@ -52,7 +59,7 @@ def test_a_line_tells_the_error_by_joint_and_what_was_chosen(small: Path) -> Non
         assert line["rmse"] == pytest.approx(np.sqrt(np.mean(error**2)))
         assert line["relative"] == pytest.approx(line["rmse"] / np.sqrt(np.mean(torque**2)))
         # The torque is that of the last two thirds, which no model has a share in.
-        motion = Drive(line["speed"], 0, 9.0).motion()
+        motion = Drive(line["speed"], 0, 9.0, kept=small / "recordings").motion()
         later = motion.tau[round(len(motion) / 3) :]
         np.testing.assert_allclose(torque, np.sqrt(np.mean(later**2, axis=0)), rtol=0.01)
         assert line["chosen"]["hyperparameters"]
@@ -60,10 +67,11 @@ def test_a_line_tells_the_error_by_joint_and_what_was_chosen(small: Path) -> Non
 
 
 def test_friction_beside_the_kernel_is_needed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    given(small / "recordings", tmp_path)
     models = ["--models", "vrbfs", "vrbfs+fri", "rbfs", "rbfs+fri"]
-    assert main([*QUICK, str(tmp_path), "--cases", "speed05-*", *models]) == 0
+    assert main([*QUICK, str(tmp_path), "--cases", "speed05-*", "--keep", *models]) == 0
     needed = done(tmp_path)[1]["findings"]["friction_needed"]
     assert needed["holds"]
     assert set(needed["ratio"]) == {"vrbfs", "rbfs"}
@@ -72,18 +80,18 @@ def test_friction_beside_the_kernel_is_needed(
     assert out.count("\n  rbfs") == 2
 
 
-def test_kept_recordings_are_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first, second = tmp_path / "first", tmp_path / "second"
-    options = ["--cases", "speed05-*", "--models", "motor+fri", "--keep"]
-    assert main([*QUICK, str(first), *options]) == 0
-    (kept,) = (first / "recordings").iterdir()
-    assert kept.name == "speed05.npz"
-    (second / "recordings").mkdir(parents=True)
-    (second / "recordings" / kept.name).write_bytes(kept.read_bytes())
+def test_kept_recordings_are_used(
+    small: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = {file.name for file in (small / "recordings").iterdir()}
+    assert kept == {"speed05.npz", "speed09.npz"}
+    given(small / "recordings", tmp_path)
     monkeypatch.setattr(drive, "simulate", None)
-    assert main([*QUICK, str(second), *options]) == 0
-    ((one,), _), ((other,), _) = done(first), done(second)
-    assert {**one, "seconds": 0} == {**other, "seconds": 0}
+    options = ["--cases", "speed05-*", "--models", "motor+fri", "--keep"]
+    assert main([*QUICK, str(tmp_path), *options]) == 0
+    (again,) = done(tmp_path)[0]
+    before = next(line for line in done(small)[0] if line["case"] == again["case"])
+    assert {**again, "seconds": 0} == {**before, "seconds": 0}
 
 
 def test_the_whole_study_has_every_model_at_every_speed(tmp_path: Path) -> None:
