@@ -5,10 +5,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from lagrangian_ff.cli.common.compiling import told_of_compiling
 from lagrangian_ff.progress import Progress
 
 QUIET_SECONDS = 2.0
 """Work shorter than this is not mentioned in a log."""
+COMPILING = "compiling, the first time only"
 
 
 @contextmanager
@@ -48,7 +50,10 @@ def _bar(title: str) -> Iterator[Progress]:
         def report(fraction: float, label: str) -> None:
             bars.update(task, completed=fraction, description=f"{title}: {label}")
 
-        yield report
+        with told_of_compiling(
+            QUIET_SECONDS, lambda: bars.update(task, description=f"{title}: {COMPILING}")
+        ):
+            yield report
 
 
 def _lines(title: str) -> Iterator[Progress]:
@@ -61,6 +66,10 @@ def _lines(title: str) -> Iterator[Progress]:
             told = True
             print(f"{title} ...", file=sys.stderr, flush=True)
 
-    yield report
+    def compiling() -> None:
+        print(f"{COMPILING} ...", file=sys.stderr, flush=True)
+
+    with told_of_compiling(QUIET_SECONDS, compiling):
+        yield report
     if told:
         print(f"{title}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)
