@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 from cli_examples import assert_refused, lagrangian_ff, process
 
 from lagrangian_ff.cli.commands.effects import EPILOG
-from lagrangian_ff.effects import EFFECTS, KINDS
+from lagrangian_ff.effects import EFFECTS, KINDS, user
 
 
 @pytest.fixture
@@ -69,8 +70,9 @@ def test_a_picture(tmp_path: Path) -> None:
 
 
 def test_ones_own(own: Path, tmp_path: Path) -> None:
-    """In processes of their own, so that the effect is not in the catalogue afterwards."""
-    listed = process("effects", "--effects-file", own)
+    """The second in a process of its own, as users see it."""
+    with patch.dict(EFFECTS), patch.dict(user._origin):  # not in the catalogue afterwards
+        listed = lagrangian_ff("effects", "--effects-file", own)
     assert listed.code == 0, listed
     assert "  pit " in listed.out
     picture = tmp_path / "pit.png"
