@@ -1,6 +1,6 @@
 """The error of several models on motion that they have not seen, joint by joint.
 
-    python benchmark/held_out.py TRAIN [TRAIN ...] [--test TEST ...] [--share 0.33] [--models ...]
+    python benchmark/held_out.py TRAIN [TRAIN ...] [--test TEST ...] [--share 0.33] [--models ...] [--samples 500]
 
 Learns each model from the first share of TRAIN; prints the normalised mean squared error, as a
 table, on the rest of it, or on TEST.
@@ -26,6 +26,7 @@ def main() -> None:
     parser.add_argument("--test", nargs="+", type=Path, default=[])
     parser.add_argument("--share", type=float, default=1.0)
     parser.add_argument("--models", nargs="+", default=list(MODELS))
+    parser.add_argument("--samples", type=int, default=Settings.samples)
     options = parser.parse_args()
     learned, unseen = _motions(options.train), _motions(options.test)
     if not unseen and options.share >= 1.0:
@@ -33,7 +34,7 @@ def main() -> None:
     rows = []
     for name in options.models:
         began = time.perf_counter()
-        settings = Settings(model=name, train=options.share)
+        settings = Settings(model=name, train=options.share, samples=options.samples)
         found = identify(learned, settings)
         seconds = time.perf_counter() - began
         joints = found.model.joints

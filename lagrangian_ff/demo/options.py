@@ -33,7 +33,7 @@ class Options:
     duration: float = 24.0
     unseen_duration: float = 16.0
     model: str = "auto+fri"
-    samples: int = 500
+    samples: int = 1000
     train: float = 1.0
     through: str = "stream"
     domain: int | None = None
@@ -55,5 +55,10 @@ class Options:
             raise UserError(f"domain is {self.domain}, expected 0 to 101")
 
 
-QUICK: dict[str, Any] = {"duration": 8.0, "unseen_duration": 5.0, "samples": 300}
+QUICK: dict[str, Any] = {
+    "duration": 8.0,
+    "unseen_duration": 5.0,
+    "samples": 300,
+    "model": "chain+fri",
+}
 """Short motions, to see everything work in a minute."""

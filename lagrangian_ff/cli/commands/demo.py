@@ -57,7 +57,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     option("duration", "SECONDS", "of the motion that is learned from (default: 24)")
     option("unseen_duration", "SECONDS", "of the motion never seen (default: 16)")
     option("model", "NAME", "kernel and effects, as for identify (default: auto+fri)")
-    option("samples", "M", "training samples the model is built on (default: 500)")
+    option("samples", "M", "training samples the model is built on (default: 1000)")
     option("train", "FRACTION", "share of the recording that is learned from (default: 1)")
     option(
         "through",
