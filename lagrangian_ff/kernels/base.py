@@ -139,6 +139,8 @@ class DifferentiableKernel(CoupledKernel):
 
     differentiable: ClassVar[tuple[str, ...]]
     """The hyperparameters, all positive, that the evidence can be climbed in."""
+    variances: ClassVar[tuple[str, ...]] = ()
+    """Those of them that are the variance of a torque which no arm has many times as large."""
 
     @abstractmethod
     def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, "Contracted"]:

@@ -8,8 +8,7 @@ evidence E falls with the Gram matrix and the basis as
 Its curvature is taken as the average information ½ (G'_i a)ᵀ P (G'_j a) / s² of two numbers of the
 Gram matrix, less what the amplitude takes, and (Φ'_i b)ᵀ P (Φ'_j b) / s² of two shapes (Gilmour,
 Thompson and Cullis, Biometrics 51, 1995): it costs products with vectors only, and a dozen steps
-arrive. A weak prior holds what the torques say nothing about: each logarithm is normal about its
-start.
+arrive. A weak prior, see `belief`, holds what the torques say nothing about.
 """
 
 from collections.abc import Callable
@@ -20,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
+from lagrangian_ff.identification.choosing.belief import Belief
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import DifferentiableKernel, States
@@ -27,8 +27,6 @@ from lagrangian_ff.kernels import DifferentiableKernel, States
 Floats = NDArray[np.float64]
 Place = TypeVar("Place")
 
-PRIOR_DEVIATION = 3.0
-"""Standard deviation of the logarithm of a hyperparameter about its start."""
 LONGEST = 1.5
 """The longest step of a logarithm."""
 ENOUGH = 0.05
@@ -54,12 +52,12 @@ class Hill(Generic[Place]):
     """What is climbed, over logarithms (K,).
 
     Attributes:
-        middle: where the prior of every logarithm has its middle.
+        belief: of the logarithms, before any torque is seen.
         go: to a point; NotPositiveDefiniteError where nobody can stand.
         height: the log evidence there.  slopes: and how it changes.
     """
 
-    middle: Floats
+    belief: Belief
     go: Callable[[Floats], Place]
     height: Callable[[Place], float]
     slopes: Callable[[Place], Slopes]
@@ -81,19 +79,19 @@ class Hill(Generic[Place]):
             NotPositiveDefiniteError: nobody can stand at the first point.
         """
         place = self.go(point)
-        height = self.height(place) + self._belief(point)
+        height = self.height(place) + self.belief.height(point)
         damping = 1.0
         for step in range(steps):
             told(step)
             before = height
             slopes = self.slopes(place)
-            slope = slopes.slope - (point - self.middle) / PRIOR_DEVIATION**2
-            information = slopes.information + np.eye(len(point)) / PRIOR_DEVIATION**2
+            slope = slopes.slope + self.belief.slope(point)
+            information = slopes.information + np.diag(self.belief.information(point))
             for _ in range(TRIALS):
                 tried = point + _step(slope, information, damping)
                 try:
                     there = self.go(tried)
-                    higher = self.height(there) + self._belief(tried)
+                    higher = self.height(there) + self.belief.height(tried)
                 except (NotPositiveDefiniteError, np.linalg.LinAlgError):
                     higher = -np.inf
                 if higher > height:
@@ -104,10 +102,6 @@ class Hill(Generic[Place]):
             if height - before < ENOUGH:
                 break
         return point, place
-
-    def _belief(self, point: Floats) -> float:
-        away = (point - self.middle) / PRIOR_DEVIATION
-        return -0.5 * float(away @ away)
 
 
 def _step(slope: Floats, information: Floats, damping: float) -> Floats:

@@ -84,8 +84,11 @@ def choose_all(
             "here)"
         )
     best = min(judged, key=lambda way: way.cost)
-    best = best.climbed(data, last, criterion, part(progress, 1.0 - _work(last) / whole, 1.0))
-    tried = tuple(way.record(criterion) for way in (*judged, best))
+    higher = best.climbed(data, last, criterion, part(progress, 1.0 - _work(last) / whole, 1.0))
+    tried = tuple(way.record(criterion) for way in (*judged, higher))
+    # Samples that lie close share their errors, in which the evidence then sees dynamics.
+    if criterion == "evidence" or higher.cost < best.cost:
+        best = higher
     return Chosen(best.spec, best.judged, best.scaling, tried)
 
 

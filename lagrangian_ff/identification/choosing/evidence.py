@@ -16,6 +16,7 @@ from lagrangian_ff.identification.choosing.ascent import (
     projected,
     slopes_by_gram,
 )
+from lagrangian_ff.identification.choosing.belief import Belief
 from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.solving.fit import Fit
@@ -57,8 +58,7 @@ def climb(
     """
     total, done = sum(steps for _, steps in stages), 0
     path = _Path(spec, start)
-    middle = path.middle
-    point = middle if first is None else _Path(spec, first).middle
+    point = path.middle if first is None else _Path(spec, first).middle
     evidence = -np.inf
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
@@ -76,7 +76,7 @@ def climb(
             def slopes(fitted: Fit, part: TrainingSet = part) -> Slopes:
                 return slopes_of(fitted, part)
 
-            hill = Hill(middle, go, lambda fitted: fitted.log_evidence, slopes)
+            hill = Hill(path.belief, go, lambda fitted: fitted.log_evidence, slopes)
             point, fitted = hill.climb(_footing(point, path, go), steps, told)
             evidence = fitted.log_evidence
             done += steps
@@ -112,6 +112,15 @@ class _Path:
         parts = [*numbers(_kernel(self.start)).values(), self.start.noise]
         parts += [v for shapes in self.start.shapes.values() for v in shapes.values()]
         return np.asarray(np.log(np.concatenate(parts)))
+
+    @property
+    def belief(self) -> Belief:
+        """About the start."""
+        kernel, middle = _kernel(self.start), self.middle
+        rare = [np.full(len(v), name in kernel.variances) for name, v in numbers(kernel).items()]
+        variances = np.zeros(len(middle))
+        variances[: self.noise.start] = np.concatenate(rare)
+        return Belief(middle, variances)
 
     @property
     def noise(self) -> slice:

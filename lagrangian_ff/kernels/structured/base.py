@@ -72,6 +72,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     differentiable: ClassVar[tuple[str, ...]] = (
         "inertia", "link", "potential", "wave", "swing", "rotor",
     )  # fmt: skip
+    variances: ClassVar[tuple[str, ...]] = ("potential",)
 
     @classmethod
     def start(cls: type[Self], x: States) -> Self:

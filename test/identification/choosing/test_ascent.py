@@ -8,13 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from lagrangian_ff.identification.choosing.ascent import (
-    PRIOR_DEVIATION,
-    Hill,
-    Slopes,
-    numbers,
-    slopes_by_gram,
-)
+from lagrangian_ff.identification.choosing.ascent import Hill, Slopes, numbers, slopes_by_gram
+from lagrangian_ff.identification.choosing.belief import PRIOR_DEVIATION, Belief
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import KERNELS, DifferentiableKernel, States
@@ -78,7 +73,7 @@ def parabola(top: Floats, width: Floats) -> Hill[Floats]:
         return Slopes(-(point - top) / width**2, np.diag(1.0 / width**2))
 
     return Hill(
-        np.zeros(len(top)),
+        Belief(np.zeros(len(top))),
         lambda point: point,
         lambda point: -0.5 * float(np.sum(((point - top) / width) ** 2)),
         slopes,
@@ -121,7 +116,7 @@ def test_a_climb_never_goes_down_whatever_the_slopes_say(seed: int) -> None:
         return Slopes(5.0 * rng.normal(size=2), np.eye(2) * rng.uniform(0.1, 2.0))
 
     start = np.array([0.5, 0.5])
-    found, place = Hill(start, go, height, slopes).climb(start, 15)
+    found, place = Hill(Belief(start), go, height, slopes).climb(start, 15)
     np.testing.assert_array_equal(found, place)
     assert found[0] <= 1.0
     assert height(found) >= height(start)
@@ -131,6 +126,6 @@ def test_where_nobody_can_stand_at_first_there_is_no_climb() -> None:
     def go(point: Floats) -> Floats:
         raise NotPositiveDefiniteError("a bog")
 
-    hill = Hill(np.zeros(1), go, lambda place: 0.0, lambda place: Slopes(place, np.eye(1)))
+    hill = Hill(Belief(np.zeros(1)), go, lambda place: 0.0, lambda place: Slopes(place, np.eye(1)))
     with pytest.raises(NotPositiveDefiniteError, match="bog"):
         hill.climb(np.zeros(1), 3)

@@ -1,6 +1,7 @@
 """Choosing kernels and their numbers: by the evidence's slopes, and by blocks left out."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pendulum
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.choosing.ascent import PRIOR_DEVIATION
+from lagrangian_ff.identification.choosing import choose as choosing
 from lagrangian_ff.identification.choosing.choose import choose_all
 from lagrangian_ff.identification.choosing.evidence import _Path, climb, slopes_of
 from lagrangian_ff.identification.choosing.robustly import choose_robustly
@@ -67,14 +68,14 @@ def test_a_climb_raises_the_evidence_by_more_than_the_prior_takes() -> None:
     data = training(40)
     choice, scaling = started(data)
     before = fit(CHAIN, choice, data.x, data.tau, scaling).log_evidence
-    heights = [before]
+    path = _Path(CHAIN, choice)
+    heights = [before + path.belief.height(path.middle)]
     for steps in (1, 3, 9):
         top, evidence = climb(CHAIN, choice, data, scaling, [(40, steps)])
         again = fit(CHAIN, top, data.x, data.tau, scaling).log_evidence
         assert evidence == pytest.approx(again, abs=1e-6)
-        path = _Path(CHAIN, choice)
-        away = (_Path(CHAIN, top).middle - path.middle) / PRIOR_DEVIATION
-        heights.append(evidence - 0.5 * float(away @ away))
+        belief = _Path(CHAIN, choice).belief
+        heights.append(evidence + belief.height(_Path(CHAIN, top).middle))
     assert (np.diff(heights) >= -1e-9).all()
     assert heights[-1] > before + 20.0
 
@@ -129,6 +130,27 @@ def test_auto_takes_the_kernel_that_does_better(criterion: str) -> None:
     again = choose_all(spec, data, [scaling], criterion)
     assert again.tried == found.tried
     np.testing.assert_array_equal(again.choice.noise, found.choice.noise)
+
+
+def test_a_last_climb_that_leads_astray_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where samples lie so close that they share their errors."""
+    data = training(60)
+    _, scaling = started(data)
+    climbs: list[Choice] = []
+
+    def astray(*given: Any, **named: Any) -> tuple[Choice, float]:
+        top, evidence = climb(*given, **named)
+        if climbs:
+            top = replace(top, noise=1e-9 * top.noise)
+        climbs.append(top)
+        return top, evidence
+
+    monkeypatch.setattr(choosing, "climb", astray)
+    found = choose_all(CHAIN, data, [scaling])
+    first, last = (float(str(one["validation"])) for one in found.tried)
+    assert len(climbs) == 2
+    assert last > first
+    assert (found.choice.noise >= climbs[0].noise).all()
 
 
 def test_a_robust_choice_knows_whom_not_to_trust() -> None:
