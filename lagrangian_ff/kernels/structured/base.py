@@ -1,8 +1,8 @@
 """What the kernels of mechanical Lagrangians share: their numbers, and the loops they run in."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,19 +18,14 @@ from lagrangian_ff.kernels.base import (
 )
 from lagrangian_ff.kernels.compiled import Prepared, prepared
 from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured import lanes, threads
+from lagrangian_ff.kernels.structured import contraction, lanes, threads
 from lagrangian_ff.kernels.structured.factors import LINE
+from lagrangian_ff.kernels.structured.slopes import slopes
 
 Floats = NDArray[np.float64]
 Self = TypeVar("Self", bound="Structured")
 
-Parts = tuple[bool, bool]
-Nudge = tuple[int, int, float]
-
 ROTOR_START = 1e-3
-KINETIC, POTENTIAL = (True, False), (False, True)
-TILE_ENTRIES = 100_000
-"""Entries of the Gram matrix whose derivatives are taken at once, so that they stay in cache."""
 
 
 @dataclass(frozen=True)
@@ -136,61 +131,25 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         return self.apply(moved, u, a) - self.apply(x.at_rest(), u, a)
 
     def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, Contracted]:
-        """See `DifferentiableKernel.contract`.
+        """See `DifferentiableKernel.contract`: sums of what pieces of the kernel do."""
+        pieces, sums = slopes(self)
+        whats = np.array([(one.kind, *one.joints, one.moved) for one in pieces])
+        inertias, shares = (
+            np.array([getattr(one, name) for one in pieces]) for name in ("inertia", "share")
+        )
+        states, a = prepared(x), vector.reshape(x.q.shape)
 
-        K is linear in link, potential and rotor and in each factor of the potential part, and of
-        second degree in each inertia and in each factor of the kinetic part: a value, or half the
-        difference of two at any distance, is the derivative itself.
-        """
-        states, changes = prepared(x), [*self._changes()]
-        height = max(1, TILE_ENTRIES // (len(vector) * x.joints))
-        tiles = range(0, len(x), height)
-        # As many heaps of tiles as threads, so that each holds what it adds up.
-        heaps = [tiles[start :: threads.count()] for start in range(threads.count())]
+        def contracted(first: int) -> tuple[Floats, Floats]:
+            totals, products = np.zeros(len(pieces)), np.zeros((len(pieces), *x.q.T.shape))
+            rows, given = (first, threads.count()), (whats, inertias, shares)
+            contraction.contract(states, rows, self._numbers(), given, weights, a, totals, products)
+            return totals, products
 
-        def contracted(heap: range) -> Mapping[str, Contracted]:
-            found = {}
-            for name in self.differentiable:
-                count = len(getattr(self, name))
-                found[name] = Contracted(np.zeros(count), np.zeros((count, len(vector))))
-            for first in heap:
-                rows = first, min(len(x), first + height)
-                tile = _Tile.of(weights, vector, rows, x.joints)
-                out = np.zeros((rows[1] - rows[0], x.joints, rows[1], x.joints))
-                for one in changes:
-                    one.kernel._write(states, states, rows, lanes.LOWER, out, one.parts, one.nudge)
-                    into = found[one.name]
-                    tile.add(out, one.factor, into.total, into.product[one.place], one.place)
-            return found
-
-        found = threads.each(contracted, heaps, len(x) ** 2)
-        return {
-            name: Contracted(
-                np.sum([one[name].total for one in found], axis=0),
-                np.sum([one[name].product for one in found], axis=0),
-            )
-            for name in self.differentiable
-        }
-
-    def _changes(self: Self) -> "Iterator[_Change[Self]]":
-        """The kernels whose weighed sum is the derivative by each hyperparameter."""
-        none = {name: np.zeros_like(getattr(self, name)) for name in ("potential", "rotor")}
-        bare = self.replace(**none)
-        for place, one in enumerate(np.eye(len(self.link))):
-            yield _Change("link", place, 1.0, bare.replace(link=one), KINETIC)
-            yield _Change("potential", place, 1.0, bare.replace(potential=one), POTENTIAL)
-        for joint, one in enumerate(np.eye(len(self.rotor))):
-            yield _Change("rotor", joint, 1.0, self.replace(rotor=one), (False, False))
-            for sign in (1.0, -1.0):
-                inertia = self.inertia * (1.0 + 0.5 * sign * one)
-                moved = self.replace(inertia=inertia)
-                yield _Change("inertia", joint, sign / self.inertia[joint], moved, KINETIC)
-                swing = lanes.SWING, joint, 0.5 * sign
-                still = self.replace(rotor=none["rotor"])
-                yield _Change("swing", joint, sign, still, POTENTIAL, swing)
-                if joint > 0 or not self.serial:
-                    wave = lanes.WAVE, joint, 0.5 * sign
-                    yield _Change("wave", joint, sign, bare, KINETIC, wave)
+        found = threads.each(contracted, range(threads.count()), len(x) ** 2)
+        totals = np.sum([one[0] for one in found], axis=0)
+        products = np.sum([one[1] for one in found], axis=0).transpose(0, 2, 1)
+        flat = products.reshape(len(pieces), -1)
+        return {name: Contracted(sums[name] @ totals, sums[name] @ flat) for name in sums}
 
     def _fill(self, x: Prepared, u: Prepared, pairs: int, out: Floats) -> None:
         """Write all rows, in as many threads as there may be."""
@@ -209,11 +168,9 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         rows: tuple[int, int],
         pairs: int,
         out: Floats,
-        parts: Parts = (True, True),
-        nudge: Nudge = (lanes.NOTHING, 0, 0.0),
     ) -> None:
         """See `lanes.write_blocks`; out begins with the first of the rows."""
-        lanes.write_blocks(x, u, rows, rows[0], pairs, self._numbers(), parts, nudge, out)
+        lanes.write_blocks(x, u, rows, rows[0], pairs, self._numbers(), out)
 
     def _numbers(self) -> tuple[Any, ...]:
         joints = len(self.inertia)
@@ -246,63 +203,3 @@ class BlockSum(Learned):
                 -1, x.joints
             )
         return torque
-
-
-@dataclass(frozen=True)
-class _Change(Generic[Self]):
-    """A kernel whose weighed sum is, times the factor, a part of a derivative.
-
-    Attributes:
-        name, place: by which number.  factor: of the sum.
-        kernel: with changed numbers.  parts, nudge: see `lanes.write_blocks`.
-    """
-
-    name: str
-    place: int
-    factor: float
-    kernel: Self
-    parts: Parts
-    nudge: Nudge = (lanes.NOTHING, 0, 0.0)
-
-
-@dataclass(frozen=True)
-class _Tile:
-    """Some rows of a symmetric matrix, up to the diagonal, and what they are contracted with.
-
-    Attributes:
-        start: the first row.  weights: (R, C) those of pairs below the diagonal doubled.
-        left, right: (R,) and (C,) the vector's part along rows and columns.
-    """
-
-    start: int
-    weights: Floats
-    left: Floats
-    right: Floats
-
-    @classmethod
-    def of(cls, weights: Floats, vector: Floats, rows: tuple[int, int], joints: int) -> "_Tile":
-        start, stop = rows[0] * joints, rows[1] * joints
-        lower = np.tril(weights[start:stop, :stop], start - 1)
-        part = 2.0 * lower
-        part[:, start:] += np.diag(np.diag(weights)[start:stop])
-        # Blocks on the diagonal come whole: what stands above it there is counted with it.
-        for first in range(0, stop - start, joints):
-            here, there = slice(first, first + joints), slice(start + first, start + first + joints)
-            below = lower[here, there]
-            part[here, there] += below.T - below
-        return cls(start, part, vector[start:stop], vector[:stop])
-
-    def add(self, out: Floats, factor: float, total: Floats, product: Floats, place: int) -> None:
-        """Add a factor of the tile's contractions, given its blocks up to the diagonal."""
-        rows = len(self.left)
-        joints = out.shape[1]
-        whole = out.reshape(rows, -1)
-        total[place] += factor * np.vdot(self.weights, whole)
-        product[self.start : self.start + rows] += factor * (whole @ self.right)
-        mirrored = self.left @ whole
-        # Samples paired with themselves have no mirror image.
-        for first in range(0, rows, joints):
-            here = slice(first, first + joints)
-            there = slice(self.start + first, self.start + first + joints)
-            mirrored[there] -= self.left[here] @ whole[here, there]
-        product[: len(mirrored)] += factor * mirrored

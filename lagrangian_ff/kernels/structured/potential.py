@@ -6,52 +6,53 @@ the matrix of second derivatives in d.
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import INNER, LANES
+from lagrangian_ff.kernels.structured.options import APART_INNER
 
 
-@njit(**INNER)
-def add_potential(g, weight, tail, head, out):  # type: ignore[no-untyped-def]
+@njit(**APART_INNER)
+def add_potential(g, weight, head, rise, tail, out):  # type: ignore[no-untyped-def]
     """Add the blocks to out (N, N, L).
 
     Args:
-        g: (3, N, L) factors and their derivatives.  weight: (N,) λ.
-        tail, head: (N, L) each, to work in.
+        g: (N, 3, L) factors and their derivatives.  weight: (N,) λ.
+        head, rise: (L,), tail: (N or more, L), to work in.
     """
-    joints = weight.shape[0]
+    joints, _, lanes = g.shape
     last = joints - 1
-    for z in range(LANES):
+    for z in range(lanes):
         tail[last, z] = weight[last]
-        head[0, z] = 1.0
-    for n in range(last - 1, -1, -1):
-        for z in range(LANES):
-            tail[n, z] = weight[n] + g[0, n + 1, z] * tail[n + 1, z]
+        head[z] = 1.0
+    for n in range(last, 0, -1):
+        for z in range(lanes):
+            tail[n - 1, z] = weight[n - 1] + g[n, 0, z] * tail[n, z]
     for n in range(joints):
-        for z in range(LANES):
-            out[n, n, z] -= head[0, z] * g[2, n, z] * tail[n, z]
-            head[1, z] = head[0, z] * g[1, n, z]
-            head[0, z] *= g[0, n, z]
+        for z in range(lanes):
+            out[n, n, z] -= head[z] * g[n, 2, z] * tail[n, z]
+            rise[z] = head[z] * g[n, 1, z]
+            head[z] *= g[n, 0, z]
         for m in range(n + 1, joints):
-            for z in range(LANES):
-                both = head[1, z] * g[1, m, z] * tail[m, z]
-                head[1, z] *= g[0, m, z]
+            for z in range(lanes):
+                both = rise[z] * g[m, 1, z] * tail[m, z]
+                rise[z] *= g[m, 0, z]
                 out[n, m, z] -= both
                 out[m, n, z] -= both
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def slope_along(g, weight, a, product, rate, out):  # type: ignore[no-untyped-def]
     """Write the derivative of Σ_i λ_i Π_{l≤i} g_l(d_l) along a, as d moves, to out (L,).
 
     Args:
-        g: (3, N, L) factors and their derivatives.  weight: (N,) λ.  a: (N, L).
+        g: (N, 3, L) factors and their derivatives.  weight: (N,) λ.  a: (N, L).
         product, rate: (L,) each, to work in.
     """
-    for z in range(LANES):
+    joints, lanes = a.shape
+    for z in range(lanes):
         product[z] = 1.0
         rate[z] = 0.0
         out[z] = 0.0
-    for n in range(weight.shape[0]):
-        for z in range(LANES):
-            rate[z] = rate[z] * g[0, n, z] + product[z] * g[1, n, z] * a[n, z]
-            product[z] *= g[0, n, z]
+    for n in range(joints):
+        for z in range(lanes):
+            rate[z] = rate[z] * g[n, 0, z] + product[z] * g[n, 1, z] * a[n, z]
+            product[z] *= g[n, 0, z]
             out[z] += weight[n] * rate[z]

@@ -95,16 +95,20 @@ def test_it_is_its_definition_pushed_through_euler_lagrange_twice(
     np.testing.assert_allclose(kernel.cross(x, u), expected, atol=1e-12 * abs(expected).max())
 
 
-@pytest.mark.parametrize("kind", KERNELS)
-@pytest.mark.parametrize("sliding", [-1, 1])
-def test_derivatives_by_hyperparameters_are_those_of_differences(
-    kind: type[Structured], sliding: int
-) -> None:
-    kernel, x = random_kernel(kind, 4, 5, sliding), random_states(40, 4, 2)
+def random_contraction(size: int) -> tuple[Floats, Floats]:
+    """Symmetric weights and a vector."""
     rng = np.random.default_rng(0)
-    weights = rng.normal(size=(160, 160))
-    weights += weights.T
-    vector = rng.normal(size=160)
+    weights = rng.normal(size=(size, size))
+    return weights + weights.T, rng.normal(size=size)
+
+
+@pytest.mark.parametrize("kind", KERNELS)
+@pytest.mark.parametrize(("joints", "sliding"), [(1, -1), (4, -1), (4, 1), (7, -1)])
+def test_derivatives_by_hyperparameters_are_those_of_differences(
+    kind: type[Structured], joints: int, sliding: int
+) -> None:
+    kernel, x = random_kernel(kind, joints, 5, sliding), random_states(40, joints, 2)
+    weights, vector = random_contraction(40 * joints)
 
     found = kernel.contract(x, np.tril(weights), vector)
     assert set(found) == set(kernel.differentiable)
@@ -117,6 +121,28 @@ def test_derivatives_by_hyperparameters_are_those_of_differences(
             np.testing.assert_allclose(derivative.product[place], expected, atol=1e-5 * scale)
             expected = float(np.sum(weights * slope))
             np.testing.assert_allclose(derivative.total[place], expected, atol=1e-4 * scale)
+
+
+@pytest.mark.parametrize("kind", KERNELS)
+@pytest.mark.parametrize("spread", [1.0, 1000.0])
+def test_derivatives_add_up_to_the_kernel(kind: type[Structured], spread: float) -> None:
+    """Euler: K is linear in link, potential and rotor, and but for gravity a square in inertia."""
+    kernel, x = random_kernel(kind, 5, 3, 2), random_states(70, 5, 4)
+    kernel = kernel.replace(inertia=kernel.inertia * spread ** np.linspace(-1.0, 1.0, 5))
+    weights, vector = random_contraction(350)
+    gram = kernel.cross(x, x)
+    whole = np.append(gram @ vector, np.sum(weights * gram))
+    found = kernel.contract(x, np.tril(weights), vector)
+
+    def along(name: str) -> Floats:
+        value = kernel.hyperparameters[name]
+        return np.append(value @ found[name].product, value @ found[name].total)
+
+    tolerance = 1e-10 * np.append(np.full(350, np.abs(whole[:-1]).max()), np.abs(gram).sum())
+    linear = along("link") + along("potential") + along("rotor")
+    assert (abs(linear - whole) < tolerance).all()
+    square = 2.0 * (whole - along("potential"))
+    assert (abs(along("inertia") - square) < tolerance).all()
 
 
 def double_pendulum(x: States) -> Floats:
