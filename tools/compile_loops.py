@@ -18,6 +18,7 @@ sys.path.insert(0, str(ROOT))
 from lagrangian_ff.kernels import (  # noqa: E402
     KERNELS,
     CoupledKernel,
+    DifferentiableKernel,
     IndependentKernel,
     Kernel,
     LagrangianKernel,
@@ -34,6 +35,8 @@ def use(kernel: Kernel, x: States) -> None:
     if isinstance(kernel, CoupledKernel):
         kernel.gram(x)
         kernel.cross(x, x)
+    if isinstance(kernel, DifferentiableKernel):
+        kernel.contract(x, np.eye(x.q.size), x.q.ravel())
     if isinstance(kernel, IndependentKernel):
         kernel.gram(x, 0)
         kernel.cross(x, x, 0)
