@@ -18,6 +18,7 @@ from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, kept
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.build import seconds
+from lagrangian_ff.identification.sliding import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
@@ -184,7 +185,9 @@ def diagnose(
         first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
     for one in (first, unseen):
         _require_long(one)
-    ground = tune(first, model.inputs_of(first), model.basis, part(progress, 0.0, 0.3))
+    sliding = sliding_of(model.kernel, len(model.joints))
+    inputs = model.inputs_of(first)
+    ground = tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding)
     found = search(ground, effects, steps, part(progress, 0.3, 0.85))
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)

@@ -18,6 +18,7 @@ from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
 from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.effects.base import Floats
 from lagrangian_ff.identification import Model, kept
+from lagrangian_ff.identification.sliding import sliding_of
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
@@ -114,7 +115,8 @@ def changed_since(
     boundary = float(model.data.time.max()) + PAUSE
     new = replace(new, time=new.time - new.time[0] + boundary)
     both = concatenate([model.data, new])
-    ground = tune(both, model.inputs_of(both), model.basis, progress)
+    sliding = sliding_of(model.kernel, len(model.joints))
+    ground = tune(both, model.inputs_of(both), model.basis, progress, sliding)
     found = []
     named = changed_bodies(model, ground, boundary)
     heavier = _masses(ground, boundary)

@@ -2,10 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.spec import ALTERNATIVES, Spec
 from lagrangian_ff.kernels import KERNELS, Kernel
 from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
 
 NUMBER = "prismatic"
 """The hyperparameter of the kernels that tell sliding joints from those that turn."""
@@ -63,3 +68,8 @@ def require_sliding(spec: Spec, prismatic: tuple[str, ...], known: bool) -> None
 
 def _tells(kernel: type[Kernel]) -> bool:
     return any(one.name == NUMBER for one in kernel.further)
+
+
+def sliding_of(kernel: Kernel, joints: int) -> Floats:
+    """(N,) 1 where a kernel knows that a joint slides, 0 elsewhere."""
+    return np.asarray(kernel.hyperparameters.get(NUMBER, np.zeros(joints)))

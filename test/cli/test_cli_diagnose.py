@@ -44,21 +44,25 @@ def _few_samples() -> Iterator[None]:
     """Judge on fewer samples and choose the prior in fewer sweeps, which is quicker."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lagrangian_ff.diagnosis.ground.tuning.ROWS", 1000)
-        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.COARSE_SWEEPS", 1)
-        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.FINE_SWEEPS", 1)
+        stages = ((60, 10), (120, 3), (240, 1))
+        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.STAGES", stages)
         patch.setattr("lagrangian_ff.diagnosis.search.confirm.ROWS", 1000)
         yield
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with a model of the cogging arm, one of before, and two recordings."""
+    """Return a folder with a model of the cogging arm, one of before, and two recordings.
+
+    Of a kernel whose gravity cannot be anything over position: that would hold the ripple.
+    """
     path = tmp_path_factory.mktemp("diagnose")
     small_model(path / "old.npz")
     csv(path / "first.csv", cogging())
     outcome = lagrangian_ff(
-        "identify", path / "first.csv", *QUICK, "--train", "1.0", "--output", path / "model.npz"
-    )
+        "identify", path / "first.csv", *QUICK, "--model", "chain+fri", "--train", "1.0",
+        "--output", path / "model.npz",
+    )  # fmt: skip
     assert outcome.code == 0, outcome
     csv(path / "second.csv", cogging(reach=0.9))
     return path

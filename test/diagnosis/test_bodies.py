@@ -30,8 +30,7 @@ BOUNDARY = 40.0  # s
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tuning, "ROWS", 900)
-        patch.setattr(tuning, "COARSE_SWEEPS", 1)
-        patch.setattr(tuning, "FINE_SWEEPS", 1)
+        patch.setattr(tuning, "STAGES", ((60, 6), (120, 2), (240, 1)))
         friction = ("viscous", "coulomb", "offset")
         patch.setattr(since, "EFFECTS", {name: EFFECTS[name] for name in friction})
         yield

@@ -127,3 +127,26 @@ def test_noise_is_not_taken_for_dynamics_where_one_joint_hides_an_effect() -> No
     assert np.all((others > noise / 3.0) & (others < 3.0 * noise))
     # The hidden effect counts as noise of its own joint, and no more than that.
     assert noise < found.noise[1] < 1.2
+
+
+def test_a_ground_that_knows_of_a_sliding_joint_is_the_likelier_one() -> None:
+    """A mass that slides on a beam in the vertical plane, 1 to 5 m from its axis."""
+    rng = np.random.default_rng(2)
+    t = np.arange(0.0, 40.0, 0.01)
+    q, qd, qdd = (part * np.array([1.0, 2.0]) for part in sines(rng, t, 2, (0.4, 4.0)))
+    q = q + np.array([0.3, 3.0])
+    reach, weight = q[:, 1], 9.81 * 2.0
+    first = (1.0 + 2.0 * reach**2) * qdd[:, 0] + 4.0 * reach * qd[:, 1] * qd[:, 0]
+    second = 2.0 * qdd[:, 1] - 2.0 * reach * qd[:, 0] ** 2
+    tau = np.stack(
+        [first + weight * reach * np.cos(q[:, 0]), second + weight * np.sin(q[:, 0])], axis=1
+    )
+    tau += 0.3 * rng.normal(size=tau.shape)
+    segment = np.zeros(len(t), dtype=np.int64)
+    motion = Motion(("turn", "reach"), t, q, qd, qdd, tau, segment, "telescope")
+    x = Inputs.of(States.of(q, qd, qdd), t, segment)
+    told, untold = (
+        tune(motion, x, Basis(()), sliding=sliding).system.log_evidence
+        for sliding in (np.array([0.0, 1.0]), None)
+    )
+    assert told > untold + 100.0

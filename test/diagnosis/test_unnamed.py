@@ -22,8 +22,7 @@ Floats = NDArray[np.float64]
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tuning, "ROWS", 1000)
-        patch.setattr(tuning, "COARSE_SWEEPS", 1)
-        patch.setattr(tuning, "FINE_SWEEPS", 1)
+        patch.setattr(tuning, "STAGES", ((60, 10), (120, 3), (240, 1)))
         yield
 
 

@@ -159,9 +159,10 @@ def no_fall(finding: Mapping[str, Any]) -> str:
     joints = ", ".join(finding["joints"])
     return (
         f"{finding['effect']} on {joints} is there, yet adding it to this model hardly changes "
-        f"its error on {joints}: the recordings that the model keeps do not hold the effect (did "
-        "it appear since? ask with --since), or other errors of the model are larger. Identify "
-        "anew from these recordings, then add it"
+        f"its error on {joints}. Its kernel may have it already, as a torque over position passes "
+        "for gravity in chain_rbf or vrbfs; the recordings that the model keeps may not hold it "
+        "(did it appear since? ask with --since: then identify anew from these, and add it); or "
+        "other errors of the model are larger"
     )
 
 

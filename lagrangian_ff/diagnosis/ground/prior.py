@@ -6,10 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.choosing.ascent import numbers
 from lagrangian_ff.kernels import States
-from lagrangian_ff.kernels.prefixes import Prefixes
+from lagrangian_ff.kernels.structured.chain import Chain
 
 Floats = NDArray[np.float64]
+
+START_NOISE = 1e-2
+"""Variance of the noise, in parts of the prior's, before any search."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class Prior:
             with a load at the hand, and its variance in parts of the first; None: there is none.
     """
 
-    kernel: Prefixes
+    kernel: Chain
     noise: Floats
     unit: Floats
     change: tuple[float, float, float] | None = None
@@ -43,13 +47,20 @@ class Prior:
 
     def torque(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
         """(M, N) N·m of the rigid-body part without the rotors, for weights (S, N)."""
-        kernel = self.kernel.replace(rotor=np.zeros(1))
+        kernel = self.kernel.replace(rotor=np.zeros(x.joints))
         at, of = States(x.q, x.qd, x.qdd), States(centres.q, centres.qd, centres.qdd)
-        torque = kernel.apply(at, of, weights)
+        torque = kernel.learned(of, weights).torque(at)
         if self.change is not None:
             inside = weights * self._within(centres)[:, None]
-            torque += self.change[2] * kernel.apply(at, of, inside) * self._within(x)[:, None]
+            added = kernel.learned(of, inside).torque(at)
+            torque += self.change[2] * added * self._within(x)[:, None]
         return np.asarray(torque * self.unit)
+
+    def second(self, x: Inputs) -> Floats | None:
+        """(S N,) m of the Gram matrix K + K ∘ m mᵀ, where there is a change; see `gram`."""
+        if self.change is None:
+            return None
+        return np.repeat(np.sqrt(self.change[2]) * self._within(x), x.joints)
 
     def _within(self, x: Inputs) -> NDArray[np.bool_]:
         """(M,) which samples lie in the interval of the change."""
@@ -63,23 +74,25 @@ class Prior:
 
     def rotor(self, centres: Inputs, weights: Floats) -> Floats:
         """(N,) kg·m² of the rotors, for weights (S, N)."""
-        own = float(self.kernel.rotor[0]) * self.kernel.inertia**2
+        own = self.kernel.rotor * self.kernel.inertia**2
         return np.asarray(own * np.sum(centres.qdd * weights, axis=0) * self.unit)
 
     @classmethod
-    def start(cls, tau: Floats) -> "Prior":
-        """Before any search; tau (M, N) N·m gives the scale."""
-        joints = tau.shape[1]
+    def start(cls, tau: Floats, states: States, sliding: Floats | None = None) -> "Prior":
+        """Before any search.
+
+        Args:
+            tau: (M, N) N·m and states: (M, N) give the scales.
+            sliding: (N,) 1 where a joint slides; None where all turn.
+        """
         spread = np.std(tau, axis=0)
         unit = spread.max(initial=0.0) or 1.0
         share = np.maximum(spread / unit, 1e-4) ** 2
-        kernel = Prefixes(
-            inertia=np.full(joints, np.exp(-4.0)),
-            potential=np.ones(1),
-            wave=np.array([0.05]),
-            rotor=np.array([np.exp(4.0)]),
-        )
-        return cls(kernel, np.exp(-6.0) * share, np.full(joints, unit))
+        kernel = Chain.start(states)
+        if sliding is not None:
+            kernel = kernel.replace(prismatic=sliding)
+        noise = START_NOISE * share * kernel.variance(states).mean()
+        return cls(kernel, noise, np.full(tau.shape[1], unit))
 
     @property
     def gain(self) -> Floats:
@@ -87,22 +100,15 @@ class Prior:
         return np.asarray(self.unit / self.unit[0])
 
     def vector(self) -> Floats:
-        """All numbers but the units, as logarithms."""
-        kernel = self.kernel
-        parts = (kernel.inertia, kernel.potential, kernel.wave, kernel.rotor, self.noise)
-        return np.log(np.concatenate(parts))
+        """All numbers but the units, as logarithms, in the order of `slopes_by_gram`."""
+        return np.log(np.concatenate([*numbers(self.kernel).values(), self.noise]))
 
     def at(self, vector: Floats) -> "Prior":
         """The prior with the numbers of `vector`."""
-        joints = len(self.noise)
-        values = np.exp(np.clip(vector, -40.0, 40.0))
-        kernel = Prefixes(
-            inertia=values[:joints],
-            potential=values[joints : joints + 1],
-            wave=np.minimum(values[joints + 1 : joints + 2], 1.0),
-            rotor=values[joints + 2 : joints + 3],
-        )
-        return replace(self, kernel=kernel, noise=values[joints + 3 :])
+        left, kernel = np.exp(np.clip(vector, -40.0, 40.0)), {}
+        for name, value in numbers(self.kernel).items():
+            kernel[name], left = left[: len(value)], left[len(value) :]
+        return replace(self, kernel=self.kernel.replace(**kernel), noise=left)
 
     def with_gain(self, gain: Floats) -> "Prior":
         """The prior with the units of the joints at these ratios."""

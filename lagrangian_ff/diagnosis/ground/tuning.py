@@ -1,7 +1,7 @@
 """Choosing the prior and the friction's shapes by evidence, on few samples first."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,11 @@ from lagrangian_ff.diagnosis.ground.ground import Extra, Ground, factored, lay, 
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.choosing.ascent import Hill, Slopes, slopes_by_gram
+from lagrangian_ff.identification.choosing.belief import Belief
 from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
@@ -25,7 +28,10 @@ ROWS = 4800
 COARSE, FINE, SHAPES = 120, 240, 400
 """Few samples find the way. Judged on few alone, a flexible prior takes the noise for dynamics."""
 BLOCK_SECONDS = 2.0
-COARSE_SWEEPS, FINE_SWEEPS = 4, 3
+STAGES = ((60, 20), (COARSE, 6), (FINE, 2))
+"""Samples the evidence is climbed with, and steps at most."""
+AGAIN = 2
+"""Steps at most, where little has changed."""
 GAIN_WORTH = 100.0
 """Nats that other units of effort must be worth before they are believed."""
 LEAST_NOISE = 1e-7
@@ -34,7 +40,10 @@ FAILED = 1e12
 SIGN_SPEEDS = np.geomspace(0.002, 0.3, 28)  # rad/s
 
 
-def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = silent) -> Ground:
+def tune(
+    motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = silent,
+    sliding: Floats | None = None,
+) -> Ground:  # fmt: skip
     """Lay the ground of a motion, everything about it chosen by evidence.
 
     Args:
@@ -42,17 +51,22 @@ def tune(motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = sile
         inputs: the same motion with the model's load and torque.
         basis: the effects already in the model; the width of their Coulomb step is chosen anew.
         progress: told the share done.
+        sliding: (N,) 1 where a joint slides; None where all turn.
     """
-    prior = Prior.start(motion.tau)
+    index = evenly(len(motion), FINE)
+    states = States(inputs.q[index], inputs.qd[index], inputs.qdd[index])
+    prior = Prior.start(motion.tau, states, sliding)
+    middle = prior.vector()
     with threadpool_limits(1):
-        coarse = evidence_of(motion, inputs, basis, COARSE)
-        prior = _search(coarse, prior, COARSE_SWEEPS, 1.0, part(progress, 0.0, 0.1))
-        fine = evidence_of(motion, inputs, basis, FINE)
-        prior = _search(fine, prior, FINE_SWEEPS, 0.7, part(progress, 0.1, 0.5))
+        begin = 0.0
+        for (samples, steps), end in zip(STAGES, (0.1, 0.3, 0.5), strict=True):
+            some = part_of(motion, inputs, samples)
+            prior = _climb(some, basis, prior, middle, steps, part(progress, begin, end))
+            begin = end
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
-        fine = evidence_of(motion, inputs, basis, FINE)
-        prior = _search(fine, prior, FINE_SWEEPS, 0.5, part(progress, 0.5, 0.7))
+        fine = part_of(motion, inputs, FINE)
+        prior = _climb(fine, basis, prior, middle, AGAIN, part(progress, 0.5, 0.7))
         basis = _sign_speeds(motion, inputs, basis, prior)
         inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
         prior = _gains(motion, inputs, basis, prior)
@@ -72,9 +86,11 @@ def sharpen(
     ground: Ground, basis: Basis, extra: tuple[Extra, ...] = (), progress: Progress = silent
 ) -> Prior:
     """The prior chosen anew with more explained: what is left then stands out more."""
-    evidence = evidence_of(ground.motion, ground.inputs, basis, FINE, extra, ground)
+    some = part_of(ground.motion, ground.inputs, FINE, extra, ground)
+    states = States(some.x.q, some.x.qd, some.x.qdd)
+    middle = Prior.start(some.tau, states).vector()
     with threadpool_limits(1):
-        return _search(evidence, ground.prior, 2, 0.7, progress)
+        return _climb(some, basis, ground.prior, middle, AGAIN, progress)
 
 
 def _lay(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Ground:
@@ -87,54 +103,84 @@ def _window(motion: Motion) -> int:
     return window_of(evenly(len(motion), ROWS // len(motion.joints)), motion)
 
 
+@dataclass(frozen=True)
+class Part:
+    """Some of the samples, on which a prior is judged.
+
+    Attributes:
+        x: (S,) as effects see them.  tau: (S, N) N·m.
+        extra: what is explained away besides the basis.
+    """
+
+    x: Inputs
+    tau: Floats
+    extra: tuple[Extra, ...] = ()
+
+    def system(self, prior: Prior, basis: Basis) -> System:
+        """These samples, factored.
+
+        Raises:
+            NotPositiveDefiniteError: the noise is too small for the arithmetic, here or where
+                there are more samples.
+        """
+        variance = prior.kernel.variance(States(self.x.q, self.x.qd, self.x.qdd)).mean()
+        if np.any(prior.noise < LEAST_NOISE * variance):
+            raise NotPositiveDefiniteError("too little noise for a ground of many samples")
+        return factored(self.tau, self.x, prior, basis, self.extra)
+
+    def evidence(self, prior: Prior, basis: Basis) -> float:
+        """Log evidence in N·m."""
+        try:
+            system = self.system(prior, basis)
+        except NotPositiveDefiniteError:
+            return -FAILED
+        return system.log_evidence - len(self.x) * float(np.sum(np.log(prior.unit)))
+
+
+def part_of(
+    motion: Motion, inputs: Inputs, samples: int, extra: tuple[Extra, ...] = (),
+    ground: Ground | None = None,
+) -> Part:  # fmt: skip
+    """Some samples of a motion, evenly spread; or some of those of a ground."""
+    if ground is None:
+        x = inputs.take(evenly(len(motion), samples), _window(motion))
+    else:
+        chosen = evenly(len(ground.index), samples)
+        x = ground.seen.take(chosen)
+        extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
+    return Part(x, x.mean(motion.tau), extra)
+
+
 def evidence_of(
     motion: Motion, inputs: Inputs, basis: Basis, samples: int, extra: tuple[Extra, ...] = (),
     ground: Ground | None = None,
 ) -> Callable[[Prior], float]:  # fmt: skip
     """The log evidence in N·m of some of the samples, as a function of the prior."""
-    if ground is None:
-        index = evenly(len(motion), samples)
-        x = inputs.take(index, _window(motion))
-    else:
-        chosen = evenly(len(ground.index), samples)
-        index = ground.index[chosen]
-        x = ground.seen.take(chosen)
-        extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
-    tau = x.mean(motion.tau)
-    states = States(x.q, x.qd, x.qdd)
-
-    def evidence(prior: Prior) -> float:
-        if np.any(prior.noise < LEAST_NOISE * prior.kernel.variance(states).mean()):
-            return -FAILED
-        try:
-            system = factored(tau, x, prior, basis, extra)
-        except NotPositiveDefiniteError:
-            return -FAILED
-        return system.log_evidence - len(index) * float(np.sum(np.log(prior.unit)))
-
-    return evidence
+    some = part_of(motion, inputs, samples, extra, ground)
+    return lambda prior: some.evidence(prior, basis)
 
 
-def _search(
-    evidence: Callable[[Prior], float], prior: Prior, sweeps: int, step: float, progress: Progress
+def _climb(
+    some: Part, basis: Basis, prior: Prior, middle: Floats, steps: int, progress: Progress
 ) -> Prior:
-    """Coordinate by coordinate uphill: cheaper than a simplex where the numbers are many."""
-    point = prior.vector()
-    best = evidence(prior)
-    steps = np.full(len(point), step)
-    for sweep in range(sweeps):
-        for axis in range(len(point)):
-            progress((sweep + axis / len(point)) / sweeps, "choosing the noise and the prior")
-            for sign in (1.0, -1.0):
-                tried = point.copy()
-                tried[axis] += sign * steps[axis]
-                value = evidence(prior.at(tried))
-                if value > best:
-                    best, point = value, tried
-                    steps[axis] *= 1.3 * sign
-                    break
-            else:
-                steps[axis] *= 0.5
+    """Up the evidence from a prior; `middle` is where its logarithms are believed to be."""
+    states = States(some.x.q, some.x.qd, some.x.qdd)
+
+    def go(point: Floats) -> tuple[Prior, System]:
+        at = prior.at(point)
+        return at, some.system(at, basis)
+
+    def slopes(stand: tuple[Prior, System]) -> Slopes:
+        at, system = stand
+        return slopes_by_gram(system, at.kernel, states, at.noise, at.second(some.x))
+
+    hill = Hill(Belief(middle), go, lambda stand: stand[1].log_evidence, slopes)
+    try:
+        point, _ = hill.climb(
+            prior.vector(), steps, lambda step: progress(step / steps, "climbing the evidence")
+        )
+    except NotPositiveDefiniteError:
+        return prior
     return prior.at(point)
 
 

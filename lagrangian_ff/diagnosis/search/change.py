@@ -23,8 +23,8 @@ STEP, MARGIN = 5.0, 6.0
 LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
-WORTH = 20.0
-"""Nats that a change of the arm must be worth."""
+WORTH = 100.0
+"""Nats that a change of the arm must be worth: a second Lagrangian is a large freedom."""
 PROMISING = 3.0
 SHUFFLES = 5
 BEYOND_CHANCE, AGAIN = 4.0, 2.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,10 +20,12 @@ from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
 
 MOST_STEPS = 6
-FLOOR = 8.0
+FLOOR = 20.0
 """Nats below which nothing is claimed, whatever chance says."""
 EVENT_FLOOR = 25.0
 """The same for what happens once only: signs of blocks cannot tell it from an outlier."""
+REMAINDER = 0.03
+"""Of the gain of another effect on the joint, what may as well be a flaw of that one's form."""
 LEAST_SIZE = 0.005
 """Share of a joint's torque below which an effect is not worth a name."""
 NAME_SHARE = 0.7
@@ -147,20 +150,44 @@ def search(
 def _backward(taken: list[Step], ground: Ground, own: int) -> tuple[list[Step], Ground]:
     """Take out again what the later ones made superfluous, the least needed first."""
     while sum(step.named for step in taken) > 1:
-        needed: list[tuple[float, int]] = []
+        needed: list[Needed] = []
         for number, step in enumerate(taken):
             if step.named:
                 basis = _without(ground.basis, own, step)
                 less = _relaid(ground, ground.prior, basis, ground.extra)
                 (score,) = scores(less, [step.score.candidate])
-                needed.append((score.gain, number))
-        gain, number = min(needed)
-        if gain > FLOOR:
+                needed.append(Needed(number, score.candidate.joint, score.gain))
+        last = superfluous(needed)
+        if last is None:
             break
-        basis = _without(ground.basis, own, taken[number])
-        taken = taken[:number] + taken[number + 1 :]
+        basis = _without(ground.basis, own, taken[last])
+        taken = taken[:last] + taken[last + 1 :]
         ground = _relaid(ground, ground.prior, basis, ground.extra)
     return taken, ground
+
+
+class Needed(NamedTuple):
+    """How much an effect still gains beside all others: which one, on which joint, in nats."""
+
+    number: int
+    joint: int
+    gain: float
+
+
+def superfluous(needed: Sequence[Needed]) -> int | None:
+    """The number of what is needed least, if it is needed too little; else None.
+
+    Too little is less than is claimed at all, and little beside another effect on the same joint:
+    a form of that one that is not quite right leaves as much, and the two would share what is the
+    one's.
+    """
+
+    def share(one: Needed) -> float:
+        largest = max(other.gain for other in needed if other.joint == one.joint)
+        return one.gain / max(FLOOR, REMAINDER * largest)
+
+    least = min(needed, key=share)
+    return least.number if share(least) <= 1.0 else None
 
 
 def _without(basis: Basis, own: int, step: Step) -> Basis:
@@ -238,10 +265,14 @@ def _judge(
     p_value = chance.p_value(first.gain)
     if chosen is not None and (curve is None or worth > NAME_SHARE * rival_worth):
         left = tuple(rivals(chosen, named_view.others))
-        return Step(chosen, left, first.gain, p_value, curve), named_view.ground.prior
-    if curve is None:
+        step, view = Step(chosen, left, first.gain, p_value, curve), named_view
+    elif curve is not None:
+        step, view = Step(curve, (), first.gain, p_value, curve), free_view
+    else:
         return None, ground.prior
-    return Step(curve, (), first.gain, p_value, curve), free_view.ground.prior
+    if step.score.gain <= FLOOR:
+        return None, ground.prior
+    return step, view.ground.prior
 
 
 @dataclass(frozen=True)
