@@ -1,6 +1,7 @@
 """The error of several models on motion that they have not seen, joint by joint.
 
-    python benchmark/held_out.py TRAIN [TRAIN ...] [--test TEST ...] [--share 0.33] [--models ...] [--samples 500]
+    python benchmark/held_out.py TRAIN [TRAIN ...] [--test TEST ...] [--share 0.33] [--models ...]
+        [--samples 500]
 
 Learns each model from the first share of TRAIN; prints the normalised mean squared error, as a
 table, on the rest of it, or on TEST.
