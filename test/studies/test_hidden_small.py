@@ -27,7 +27,7 @@ def test_a_ripple_is_named_and_a_clean_arm_is_left_alone(tmp_path: Path) -> None
             HiddenStudy(
                 Request(quick=True, only=name),
                 tmp_path,
-                examined=Diagnosis(steps=1),
+                examined=Diagnosis("chain+fri", steps=1),
                 stretches=SHORT,
             ),
             tmp_path,
