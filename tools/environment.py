@@ -30,7 +30,10 @@ ROOT = Path(__file__).resolve().parent.parent
 OLDEST, NEWEST = (3, 10), (3, 13)  # the Pythons that have wheels of rclpy
 VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 BUILD = ["pip >=23.1", "setuptools ==68.1.2", "wheel"]  # this setuptools is what colcon needs
-IMPORTS = "import rclpy, sensor_msgs.msg, pybullet, numba, scipy.linalg, rosbags.rosbag2"
+IMPORTS = (
+    "import rclpy, sensor_msgs.msg, pybullet, numba, scipy.linalg; "
+    "import matplotlib.figure, rosbags.rosbag2"
+)
 # Files whose change means that the environment has to be looked at again.
 INPUTS = ["setup.py", "setup.cfg", "pyproject.toml", "tools/environment.py"]
 
@@ -47,6 +50,15 @@ def say(text: str) -> None:
 def quietly(command: list[str | Path]) -> subprocess.CompletedProcess[str]:
     """Run a command that asks nothing, and return what it said."""
     return subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+
+
+def surroundings() -> dict[str, str]:
+    """Return the variables that what runs here is to see."""
+    # A user's preference for installing elsewhere must not reach this environment.
+    seen = {**os.environ, "PIP_USER": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    # Containers often forbid bytecode: every command would compile NumPy and SciPy, for seconds.
+    seen.pop("PYTHONDONTWRITEBYTECODE", None)
+    return seen
 
 
 def check_python() -> None:
@@ -240,8 +252,7 @@ class Environment:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 text=True,
-                # A user's preference for installing elsewhere must not reach this environment.
-                env={**os.environ, "PIP_USER": "0", "PIP_DISABLE_PIP_VERSION_CHECK": "1"},
+                env=surroundings(),
             )
             for line in process.stdout or ():
                 lines.append(line)
