@@ -76,7 +76,7 @@ class Feedforward:
         self.send.publish(reference([0.0, 0.1], [[q, q], [q, q]]))
         expected = 8.0 * math.cos(q)
         self.bench.until(
-            lambda: self.tau[0] == pytest.approx(expected, rel=0.02), "holding gravity"
+            lambda: self.tau[0] == pytest.approx(expected, rel=0.002), "holding gravity"
         )
 
 
