@@ -37,6 +37,10 @@ class Saturation(Effect):
         torque = x.torque[:, [joint]]
         return np.clip(torque, -shape["L"], shape["L"]) - torque
 
+    def possible(self, parameters: Floats) -> bool:
+        """A limit takes torque away."""
+        return bool(parameters[0] > 0.0)
+
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
         """Limits that the predicted torque exceeds for a part of the time."""
         limits = np.quantile(np.abs(x.torque[:, joint]), SHARES)

@@ -113,23 +113,32 @@ class Basis:
         return constant
 
     def beside_load(self, x: Inputs, b: Floats) -> Floats:
-        """(M, N) N·m of all effects but the constant ones, which the load has."""
-        return _beside_load(self.torque(x, b), x)
+        """(M, N) N·m of all effects but the constant ones, which the load has.
+
+        And but those that follow the torque, which are given it: a torque that is clipped already
+        would show nothing of its limit.
+        """
+        return _beside_load(self._torque(x, b, follows=False), x)
 
     def torque(self, x: Inputs, b: Floats) -> dict[str, Floats]:
         """(M, N) N·m of each effect by name, for parameters b (B,).
 
         Effects that follow the torque get that of the load and of all other effects.
         """
+        parts = self._torque(x, b, follows=False)
+        seen = replace(x, torque=x.load + _beside_load(parts, x))
+        parts |= self._torque(seen, b, follows=True)
+        return {
+            name: parts[name] for name in dict.fromkeys(t.effect.name for t, _ in self.slices())
+        }
+
+    def _torque(self, x: Inputs, b: Floats, follows: bool) -> dict[str, Floats]:
         parts: dict[str, Floats] = {}
-        placed = self.slices()
-        for follows in (False, True):
-            seen = replace(x, torque=x.load + _beside_load(parts, x))
-            for term, place in placed:
-                if ("torque" in term.effect.uses) == follows:
-                    part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
-                    part[:, term.joint] += term.columns(seen) @ b[place]
-        return {name: parts[name] for name in dict.fromkeys(t.effect.name for t, _ in placed)}
+        for term, place in self.slices():
+            if ("torque" in term.effect.uses) == follows:
+                part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
+                part[:, term.joint] += term.columns(x) @ b[place]
+        return parts
 
 
 def _beside_load(parts: Mapping[str, Floats], x: Inputs) -> Floats:

@@ -345,12 +345,14 @@ def test_samples_may_be_means_of_their_neighbours(x: Inputs) -> None:
     np.testing.assert_allclose(columns[0], every[7:14].mean(axis=0))
 
 
-def test_a_gear_gives_way_under_all_of_its_load() -> None:
-    """A share of a tenth is something else that swings at the same frequency."""
+def test_what_hardware_cannot_do_is_not_possible() -> None:
+    """A gear gives way under all of its load, not a tenth of it; a limit takes torque away."""
     for name in ("elasticity", "backlash"):
         assert EFFECTS[name].possible(np.array([1.1, -0.3]))
         assert not EFFECTS[name].possible(np.array([0.1, 0.5]))
         assert not EFFECTS[name].possible(np.array([-0.12, 0.5]))
+    assert EFFECTS["saturation"].possible(np.array([0.9]))
+    assert not EFFECTS["saturation"].possible(np.array([-0.1]))
     assert EFFECTS["viscous"].possible(np.array([-1.0]))
 
 
