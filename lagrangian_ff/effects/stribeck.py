@@ -40,3 +40,7 @@ class Stribeck(Effect):
         """See `Effect.columns`."""
         speed = x.qd[:, joint]
         return (x.sign(joint) * np.exp(-((speed / shape["v_s"]) ** 2)))[:, None]
+
+    def possible(self, parameters: Floats) -> bool:
+        """What is lower while creeping is a step of Coulomb's that is rounded, not this."""
+        return bool(parameters[0] > 0.0)

@@ -121,7 +121,7 @@ def test_a_load_taken_up_is_dated() -> None:
     change = change_of(tune(motion, x, friction()))
     assert change is not None
     assert change.name == "payload"
-    assert change.since == pytest.approx(14.0, abs=1.5)
+    assert change.since == pytest.approx(14.0, abs=0.1)
     assert change.gain > 50.0
     low, high = change.since_range
     assert low < 14.0 < high

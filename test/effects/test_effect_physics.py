@@ -353,6 +353,8 @@ def test_what_hardware_cannot_do_is_not_possible() -> None:
         assert not EFFECTS[name].possible(np.array([-0.12, 0.5]))
     assert EFFECTS["saturation"].possible(np.array([0.9]))
     assert not EFFECTS["saturation"].possible(np.array([-0.1]))
+    assert EFFECTS["stribeck"].possible(np.array([0.5]))
+    assert not EFFECTS["stribeck"].possible(np.array([-0.5]))
     assert EFFECTS["viscous"].possible(np.array([-1.0]))
 
 

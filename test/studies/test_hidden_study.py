@@ -18,6 +18,7 @@ from lagrangian_ff.studies.common.run import run
 from lagrangian_ff.studies.common.study import Request
 from lagrangian_ff.studies.hidden import plants
 from lagrangian_ff.studies.hidden.cases import Case, Hidden
+from lagrangian_ff.studies.hidden.examine import examine
 from lagrangian_ff.studies.hidden.figure import figure
 from lagrangian_ff.studies.hidden.plants import Stretches
 from lagrangian_ff.studies.hidden.study import HiddenStudy
@@ -135,6 +136,14 @@ def test_the_study_judges_keeps_and_resumes(tmp_path: Path) -> None:
     assert again["plant"] == ripple["plant"]
     numbers = summary([*lines, again])
     assert numbers["cases"] == 3
+
+
+def test_what_happens_once_is_named_and_not_added(motions: Path) -> None:
+    case = Case("x", (Hidden("payload", "joint_2", 0.2),), 0, 3)
+    load = examine(case, motions, SHORT, Guess("payload"))
+    assert load["judgement"]["outcome"] == "right"
+    assert set(load["errors"]) == {"base"}
+    assert load["ratio"] is None
 
 
 def test_a_case_that_breaks_down_is_tried_again_but_not_on_another_model(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ so is what a force on the hand adds, the transpose of the Jacobian times the for
 asked whether the rigid-body part has a second part, from some moment on or for a while.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,9 @@ Floats = NDArray[np.float64]
 SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
 """s between the moments tried, and from the ends of a motion."""
+COARSE, EXACT = (2.5, 1.25, 0.625), (0.3, 0.15, 0.075, 0.04)
+"""s that the moments are moved by: of few samples, and of all. What is between the true moment and
+the one found is a torque that another effect would be named for."""
 LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
@@ -71,8 +74,8 @@ def change_of(
 ) -> Change | None:
     """The interval in which the evidence gains most from a second Lagrangian.
 
-    Few samples tell whether and roughly when, all of them how much. None where even the best
-    interval is not worth it.
+    Few samples tell whether and roughly when, all of them how much and when. None where even the
+    best interval is not worth it.
 
     Args:
         ground: of the motion.
@@ -84,16 +87,7 @@ def change_of(
         return None
     start, end = float(time.min()), float(time.max())
     coarse = _gains(ground, SAMPLES)
-
-    def tried(best: Change, since: float, until: float, share: float) -> Change:
-        if until > end - 1.0:
-            until = np.inf
-        if until - since < 1.0 or not start + 1.0 < since < end - 1.0:
-            return best
-        change = Change(since, until, share, 0.0)
-        gain = coarse(change)
-        return replace(change, gain=gain) if gain > best.gain else best
-
+    tried = _Better(coarse, start, end)
     best = Change(start, np.inf, SHARE, -np.inf)
     moments = np.arange(start + MARGIN, end - MARGIN, STEP).tolist()
     for number, since in enumerate(moments):
@@ -102,18 +96,53 @@ def change_of(
             best = tried(best, since, since + length, SHARE)
     if best.gain < PROMISING:
         return None
-    for step in (STEP / 2.0, STEP / 4.0, STEP / 8.0):
-        for shift in (-step, step):
-            best = tried(best, best.since + shift, best.until, best.share)
-        for shift in (-step, step):
-            best = tried(best, best.since, best.until + shift, best.share)
+    best = tried.moved(best, COARSE)
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
     if best.gain < beyond * max(_shuffled_gains(ground, best)):
         return None
-    best = replace(best, gain=_gains(ground, len(ground.index))(best))
-    return _with_ranges(best, coarse, (start, end)) if best.gain > WORTH else None
+    every = _gains(ground, len(ground.index))
+    best = replace(best, gain=every(best))
+    if best.gain <= WORTH:
+        return None
+    ranges = _with_ranges(best, coarse, (start, end))
+    best = _Better(every, start, end).moved(best, EXACT)
+    return replace(ranges, since=best.since, until=best.until, gain=best.gain)
+
+
+@dataclass(frozen=True)
+class _Better:
+    """The better of two changes, within a motion from `start` to `end`."""
+
+    gain: Callable[[Change], float]
+    start: float
+    end: float
+
+    def __call__(self, best: Change, since: float, until: float, share: float) -> Change:
+        """The best, or the change that these make if that gains more."""
+        if until > self.end - 1.0:
+            until = np.inf
+        if until - since < 1.0 or not self.start + 1.0 < since < self.end - 1.0:
+            return best
+        change = Change(since, until, share, 0.0)
+        gain = self.gain(change)
+        return replace(change, gain=gain) if gain > best.gain else best
+
+    def moved(self, best: Change, steps: Sequence[float]) -> Change:
+        """The best with its moments moved by steps of s, either way."""
+        for step in steps:
+            best = self._either_way(best, step, 0.0)
+            if np.isfinite(best.until):
+                best = self._either_way(best, 0.0, step)
+        return best
+
+    def _either_way(self, best: Change, since: float, until: float) -> Change:
+        for way in (-1.0, 1.0):
+            moved = self(best, best.since + way * since, best.until + way * until, best.share)
+            if moved is not best:
+                return moved
+        return best
 
 
 def _with_ranges(

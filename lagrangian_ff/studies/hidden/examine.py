@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff import recording
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.studies.hidden.cases import Case
 from lagrangian_ff.studies.hidden.examined import Examined
@@ -58,13 +59,13 @@ def _diagnosed(
     claimed = [
         (finding["effect"], finding["joints"][0], finding.get("shape"))
         for finding in record["findings"]
-        if claims(finding)
+        if claims(finding) and not _is_event(finding["effect"])
     ]
-    known = [h for h in plant["hidden"] if h["catalogue"]]
-    truth = [(h["catalogue"][0], h["joint"], None) for h in known]
-    joints = [h["joint"] for h in plant["hidden"]]
+    lasting = [h for h in plant["hidden"] if not any(map(_is_event, h["catalogue"]))]
+    truth = [(h["catalogue"][0], h["joint"], None) for h in lasting if h["catalogue"]]
+    joints = [h["joint"] for h in lasting]
     errors = {"base": examined.errors(model, motions[1])}
-    if truth and len(known) == len(joints):
+    if truth and len(truth) == len(joints):
         errors["true"] = examined.errors(_with(examined, model, truth), motions[1])
     if claimed:
         errors["found"] = examined.errors(_with(examined, model, claimed), motions[1])
@@ -75,6 +76,11 @@ def _diagnosed(
         "errors": {name: dict(by_joint) for name, by_joint in errors.items()},
         "ratio": _ratio(errors, joints),
     }
+
+
+def _is_event(effect: str) -> bool:
+    """Whether it is of the recording, as a load taken up, so that no model is to have it."""
+    return EFFECTS[effect].kind == "event"
 
 
 def _with(examined: Examined, model: Any, effects: Sequence[_Added]) -> Any:
