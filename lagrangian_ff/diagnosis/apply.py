@@ -2,6 +2,7 @@
 
 from lagrangian_ff.diagnosis.add import add
 from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis
+from lagrangian_ff.diagnosis.reason import reason
 from lagrangian_ff.identification import Model
 from lagrangian_ff.progress import Progress, silent
 
@@ -16,15 +17,11 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     for finding in diagnosis.findings:
         if finding.verdict != CONFIRMED:
             continue
-        step = finding.step
-        where = "another recording" if diagnosis.separate else "the end of it, held back"
-        gain, share = f"{step.score.gain:.0f} nats", f"{finding.trial.share:.0%}"
         why = {
-            "why": f"{finding.effect.meaning}; it gains {gain} of evidence, and with frozen "
-            f"coefficients it helps in {share} of {where}",
+            "why": reason(finding, diagnosis),
             "verdict": finding.verdict,
-            "evidence_gain": step.score.gain,
-            "p_value": step.p_value,
+            "evidence_gain": finding.step.score.gain,
+            "p_value": finding.step.p_value,
         }
         model = add(model, finding.effect.name, finding.joint, finding.shape, why, progress)
     return model

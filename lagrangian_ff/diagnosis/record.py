@@ -16,6 +16,7 @@ from lagrangian_ff.diagnosis.diagnose import (
     Finding,
     TakenUp,
 )
+from lagrangian_ff.diagnosis.reason import reason
 from lagrangian_ff.diagnosis.search.forward import FLOOR
 from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.diagnosis.signature import signature
@@ -180,6 +181,7 @@ def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
         "verdict": taken_up.verdict,
         "holds_on_unseen": taken_up.verdict == CONFIRMED,
         "reason": taken_up.reason,
+        "why": "",
         "evidence_gain": change.gain,
         "p_value": None,
         "error_before": None,
@@ -234,6 +236,7 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         else f"ambiguous with {', '.join(rivals)}",
         "holds_on_unseen": trial.holds,
         "reason": found.reason,
+        "why": reason(found, diagnosis),
         "evidence_gain": step.score.gain,
         "p_value": step.p_value,
         "size": step.score.size,

@@ -64,6 +64,44 @@ def test_a_shape_is_taken_as_given(model: Path, tmp_path: Path) -> None:
     assert Model.load(coupled).basis.terms[-1].shape == {"partner": 0.0, "ratio": -1.0}
 
 
+def diagnosis(path: Path, effect: str, joint: str, **more: object) -> Path:
+    found = {
+        "effect": effect, "joints": [joint], "why": "a bump at creeping speed", "shape": {},
+        "verdict": "confirmed", "evidence_gain": 75.0, "p_value": 0.0025,
+    }  # fmt: skip
+    path.write_text(json.dumps({"findings": [{**found, **more}]}))
+    return path
+
+
+def test_the_history_tells_the_diagnosis_for_which_it_was_added(
+    model: Path, tmp_path: Path
+) -> None:
+    found = diagnosis(tmp_path / "found.json", "stribeck", "elbow", shape={"v_s": 0.0712345})
+    output = tmp_path / "new.npz"
+    arguments = ("add", model, "stribeck", "--joint", "elbow", "--because", found)
+    outcome = lagrangian_ff(*arguments, "--output", output)
+    assert outcome.code == 0, outcome
+    new = Model.load(output)
+    assert new.basis.terms[-1].shape == {"v_s": 0.0712345}
+    assert new.steps[-1]["verdict"] == "confirmed"
+    told = lagrangian_ff("history", output).text
+    for words in ("a bump at creeping speed", "75.0", "0.0025"):
+        assert words in told
+
+
+def test_a_diagnosis_that_does_not_find_it_is_refused(model: Path, tmp_path: Path) -> None:
+    arguments = ("add", model, "stribeck", "--joint", "elbow", "--because")
+    other = diagnosis(tmp_path / "other.json", "ripple", "shoulder")
+    assert_refused(lagrangian_ff(*arguments, other), "stribeck on elbow", "ripple on shoulder")
+    event = diagnosis(tmp_path / "event.json", "stribeck", "elbow", why="")
+    assert_refused(lagrangian_ff(*arguments, event), "nothing to add")
+    assert_refused(lagrangian_ff(*arguments, tmp_path / "no.json"), "no.json", "No such file")
+    assert_refused(lagrangian_ff(*arguments, model), "expected the file", "diagnose --json")
+    (tmp_path / "list.json").write_text('{"findings": [1]}')
+    assert_refused(lagrangian_ff(*arguments, tmp_path / "list.json"), "diagnose --json")
+    assert list(model.parent.glob("*+*")) == []
+
+
 def test_what_the_model_has_already_is_refused_with_the_reason(model: Path, tmp_path: Path) -> None:
     twice = lagrangian_ff("add", model, "viscous", "--joint", "elbow")
     assert_refused(twice, "viscous on elbow already", "chain+viscous")

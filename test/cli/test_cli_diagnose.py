@@ -115,7 +115,8 @@ def test_what_appeared_since_is_found_and_said_not_to_be_in_the_models_data(
     )
     assert outcome.code == 0, outcome
     assert "the last third of the motion is held back" in outcome.text
-    assert f"lagrangian_ff add {old} ripple --joint elbow --shape order=9" in outcome.text
+    found = tmp_path / "found.json"
+    assert f"lagrangian_ff add {old} ripple --joint elbow --because {found}" in outcome.text
     assert "did it appear since?" in outcome.text
     changed = json.loads((tmp_path / "found.json").read_text())["changed"]
     assert [(one["what"], one["joints"]) for one in changed][:1] == [("ripple", ["elbow"])]
@@ -224,6 +225,8 @@ def test_only_what_is_confirmed_is_told_to_be_added(verdict: str) -> None:
     assert (add in lines) == (verdict == "confirmed")
     assert (excite("ripple", "elbow", "m.npz") in lines) == (verdict != "confirmed")
     assert ("a b --confirm c --apply" in lines) == (verdict == "confirmed")
+    lines = "\n".join(next_steps(record, "m.npz", ["a"], saved="d.json"))
+    assert ("--joint elbow --because d.json" in lines) == (verdict == "confirmed")
 
 
 def test_a_load_taken_up_is_not_told_to_be_added() -> None:

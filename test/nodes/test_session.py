@@ -55,7 +55,7 @@ def test_names_are_never_taken_twice(tmp_path: Path) -> None:
 def finding(effect: str, verdict: str) -> dict[str, Any]:
     return {
         "effect": effect, "joints": ["a"], "verdict": verdict, "shape": {"v_s": 0.1},
-        "meaning": "friction", "evidence_gain": 40.0, "p_value": 0.01,
+        "why": "it is felt", "evidence_gain": 40.0, "p_value": 0.01,
     }  # fmt: skip
 
 
@@ -63,10 +63,12 @@ def test_only_what_is_confirmed_is_added_without_asking() -> None:
     session = Session(bags=[BAG], result=MODEL)
     verdicts = {"stribeck": "confirmed", "drift": "suggested", "ripple": "ambiguous with drift"}
     findings = [finding(effect, verdict) for effect, verdict in verdicts.items()]
+    findings.append({**finding("payload", "confirmed"), "why": "", "p_value": None})
     session.finish(Order(Task.DIAGNOSE, "d.json"), {"findings": findings}, "")
     (addition,) = session.confirmed()
     assert (addition.effect, addition.joint, addition.shape) == ("stribeck", "a", {"v_s": 0.1})
     assert addition.why["verdict"] == "confirmed"
+    assert addition.why["why"] == "it is felt"
 
 
 def test_findings_fall_with_the_model_they_are_about() -> None:

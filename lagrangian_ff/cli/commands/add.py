@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangian_ff.cli.common.because import Because, found_in
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.options import add_force, add_json, names
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
@@ -30,6 +31,7 @@ EPILOG = """\
 examples:
   lagrangian_ff add model.npz stribeck --joint joint_2
   lagrangian_ff add model.npz ripple --joint joint_2 --shape order=18 --output better.npz
+  lagrangian_ff add model.npz ripple --joint joint_2 --because missing.json
 
 what comes out:
   the error of each joint before and after, on the data that the model holds out (or on blocks
@@ -62,6 +64,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="what the effect is not linear in, all of it (default: searched)",
     )
     parser.add_argument(
+        "--because",
+        type=Path,
+        metavar="DIAGNOSIS.json",
+        help="what diagnose --json wrote: the history tells its evidence, and its shape is used",
+    )
+    parser.add_argument(
         "--output",
         type=Path,
         metavar="NEW.npz",
@@ -87,16 +95,24 @@ def run(arguments: Namespace) -> int:
     model = before = Model.load(arguments.model)
     effect = effect_named(arguments.effect)
     shape = _shape(effect, arguments.shape, model.joints)
-    why = {"why": "added by hand"}
-    for joint in joints:
+    reasons = [_because(arguments.because, effect.name, joint) for joint in joints]
+    for joint, because in zip(joints, reasons, strict=True):
         with progress_bar(f"adding {effect.name} on {joint}") as progress:
-            model = add(model, effect.name, joint, shape, why, progress)
+            model = add(
+                model, effect.name, joint, shape or because.shape or None, because.why, progress
+            )
     with whole(output) as path:
         model.save(path)
     record = _record(before, model, effect.name, joints, arguments.model, output)
     write_record(arguments.json, record)
     _say(record, effect.caution, console)
     return 0
+
+
+def _because(diagnosis: Path | None, effect: str, joint: str) -> Because:
+    if diagnosis is None:
+        return Because({"why": "added by hand"}, {})
+    return found_in(diagnosis, effect, joint)
 
 
 def _usual_output(model: Path, effect: str, joints: Sequence[str]) -> Path:

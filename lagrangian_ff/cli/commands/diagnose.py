@@ -197,7 +197,10 @@ def _write(
 def _say(
     rounds: Sequence[Round], record: dict[str, Any], arguments: Namespace, console: Console
 ) -> None:
-    sources, confirm = record["sources"], record["confirm"]
+    saved = "" if arguments.json in (None, "-") else str(arguments.json)
+    following = next_steps(
+        record, str(arguments.model), record["sources"], record["confirm"], saved
+    )
     for number, one in enumerate(rounds, start=1):
         if len(rounds) > 1:
             console.say(["", f"round {number}: {one.diagnosis.model.name}"])
@@ -215,10 +218,10 @@ def _say(
     if arguments.report is not None:
         console.say(f"saved: {arguments.report}")
     if not arguments.apply:
-        console.say(next_steps(record, str(arguments.model), sources, confirm))
+        console.say(following)
     elif rounds[0].after is None:
         console.say("nothing is confirmed: nothing was added and no model was written")
-        console.say(next_steps(record, str(arguments.model), sources, confirm))
+        console.say(following)
     else:
         console.say(
             [

@@ -177,7 +177,11 @@ def chance(p: float | None) -> str:
 
 
 def next_steps(
-    record: Mapping[str, Any], model: str, sources: Sequence[str], confirm: Sequence[str] = ()
+    record: Mapping[str, Any],
+    model: str,
+    sources: Sequence[str],
+    confirm: Sequence[str] = (),
+    saved: str = "",
 ) -> list[str]:
     """The commands to type next.
 
@@ -185,6 +189,7 @@ def next_steps(
         record: of diagnose.
         model: the model file.
         sources, confirm: the recordings, as they were named.
+        saved: the file that the record is in; empty for none.
     """
     again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
     lines = []
@@ -198,10 +203,11 @@ def next_steps(
         joints = " ".join(f"--joint {joint}" for joint in first["joints"])
         values = " ".join(f"{name}={value}" for name, value in first["shape_words"].items())
         shape = f" --shape {values}" if values else ""
+        details = f" --because {saved}" if saved else shape
         return [
             *lines,
             "next: add what is confirmed",
-            f"  lagrangian_ff add {model} {first['effect']} {joints}{shape}",
+            f"  lagrangian_ff add {model} {first['effect']} {joints}{details}",
             "or all of it, and look again until nothing more is confirmed",
             f"  lagrangian_ff diagnose {model} {again} --apply --output NEW.npz",
         ]

@@ -100,9 +100,14 @@ class Session:
             self.found[task] = record
 
     def confirmed(self) -> tuple[Addition, ...]:
-        """What the last diagnosis confirmed, with the reasons for the model's history."""
+        """What the last diagnosis confirmed, with the reasons for the model's history.
+
+        A load or a contact, which has no `why`, is of the recording and not to be added.
+        """
         findings = self.found.get(Task.DIAGNOSE, {}).get("findings", [])
-        return tuple(_addition(one) for one in findings if one["verdict"] == CONFIRMED)
+        return tuple(
+            _addition(one) for one in findings if one["verdict"] == CONFIRMED and one["why"]
+        )
 
 
 def _addition(finding: dict[str, Any]) -> Addition:
@@ -111,8 +116,7 @@ def _addition(finding: dict[str, Any]) -> Addition:
         finding["joints"][0],
         finding["shape"],
         {
-            "why": f"{finding['meaning']}; it gains {finding['evidence_gain']:.0f} nats of "
-            "evidence, and with frozen coefficients it helps on motion not used to find it",
+            "why": finding["why"],
             "verdict": finding["verdict"],
             "evidence_gain": finding["evidence_gain"],
             "p_value": finding["p_value"],

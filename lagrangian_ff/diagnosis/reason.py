@@ -1,0 +1,22 @@
+"""Why an effect is added to a model, as its history tells it."""
+
+from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis, Finding
+
+
+def reason(finding: Finding, diagnosis: Diagnosis) -> str:
+    """What speaks for a finding, and against it where it is not confirmed.
+
+    Args:
+        finding: of something that lasts, not of a load or a contact.
+        diagnosis: which it is of.
+    """
+    where = "another recording" if diagnosis.separate else "the end of it, held back"
+    text = (
+        f"{finding.effect.meaning}; it gains {finding.step.score.gain:.0f} nats of evidence, "
+        f"and with frozen coefficients it helps in {finding.trial.share:.0%} of {where}"
+    )
+    if finding.verdict == CONFIRMED:
+        return text
+    rivals = f"it may be {' or '.join(finding.rivals)} too" if finding.rivals else ""
+    doubt = "; ".join(part for part in (finding.reason, rivals) if part)
+    return f"{text}; no more than {finding.verdict}: {doubt}"
