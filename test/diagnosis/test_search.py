@@ -157,6 +157,23 @@ def test_plain_friction_comes_before_friction_with_a_bend() -> None:
     assert all(not step.rivals for step in found.steps)
 
 
+def test_friction_that_every_joint_has_comes_before_any_that_changes_with_position() -> None:
+    """Though a curve over position, which holds it, explains more."""
+
+    def uneven(
+        t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
+    ) -> two_rods.Floats:
+        more = 1.0 * np.sin(q[:, 1]) * np.tanh(qd[:, 1] / two_rods.WIDTH)
+        return np.stack([np.zeros_like(more), more], axis=1)
+
+    motion = two_rods.motion(1, 30.0, uneven)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    found = search(tune(motion, x, Basis(())), steps=6)
+    on_elbow = [name for name, joint in (s.score.candidate.key for s in found.steps) if joint]
+    assert on_elbow[0] in ("coulomb", "viscous")
+    assert "position_friction" in on_elbow
+
+
 def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
     """Rods that lie flat: which inertia is the rotor's no motion tells; the friction does."""
     motion = two_rods.motion(1, 40.0)

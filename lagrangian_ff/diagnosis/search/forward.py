@@ -30,8 +30,9 @@ LEAST_SIZE = 0.005
 """Share of a joint's torque below which an effect is not worth a name."""
 NAME_SHARE = 0.7
 """A name must explain this share of what a free curve over one coordinate does."""
-PLAIN, PLAIN_SHARE = ("coulomb", "viscous"), 0.6
-"""Friction that every joint has, and how much of what the best explains it must explain."""
+PLAIN, PLAIN_SHARE, FIRST_SHARE = ("coulomb", "viscous"), 0.6, 0.2
+"""Friction that every joint has, and how much of what the best explains it must explain: where the
+model has one of the two on the joint, and where it has none."""
 NEAR = 0.2
 """A name or a curve is looked at closely if at first it gains this share of the best."""
 REFINED = 8
@@ -263,7 +264,9 @@ def _judge(
     worth = named_view.total(chosen) - start
     rival_worth = free_view.total(curve) - start
     p_value = chance.p_value(first.gain)
-    if chosen is not None and (curve is None or worth > NAME_SHARE * rival_worth):
+    plain = chosen is not None and chosen.candidate.effect.name in PLAIN
+    least = FIRST_SHARE if plain and _bare(ground, joint) else NAME_SHARE
+    if chosen is not None and (curve is None or worth > least * rival_worth):
         left = tuple(rivals(chosen, named_view.others))
         step, view = Step(chosen, left, first.gain, p_value, curve), named_view
     elif curve is not None:
@@ -307,8 +310,10 @@ class _View:
             for one in found
             if one.candidate.named and one.gain > 0.0 and (one.once or not leader.once)
         ][:REFINED]
+        bare = _bare(again, leader.candidate.joint)
         names = _plain_first(
-            sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one))
+            sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one)),
+            FIRST_SHARE if bare else PLAIN_SHARE,
         )
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
         first = names[0] if names else None
@@ -319,16 +324,27 @@ class _View:
         return -np.inf if score is None else self.base + score.gain
 
 
-def _plain_first(names: list[Score]) -> list[Score]:
-    """Names with what every joint has in front, if it explains most of what the best does.
+def _bare(ground: Ground, joint: int) -> bool:
+    """Whether the model has no friction on a joint, which every joint has."""
+    own = {term.effect.name for term in ground.basis.terms if term.joint == joint}
+    return not own & set(PLAIN)
+
+
+def _plain_first(names: list[Score], least: float) -> list[Score]:
+    """Names with what every joint has in front, if it explains so much of what the best does.
 
     Where plain friction is missing altogether, one curve with a bend does better than either half
     of it: the halves come first, one after the other, and the bend only if it is still needed.
     """
     for score in names:
-        if score.candidate.effect.name in PLAIN and score.gain > PLAIN_SHARE * names[0].gain:
-            return [score, *(one for one in names if one.candidate.effect.kind != "friction")]
+        if score.candidate.effect.name in PLAIN and score.gain > least * names[0].gain:
+            return [score, *(one for one in names if not _over_velocity(one.candidate.effect))]
     return names
+
+
+def _over_velocity(effect: Effect) -> bool:
+    """Whether it may pass for plain friction where that is missing."""
+    return effect.kind == "friction" or effect.coordinate == "velocity"
 
 
 def _worth(ground: Ground, score: Score) -> float:
