@@ -14,7 +14,7 @@ from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
 from lagrangian_ff.identification.choice import Choice
 from lagrangian_ff.identification.choosing.search import validation_score
-from lagrangian_ff.identification.choosing.shapes import best_shape, fall
+from lagrangian_ff.identification.choosing.shapes import best_shape, fall, tuned
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.solving.equations import fit_basis
@@ -41,13 +41,14 @@ def extend(
     """Add an effect to one joint of a model and refit it.
 
     The kernel keeps its hyperparameters; the noise, which the effect was part of, is chosen
-    anew, by blocks left out in turn.
+    anew, by blocks left out in turn. So are the shapes of the joint's friction, which had made up
+    for the effect.
 
     Args:
         model: with the data it keeps.
         effect: what is added.
         joint: where.
-        shape: its nonlinear parameters; None searches them.
+        shape: its nonlinear parameters, kept as given; None searches them.
         why: what the model's history shall tell of the reason.
         progress: told the share done.
 
@@ -63,22 +64,21 @@ def extend(
     require_room(old, len(few.x))
     progress(0.1, f"adding {effect.name}")
     before = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling, few.trust)
-    if shape is None:
-        shape = best_shape(before, effect, number, few.x)
-    term = Term(effect, number, dict(shape))
+    searched = best_shape(before, effect, number, few.x) if shape is None else shape
+    term = Term(effect, number, dict(searched))
     _, own = fall(before, term, few.x)
-    del before  # its factor is as large as that of the fit to come
     if own < SAME:
         raise ModelError(
             f"{effect.name} on {joint} is a torque that the model has already under another name "
             f"({', '.join(t.effect.name for t in model.basis.terms if t.joint == number)}): "
             "adding it would change nothing"
         )
-    new = replace(
-        old,
-        name=f"{model.name}+{effect.name}@{joint}",
-        basis=Basis((*old.basis.terms, term)),
+    basis = tuned(
+        before, Basis((*old.basis.terms, term)), number, few.x, () if shape is None else (term,)
     )
+    del before  # its factor is as large as that of the fit to come
+    inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
+    new = replace(old, name=f"{model.name}+{effect.name}@{joint}", basis=basis)
     progress(0.3, "choosing the noise anew")
     new = replace(new, choice=_with_noise(new, inputs))
     progress(0.6, "fitting")

@@ -1,19 +1,27 @@
-"""The shape of an effect that explains most of what a fitted model leaves over."""
+"""The shapes of effects that explain most of what a fitted model leaves over."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from scipy.optimize import minimize
 
 from lagrangian_ff.effects import Effect, Inputs
-from lagrangian_ff.identification.basis import Term
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.system import System
 
 Floats = NDArray[np.float64]
 
+STEP = 0.4
+"""Of the logarithm of a shape: how far it is moved at first."""
+EVALUATIONS = 40
+"""A shape to tune, at most."""
 
-def best_shape(fitted: Fit, effect: Effect, joint: int, x: Inputs) -> Mapping[str, float]:
+
+def best_shape(fitted: Fit[System], effect: Effect, joint: int, x: Inputs) -> Mapping[str, float]:
     """The shape with the largest fall of the whitened squared residual; no refit is needed.
 
     Args:
@@ -25,33 +33,96 @@ def best_shape(fitted: Fit, effect: Effect, joint: int, x: Inputs) -> Mapping[st
     return max(shapes, key=lambda shape: fall(fitted, Term(effect, joint, shape), x)[0])
 
 
-def fall(fitted: Fit, term: Term, x: Inputs) -> tuple[float, float]:
+def fall(fitted: Fit[System], term: Term, x: Inputs) -> tuple[float, float]:
     """How much a term would explain of the whitened squares.
 
     Returns:
         The fall as a share of what is left, and the share of the term itself that the model's
         basis does not hold already: 0 for a torque it has under another name.
     """
-    for joints, _, system in fitted.systems:
-        if term.joint not in joints:
-            continue
-        columns = term.columns(x)
-        place = joints.index(term.joint)
-        full = np.zeros((len(x), len(joints), columns.shape[1]))
-        full[:, place, :] = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
-        z = solve_triangular(
-            system.upper, full.reshape(-1, columns.shape[1]), trans=1, check_finite=False
-        )
-        size = float(np.sum(z**2))
-        span = _orthonormal(system.white_design)
-        z -= span @ (span.T @ z)
-        left = system.white_target - span @ (span.T @ system.white_target)
-        own = float(np.sum(z**2)) / size if size > 0.0 else 0.0
-        if own < 1e-12:
-            return 0.0, own
-        direction = _orthonormal(z)
-        return float(np.sum((direction.T @ left) ** 2) / (left @ left)), own
-    raise ValueError(f"joint {term.joint} is in no system of the fit")
+    joints, _, system = _system_of(fitted, term.joint)
+    z = _whitened(system, joints, term.joint, term.columns(x))
+    size = float(np.sum(z**2))
+    span = _orthonormal(system.white_design)
+    z -= span @ (span.T @ z)
+    left = system.white_target - span @ (span.T @ system.white_target)
+    own = float(np.sum(z**2)) / size if size > 0.0 else 0.0
+    if own < 1e-12:
+        return 0.0, own
+    direction = _orthonormal(z)
+    return float(np.sum((direction.T @ left) ** 2) / (left @ left)), own
+
+
+def tuned(
+    fitted: Fit[System], basis: Basis, joint: int, x: Inputs, given: Collection[Term] = ()
+) -> Basis:
+    """The basis with the shapes of one joint's friction moved to where least is left.
+
+    A shape that was chosen while an effect was missing had made up for it as well as it could:
+    Coulomb's v0 for a bump at creeping speed.
+
+    Args:
+        fitted: the model so far, which gives the kernel and the noise.
+        basis: its terms, moved or new.
+        joint: whose friction is tuned.
+        x: (C,) the samples it was fitted on.
+        given: terms that keep their shape.
+    """
+    joints, part, system = _system_of(fitted, joint)
+    free = [
+        (number, shape)
+        for number, term in enumerate(basis.terms)
+        if term.joint == joint and term.effect.kind == "friction" and term not in given
+        for shape in term.effect.shapes
+        if not shape.whole and term.shape.get(shape.name, 0.0) > 0.0
+    ]
+    if not free:
+        return basis
+    others = [place for term, place in part.slices() if term.joint != joint]
+    known = _orthonormal(np.hstack([system.white_design[:, :0], *(
+        system.white_design[:, place] for place in others
+    )]))  # fmt: skip
+    left = system.white_target - known @ (known.T @ system.white_target)
+
+    def moved(logs: Floats) -> Basis:
+        terms = list(basis.terms)
+        for (number, shape), value in zip(free, np.exp(logs).tolist(), strict=True):
+            terms[number] = replace(terms[number], shape={**terms[number].shape, shape.name: value})
+        return Basis(tuple(terms))
+
+    def cost(logs: Floats) -> float:
+        own = moved(logs)
+        seen = replace(x, sign_speed=own.sign_speed(x.joints))
+        columns = own.of_joints((joint,)).columns(seen)
+        z = _whitened(system, joints, joint, columns)
+        direction = _orthonormal(z - known @ (known.T @ z))
+        return float(np.log(left @ left - np.sum((direction.T @ left) ** 2)))
+
+    start = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
+    simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
+    bounds = [(np.log(shape.low), np.log(shape.high)) for _, shape in free]
+    found = minimize(
+        cost, start, method="Nelder-Mead", bounds=bounds,
+        options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
+                 "xatol": 0.01, "fatol": 1e-5},
+    )  # fmt: skip
+    return moved(found.x) if found.fun < cost(start) else basis
+
+
+def _system_of(fitted: Fit[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:
+    for joints, part, system in fitted.systems:
+        if joint in joints:
+            return joints, part, system
+    raise ValueError(f"joint {joint} is in no system of the fit")
+
+
+def _whitened(system: System, joints: tuple[int, ...], joint: int, columns: Floats) -> Floats:
+    """(n, P) what a joint's columns (M, P), of largest entry 1, are to the noise and the kernel."""
+    full = np.zeros((len(columns), len(joints), columns.shape[1]))
+    scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
+    full[:, joints.index(joint), :] = columns / scale
+    flat = full.reshape(-1, columns.shape[1])
+    return np.asarray(solve_triangular(system.upper, flat, trans=1, check_finite=False))
 
 
 def _orthonormal(columns: Floats) -> Floats:

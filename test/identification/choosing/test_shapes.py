@@ -1,0 +1,76 @@
+"""Shapes that were chosen while an effect was missing are chosen anew once it is there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pendulum
+import pendulum_models
+import pytest
+
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification import Model, extend
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.choosing.shapes import tuned
+from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.recording.motion import Motion
+
+BUMP, V_S = 0.5, 0.25  # N·m, rad/s
+STEEP = 0.006  # rad/s, what makes up for a bump best
+
+
+def sticking() -> Motion:
+    """Return the pendulum with more friction of its elbow at creeping speed."""
+    motion = pendulum.motion(30.0, noise=0.005)
+    v = motion.qd[:, 1]
+    tau = motion.tau.copy()
+    tau[:, 1] += BUMP * np.tanh(v / pendulum.WIDTH) * np.exp(-((v / V_S) ** 2))
+    return replace(motion, tau=tau)
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """Return a model whose Coulomb friction of the elbow is too steep, as without the bump."""
+    model = pendulum_models.fitted("chain+fri", sticking()).model
+    terms = [
+        replace(term, shape={"v0": STEEP}) if (term.effect.name, term.joint) == ("coulomb", 1)
+        else term for term in model.basis.terms
+    ]  # fmt: skip
+    return replace(model, basis=Basis(tuple(terms)))
+
+
+def shapes(basis: Basis) -> dict[tuple[str, int], dict[str, float]]:
+    return {(t.effect.name, t.joint): dict(t.shape) for t in basis.terms if t.shape}
+
+
+def test_the_steepness_and_the_bump_are_found_together(model: Model) -> None:
+    before = shapes(model.basis)
+    found = extend(model, EFFECTS["stribeck"], "elbow")
+    after = shapes(found.model.basis)
+    assert after["coulomb", 1]["v0"] == pytest.approx(pendulum.WIDTH, rel=0.3)
+    assert after["stribeck", 1]["v_s"] == pytest.approx(V_S, rel=0.2)
+    assert after["coulomb", 0] == before["coulomb", 0]
+    effects = found.record["effects"]
+    assert isinstance(effects, list)
+    (bump,) = (one for one in effects if one["effect"] == "stribeck")
+    assert bump["parameters"]["F_s"]["value"] == pytest.approx(BUMP, rel=0.2)
+
+
+def test_a_shape_that_is_given_is_kept(model: Model) -> None:
+    found = extend(model, EFFECTS["stribeck"], "elbow", {"v_s": 0.2})
+    after = shapes(found.model.basis)
+    assert after["stribeck", 1] == {"v_s": 0.2}
+    assert after["coulomb", 1]["v0"] > 2.0 * STEEP
+
+
+def test_nothing_is_tuned_where_nothing_has_a_shape(model: Model) -> None:
+    """And tuning twice changes nothing: it was the best."""
+    old = Blueprint.of(model)
+    few = old.few(model.inputs_of_data(), 200)
+    fitted = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling)
+    plain = Basis(tuple(Term(EFFECTS[n], 1) for n in ("viscous", "offset")))
+    assert tuned(fitted, plain, 1, few.x) is plain
+    once = tuned(fitted, old.basis, 1, few.x)
+    twice = tuned(fitted, once, 1, few.x)
+    v0 = [shapes(basis)["coulomb", 1]["v0"] for basis in (once, twice)]
+    assert v0[1] == pytest.approx(v0[0], rel=0.03)
