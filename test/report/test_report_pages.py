@@ -80,7 +80,7 @@ def test_diagnose_goes_from_the_verdict_to_what_to_record_next(tmp_path: Path) -
     assert re.findall(r"<h2>(.*?)</h2>", page)[: len(expected)] == expected
     assert "error 40 % lower on held-back data" in page
     assert "Could also be gear mesh on elbow, spring" in page
-    assert "19 % of its error follows position" in page
+    assert "something 19 % the size of its torque follows position" in page
 
 
 def test_an_effect_that_raises_the_error_is_not_shown_as_a_fall(tmp_path: Path) -> None:

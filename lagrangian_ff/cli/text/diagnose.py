@@ -65,7 +65,8 @@ def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
         console.say(["", "left unexplained: no effect of the catalogue fits"])
         for one in record["unexplained"]:
             console.paragraph(
-                f"{one['joint']}: {one['share']:.1%} of its torque depends on {one['coordinate']}",
+                f"{one['joint']}: something {one['share']:.1%} the size of its torque depends on "
+                f"{one['coordinate']}",
                 "  - ",
                 "    ",
             )

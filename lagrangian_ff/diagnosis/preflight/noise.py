@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of, thinned
+from lagrangian_ff.diagnosis.preflight.base import Case, Check, duration_of, rate_of, thinned
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -14,6 +14,8 @@ LEAST = 4.0
 """s of moving together that a repeat must have."""
 AT_FLOOR = 1.3
 """Times the floor: an error below it leaves nothing to explain."""
+REPEATED = 0.5
+"""Share of a recording from which on it is a repeat of the motion."""
 _MOST = 1200  # samples that are compared with each other
 _APART = 2.0  # s, a motion is not its own repeat
 _CLOSE = 0.06  # of a joint's range and speed range, at SEARCHED
@@ -44,7 +46,7 @@ def check_noise(case: Case) -> list[Check]:
         # The same measurement given twice tells nothing of noise.
         return []
     error = np.sqrt((case.residual**2).mean(axis=0))
-    return [
+    floors = [
         Check(
             "noise floor",
             name,
@@ -54,6 +56,23 @@ def check_noise(case: Case) -> list[Check]:
             values={"floor": floor[n], "error": error[n], "seconds": seconds},
         )
         for n, name in enumerate(case.joints)
+    ]
+    return [*_repeated(case, best[1], seconds), *floors]
+
+
+def _repeated(case: Case, other: Motion, seconds: float) -> list[Check]:
+    """That most of another recording, which is to confirm, is the motion that was searched."""
+    if other is case.motion or seconds < REPEATED * duration_of(other):
+        return []
+    return [
+        Check(
+            "repeated motion",
+            None,
+            f"{other.source} repeats {seconds:.0f} s of the motion that is searched: it can tell "
+            "that an error comes again, but hardly what causes it",
+            advice="Confirm on another motion",
+            values={"seconds": seconds},
+        )
     ]
 
 

@@ -20,6 +20,8 @@ Floats = NDArray[np.float64]
 SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
 """s between the moments tried, and from the ends of a motion."""
+LEAST = 3.0
+"""s of motion before and after a moment, without which nothing has changed on the way."""
 COARSE, EXACT = (2.5, 1.25, 0.625), (0.3, 0.15, 0.075, 0.04)
 """s that the moments are moved by: of few samples, and of all. What is between the true moment and
 the one found is a torque that another effect would be named for."""
@@ -123,7 +125,7 @@ class _Better:
         """The best, or the change that these make if that gains more."""
         if until > self.end - 1.0:
             until = np.inf
-        if until - since < 1.0 or not self.start + 1.0 < since < self.end - 1.0:
+        if until - since < 1.0 or not self.start + LEAST < since < self.end - LEAST:
             return best
         change = Change(since, until, share, 0.0)
         gain = self.gain(change)

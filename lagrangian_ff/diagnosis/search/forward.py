@@ -33,10 +33,12 @@ NAME_SHARE = 0.7
 PLAIN, PLAIN_SHARE, FIRST_SHARE = ("coulomb", "viscous"), 0.6, 0.2
 """Friction that every joint has, and how much of what the best explains it must explain: where the
 model has one of the two on the joint, and where it has none."""
+BARE = 3.0
+"""Times the gain of the best that a change of the arm must gain where plain friction is missing."""
 NEAR = 0.2
 """A name or a curve is looked at closely if at first it gains this share of the best."""
 REFINED = 8
-"""Names whose shapes are refined."""
+"""Names whose shapes are refined, besides plain friction."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def search(
         ]
         if change is None and may_change and (not taken or not eligible):
             change = change_of(ground)
-            if change is not None and (not eligible or change.gain > eligible[0].gain):
+            if change is not None and change.gain > _best_gain(ground, eligible):
                 prior = replace(ground.prior, change=change.prior)
                 ground = _relaid(ground, prior, ground.basis, ground.extra)
                 ground = _relaid(ground, sharpen(ground, ground.basis, ground.extra),
@@ -309,7 +311,11 @@ class _View:
             one
             for one in found
             if one.candidate.named and one.gain > 0.0 and (one.once or not leader.once)
-        ][:REFINED]
+        ]
+        best = [
+            one for number, one in enumerate(best)
+            if number < REFINED or one.candidate.effect.name in PLAIN
+        ]  # fmt: skip
         bare = _bare(again, leader.candidate.joint)
         names = _plain_first(
             sorted((refined(again, one) for one in best), key=lambda one: -_worth(again, one)),
@@ -322,6 +328,15 @@ class _View:
     def total(self, score: Score | None) -> float:
         """Log evidence with a candidate: what can be compared between views."""
         return -np.inf if score is None else self.base + score.gain
+
+
+def _best_gain(ground: Ground, eligible: Sequence[Score]) -> float:
+    """Nats that a change of the whole arm must gain more than to come before these.
+
+    Where friction is missing altogether a second Lagrangian takes up much of it.
+    """
+    bare = any(_bare(ground, score.candidate.joint) for score in eligible)
+    return (BARE if bare else 1.0) * max((score.gain for score in eligible), default=0.0)
 
 
 def _bare(ground: Ground, joint: int) -> bool:

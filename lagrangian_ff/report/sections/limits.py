@@ -93,7 +93,7 @@ def next_section(record: Mapping[str, Any]) -> Section | None:
     left = record.get("unexplained") or []
     if left:
         texts = [
-            f"{one['joint']}: {percent(one['share'])} of its error follows "
+            f"{one['joint']}: something {percent(one['share'])} the size of its torque follows "
             f"{spoken(one['coordinate'])}, and no effect of the catalogue accounts for it."
             for one in left
         ]
