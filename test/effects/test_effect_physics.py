@@ -363,8 +363,13 @@ def test_what_follows_the_load_asks_which_inertia_is_the_rotors(x: Inputs) -> No
     gravity_free = replace(x, load=1.0 * x.qdd, rotor=np.array([3.0, 0.0, 0.02]))
     effect = EFFECTS["load_friction"]
     tried = [shape["Jr"] for shape in effect.candidates(gravity_free, 0)]
-    assert tried == [3.0, 2.25, 1.5, 0.75]
-    assert len(effect.candidates(gravity_free, 2)) == 1
+    assert tried == pytest.approx([3.0, 1e-6, 1.0, 2.0])
+    all_link = replace(gravity_free, rotor=np.zeros(3))
+    assert [shape["Jr"] for shape in effect.candidates(all_link, 0)] == pytest.approx(
+        [1e-6, 0.25, 0.5, 0.75]
+    )
+    heavy = replace(gravity_free, load=gravity_free.load + 100.0)
+    assert [shape["Jr"] for shape in effect.candidates(heavy, 0)] == [3.0]
     column = effect.columns(gravity_free, 0, {"Jr": 1.0})[:, 0]
     np.testing.assert_allclose(column, np.abs(3.0 * x.qdd[:, 0]) * x.sign(0))
     as_it_is = effect.columns(gravity_free, 0, {})[:, 0]
