@@ -11,7 +11,7 @@ from lagrangian_ff.nodes.recorder.ordering import make_order, summary
 from lagrangian_ff.nodes.recorder.session import Result, Session
 
 FINDING = {
-    "effect": "stribeck", "joints": ["b"], "verdict": "confirmed", "shape": {}, "meaning": "",
+    "effect": "stribeck", "joints": ["b"], "verdict": "confirmed", "shape": {}, "why": "it is",
     "evidence_gain": 1.0, "p_value": 0.1,
 }  # fmt: skip
 

@@ -19,8 +19,9 @@ SHOWN = (
     "preflight",
 )  # fmt: skip
 SHOWN_OF_FINDING = (
-    "effect", "joints", "verdict", "reason", "evidence_gain", "p_value", "error_before",
-    "error_after", "parameters", "shape", "meaning", "told_apart_by", "next_motion", "trial",
+    "effect", "joints", "verdict", "reason", "why", "evidence_gain", "p_value",
+    "error_before", "error_after", "parameters", "shape", "meaning", "told_apart_by",
+    "next_motion", "trial",
 )  # fmt: skip
 
 
