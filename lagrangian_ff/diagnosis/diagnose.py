@@ -1,6 +1,6 @@
 """From a model and a recording to the physical effects that the model lacks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -244,7 +244,8 @@ def _confirmed(
     found: Search, motion: Motion, joints: Sequence[str], taken_up: TakenUp | None
 ) -> tuple[Finding, ...]:
     frozen = _frozen(found)
-    unseen = _unseen(found, motion, taken_up.again if taken_up else None)
+    change = taken_up.again if taken_up else None
+    views = _views(found, motion, change)
     free = {
         score.candidate.joint: score.gain
         for score in reversed(found.last)
@@ -255,7 +256,7 @@ def _confirmed(
         if not step.named:
             continue
         candidate = step.score.candidate
-        trial = _trial(found, unseen, number)
+        unseen, trial = views[number]
         mine = unseen.rival(step.score, number)
         others = [(mine, unseen.rival(score, number)) for score in step.rivals]
         left = tuple(
@@ -294,6 +295,31 @@ def _confirmed(
     return tuple(findings)
 
 
+def _views(
+    found: Search, motion: Motion, change: Change | None
+) -> Mapping[int, tuple[Unseen, Trial]]:
+    """How each named step does on the unseen motion, and the view of that motion it is seen in.
+
+    First everything is frozen. Where an effect fails beside a smaller one that fails as well, it is
+    tried again with the smaller one fitted anew: what is not there would be taken away at a size
+    that it has not, and be laid at the door of the larger.
+    """
+    unseen = _unseen(found, motion, change)
+    named = [number for number, step in enumerate(found.steps) if step.named]
+    views = {number: (unseen, _trial(found, unseen, number)) for number in named}
+    failed: dict[int, list[int]] = {}
+    for number in sorted(named, key=lambda n: -found.steps[n].score.gain):
+        if not views[number][1].holds:
+            failed.setdefault(found.steps[number].score.candidate.joint, []).append(number)
+    smaller = {number for on_joint in failed.values() for number in on_joint[1:]}
+    if smaller:
+        unseen = _unseen(found, motion, change, smaller)
+        for number, *others in failed.values():
+            if others:
+                views[number] = (unseen, _trial(found, unseen, number))
+    return views
+
+
 def _trial(found: Search, unseen: Unseen, number: int) -> Trial:
     """How a step does, alone, or else with all that has the same cause on other joints."""
     candidate = found.steps[number].score.candidate
@@ -307,10 +333,18 @@ def _trial(found: Search, unseen: Unseen, number: int) -> Trial:
     return together if together.holds else alone
 
 
-def _unseen(found: Search, motion: Motion, change: Change | None) -> Unseen:
-    """The unseen motion with everything found taken away, frozen; the model's own stays free."""
+def _unseen(
+    found: Search, motion: Motion, change: Change | None, anew: Collection[int] = ()
+) -> Unseen:
+    """The unseen motion with everything found taken away, frozen.
+
+    The model's own stays free, and so do the steps that are to be fitted anew.
+    """
     model = Basis(found.ground.basis.terms[: len(found.first.basis.terms)])
-    parameters = (values for values, _, _ in _frozen(found))
+    parameters = (
+        values[:0] if number in anew else values
+        for number, (values, _, _) in enumerate(_frozen(found))
+    )
     candidates = (step.score.candidate for step in found.steps)
     taken = list(zip(candidates, parameters, strict=True))
     return Unseen.lay(motion, found.ground, model, taken, change)

@@ -25,7 +25,7 @@ from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.words import listed, which
 
 RANKED = 15
-PROMISING = 4.0 * FLOOR
+PROMISING = 3.0 * FLOOR
 """Nats of the best effect from which on it is named though chance does as well."""
 
 

@@ -1,7 +1,9 @@
 """From a model and recordings to what is missing, confirmed on motion that was not used."""
 
+import importlib
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +12,12 @@ import two_rods
 from lagrangian_ff.diagnosis import Diagnosis, add, apply, diagnose, history
 from lagrangian_ff.diagnosis.ground import tuning
 from lagrangian_ff.diagnosis.search import confirm
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model, Settings, identify
 
+engine = importlib.import_module("lagrangian_ff.diagnosis.diagnose")
 FEW = Settings(train=1.0, samples=120, evaluations=20)
 
 
@@ -45,6 +50,24 @@ def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:
     assert finding.trial.ratio == pytest.approx(1.0, abs=0.4)
     assert not stuck.unexplained
     assert stuck.taken_up is None
+
+
+def test_what_is_not_there_does_not_take_a_larger_effect_with_it(
+    stuck: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A smaller one that the unseen motion refutes is fitted anew before the larger is judged."""
+    (step,) = stuck.search.steps
+    wrong = Candidate(EFFECTS["position_friction"], 1)
+    smaller = replace(step, score=replace(step.score, candidate=wrong, gain=25.0))
+    found = replace(stuck.search, steps=(step, smaller))
+    (right,) = engine._frozen(stuck.search)
+    far_off = np.array([1.5, -1.5])
+    monkeypatch.setattr(engine, "_frozen", lambda _: [right, (far_off, far_off, far_off)])
+    unseen = two_rods.motion(2, hidden=two_rods.stick)
+    assert not engine._trial(found, engine._unseen(found, unseen, None), 0).holds
+    views = engine._views(found, unseen, None)
+    assert views[0][1].holds
+    assert not views[1][1].holds
 
 
 def test_the_record_is_json_and_complete(stuck: Diagnosis) -> None:

@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
 from lagrangian_ff.diagnosis.search.change import change_of
-from lagrangian_ff.diagnosis.search.forward import BESIDE_FLOOR, Needed, search, superfluous
+from lagrangian_ff.diagnosis.search.forward import FLOOR, Needed, search, superfluous
 from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score, scores, tempered_gain
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
 from lagrangian_ff.effects import EFFECTS, Inputs
@@ -198,9 +198,9 @@ def test_a_gain_that_ties_with_chance_does_not_beat_it() -> None:
 
 def test_what_is_needed_too_little_is_taken_out_again() -> None:
     gear, ripple = Needed(0, 1, 1800.0), Needed(1, 1, 40.0)
-    assert superfluous([gear, Needed(1, 1, BESIDE_FLOOR - 1.0)]) == 1
+    assert superfluous([gear, Needed(1, 1, FLOOR - 1.0)]) == 1
     # Forty nats are much alone, and little beside eighteen hundred on the same joint.
     assert superfluous([gear, ripple]) == 1
     assert superfluous([gear, ripple._replace(joint=0)]) is None
     assert superfluous([gear, ripple._replace(gain=100.0)]) is None
-    assert superfluous([gear, ripple, Needed(2, 0, BESIDE_FLOOR - 12.0)]) == 2
+    assert superfluous([gear, ripple, Needed(2, 0, FLOOR - 12.0)]) == 2

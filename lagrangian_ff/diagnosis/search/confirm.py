@@ -87,8 +87,8 @@ class Unseen:
             motion: not used in the search.
             found: the last ground of the search.
             model: the basis that the model had, its shapes tuned; its parameters stay free.
-            taken: what was found, with frozen parameters; (K, 0) parameters leave a dependence
-                without a name free.
+            taken: what was found, with frozen parameters; with none, (0,), it stays free, as a
+                dependence without a name always does, and the load is predicted without it.
             change: where this motion takes up a load, if the first one did.
         """
         prior = found.prior
@@ -96,14 +96,14 @@ class Unseen:
             prior = replace(prior, change=change.prior if change else None)
         index = evenly(len(motion), ROWS // len(motion.joints))
         block = motion.blocks(BLOCK_SECONDS)[index]
-        whole = Basis((*model.terms, *(c.term() for c, _ in taken if c.named)))
+        whole = Basis((*model.terms, *(c.term() for c, b in taken if c.named and len(b))))
         ground = lay(motion, index, block, found.inputs_of(motion), prior, whole)
         inputs = ground.inputs_of(motion)
         x = replace(ground, inputs=inputs).unseen_inputs()
         tau = motion.tau.copy()
         torques, extra = [], []
         for candidate, parameters in taken:
-            if not candidate.named:
+            if not candidate.named or not len(parameters):
                 extra.append(Extra(candidate.joint, candidate.columns(x)))
                 torques.append(np.zeros(len(index)))
                 continue

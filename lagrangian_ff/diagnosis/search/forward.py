@@ -20,9 +20,8 @@ from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
 
 MOST_STEPS = 6
-FLOOR, BESIDE_FLOOR = 15.0, 20.0
-"""Nats below which nothing is claimed, whatever chance says: where nothing was found yet, and
-beside what was. A form of that one that is not quite right leaves as much."""
+FLOOR = 20.0
+"""Nats below which nothing is claimed, whatever chance says."""
 EVENT_FLOOR = 25.0
 """The same for what happens once only: signs of blocks cannot tell it from an outlier."""
 REMAINDER = 0.03
@@ -119,11 +118,10 @@ def search(
         lasting = [score for score in found if not score.once]
         looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
         _, best, chance = looks[-1]
-        least = BESIDE_FLOOR if taken or change else FLOOR
         eligible = [
             score
             for score in best
-            if _stands_out(score, chance, ground, least) and _possible(score, causes)
+            if _stands_out(score, chance, ground) and _possible(score, causes)
         ]
         if change is None and may_change and (not taken or not eligible):
             change = change_of(ground)
@@ -139,7 +137,7 @@ def search(
         progress(
             share + 0.5 / (steps + 1), f"looking closer at {eligible[0].candidate.source.name}"
         )
-        step, prior = _judge(ground, eligible[0], best, chance, effects, least)
+        step, prior = _judge(ground, eligible[0], best, chance, effects)
         if step is None:
             break
         taken.append(step)
@@ -189,7 +187,7 @@ def superfluous(needed: Sequence[Needed]) -> int | None:
 
     def share(one: Needed) -> float:
         largest = max(other.gain for other in needed if other.joint == one.joint)
-        return one.gain / max(BESIDE_FLOOR, REMAINDER * largest)
+        return one.gain / max(FLOOR, REMAINDER * largest)
 
     least = min(needed, key=share)
     return least.number if share(least) <= 1.0 else None
@@ -229,12 +227,12 @@ def _possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
     return candidate.cause in causes
 
 
-def _stands_out(score: Score, chance: Chance, ground: Ground, least: float) -> bool:
+def _stands_out(score: Score, chance: Chance, ground: Ground) -> bool:
     candidate = score.candidate
     large = score.size > LEAST_SIZE * ground.spread[candidate.joint]
     if score.once:
         return large and score.gain > EVENT_FLOOR
-    return large and score.gain > least and chance.beaten_by(score.gain)
+    return large and score.gain > FLOOR and chance.beaten_by(score.gain)
 
 
 def _judge(
@@ -243,13 +241,11 @@ def _judge(
     best: Sequence[Score],
     chance: Chance,
     effects: Mapping[str, Effect] | None,
-    least: float,
 ) -> tuple[Step | None, Prior]:
     """Look again at one joint, with the noise that is left once the best is taken in.
 
-    What gains no more than `least` nats then is no step. The best name and the best free curve are
-    each judged with the noise that suits them: with that of the other they would look worse than
-    they are.
+    The best name and the best free curve are each judged with the noise that suits them: with
+    that of the other they would look worse than they are.
     """
     joint = first.candidate.joint
     here = [score for score in best if score.candidate.joint == joint and score.gain > 0.0]
@@ -279,7 +275,7 @@ def _judge(
         step, view = Step(curve, (), first.gain, p_value, curve), free_view
     else:
         return None, ground.prior
-    if step.score.gain <= least:
+    if step.score.gain <= FLOOR:
         return None, ground.prior
     return step, view.ground.prior
 
