@@ -3,11 +3,17 @@
 import json
 import math
 from collections.abc import Mapping
+from typing import Any
 
 
 def to_json(record: Mapping[str, object]) -> str:
     """A record as text; numbers that are not finite become null, as JSON has no word for them."""
     return json.dumps(_finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def why_of(finding: Mapping[str, Any]) -> dict[str, object]:
+    """What the history of a model tells of a finding of a diagnosis, for which it was enlarged."""
+    return {name: finding[name] for name in ("why", "verdict", "evidence_gain", "p_value")}
 
 
 def _finite(value: object) -> object:

@@ -99,6 +99,11 @@ def test_a_diagnosis_that_does_not_find_it_is_refused(model: Path, tmp_path: Pat
     assert_refused(lagrangian_ff(*arguments, model), "expected the file", "diagnose --json")
     (tmp_path / "list.json").write_text('{"findings": [1]}')
     assert_refused(lagrangian_ff(*arguments, tmp_path / "list.json"), "diagnose --json")
+    (tmp_path / "half.json").write_text('{"findings": [{"effect": "x", "joints": [], "why": ""}]}')
+    assert_refused(lagrangian_ff(*arguments, tmp_path / "half.json"), "diagnose --json")
+    over = lagrangian_ff(*arguments, event, "--json", event, "--force")
+    assert_refused(over, "--json", event.name)
+    assert "findings" in json.loads(event.read_text())
     assert list(model.parent.glob("*+*")) == []
 
 

@@ -124,7 +124,7 @@ def _usual_output(model: Path, effect: str, joints: Sequence[str]) -> Path:
 def _check_outputs(arguments: Namespace, output: Path) -> None:
     if not arguments.model.exists():
         raise UserError(f"{arguments.model}: no such file")
-    keep = [arguments.model]
+    keep = [path for path in (arguments.model, arguments.because) if path is not None]
     check_file(output, "--output", force=arguments.force, suffix=".npz", keep=keep)
     if arguments.json not in (None, "-"):
         keep.append(output)

@@ -7,6 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.record_json import why_of
+
+NEEDED = {"effect", "joints", "shape", "why", "verdict", "evidence_gain", "p_value"}
+"""What is read of a finding."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +39,7 @@ def found_in(path: Path, effect: str, joint: str) -> Because:
     findings = _findings(path)
     for one in findings:
         if one["effect"] == effect and joint in one["joints"] and one["why"]:
-            why = {key: one[key] for key in ("why", "verdict", "evidence_gain", "p_value")}
-            return Because(why, one["shape"])
+            return Because(why_of(one), one["shape"])
     others = [f"{one['effect']} on {one['joints'][0]}" for one in findings if one["why"]]
     raise UserError(
         f"--because {path}: it does not find {effect} on {joint}; it finds "
@@ -53,7 +56,7 @@ def _findings(path: Path) -> list[dict[str, Any]]:
         record = None
     findings = record.get("findings") if isinstance(record, dict) else None
     if not isinstance(findings, list) or not all(
-        isinstance(one, dict) and {"effect", "joints", "why"} <= one.keys() for one in findings
+        isinstance(one, dict) and one.keys() >= NEEDED for one in findings
     ):
         raise UserError(
             f"--because {path}: expected the file that lagrangian_ff diagnose --json writes"

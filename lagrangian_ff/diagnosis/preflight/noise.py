@@ -26,7 +26,10 @@ _AROUND = 0.15  # s, in which the lag is refined
 
 
 def check_noise(case: Case) -> list[Check]:
-    """The spread of torque between repeats, of the same recording or of another."""
+    """The spread of torque between repeats, of the same recording or of another.
+
+    And where another recording, which is to confirm, is mostly such a repeat.
+    """
     spread = (
         np.maximum(np.ptp(case.motion.q, axis=0), 1e-9),
         np.maximum(np.abs(case.motion.qd).max(axis=0), 1e-9),
@@ -61,7 +64,7 @@ def check_noise(case: Case) -> list[Check]:
 
 
 def _repeated(case: Case, other: Motion, seconds: float) -> list[Check]:
-    """That most of another recording, which is to confirm, is the motion that was searched."""
+    """A remark, where most of another recording is the motion that is searched."""
     if other is case.motion or seconds < REPEATED * duration_of(other):
         return []
     return [

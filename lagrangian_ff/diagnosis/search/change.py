@@ -108,9 +108,8 @@ def change_of(
     best = replace(best, gain=every(best))
     if best.gain <= WORTH:
         return None
-    ranges = _with_ranges(best, coarse, (start, end))
     best = _Better(every, start, end).moved(best, EXACT)
-    return replace(ranges, since=best.since, until=best.until, gain=best.gain)
+    return _with_ranges(best, coarse, (start, end))
 
 
 @dataclass(frozen=True)

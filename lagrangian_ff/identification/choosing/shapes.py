@@ -78,10 +78,7 @@ def tuned(
     ]
     if not free:
         return basis
-    others = [place for term, place in part.slices() if term.joint != joint]
-    known = _orthonormal(np.hstack([system.white_design[:, :0], *(
-        system.white_design[:, place] for place in others
-    )]))  # fmt: skip
+    known = _orthonormal(system.white_design[:, part.joints != joint])
     left = system.white_target - known @ (known.T @ system.white_target)
 
     def moved(logs: Floats) -> Basis:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.nodes.recorder.order import Addition, Order, Task
+from lagrangian_ff.record_json import why_of
 
 
 class State(Enum):
@@ -111,17 +112,7 @@ class Session:
 
 
 def _addition(finding: dict[str, Any]) -> Addition:
-    return Addition(
-        finding["effect"],
-        finding["joints"][0],
-        finding["shape"],
-        {
-            "why": finding["why"],
-            "verdict": finding["verdict"],
-            "evidence_gain": finding["evidence_gain"],
-            "p_value": finding["p_value"],
-        },
-    )
+    return Addition(finding["effect"], finding["joints"][0], finding["shape"], why_of(finding))
 
 
 def new_path(directory: Path, stem: str, suffix: str = "") -> Path:
