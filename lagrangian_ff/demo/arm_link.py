@@ -8,13 +8,14 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from lagrangian_ff.arm import Trajectory
 from lagrangian_ff.demo.capture import Tape, Track, tracking
 from lagrangian_ff.demo.conductor import Conductor
+from lagrangian_ff.demo.errors import DemoError
 from lagrangian_ff.nodes.common.messages import nanoseconds, stamp
 from lagrangian_ff.report import Tracking
 
 RELIABLE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
 )
-LEAD = 0.6  # s between sending a reference and its start
+LEAD = 2.0  # s between sending a reference and its start: a busy arm reads it in that time
 AFTER = 0.3  # s that are kept after the end of a trajectory
 RATE = 500.0  # Hz of joint states
 
@@ -70,9 +71,10 @@ class ArmLink:
 
     def send(self, trajectory: Trajectory) -> "Drive":
         """Send a trajectory straight to the arm."""
+        message = message_of(trajectory, 0)
         drive = self.listen(trajectory)
-        start = self._conductor.now() + round(LEAD * 1e9)
-        self._direct.publish(message_of(trajectory, start))
+        message.header.stamp = stamp(self._conductor.now() + round(LEAD * 1e9))
+        self._direct.publish(message)
         return drive
 
     def listen(self, trajectory: Trajectory) -> "Drive":
@@ -89,6 +91,14 @@ class ArmLink:
     def start(self) -> int:
         """Ns of the start of the last trajectory that was sent to it; 0 before there was one."""
         return self._starts[-1] if self._starts else 0
+
+    def refused(self) -> int:
+        """How many references it refused since it started."""
+        return int(self._conductor.status(self._status).get("refused trajectory", "0"))
+
+    def refusal(self) -> str:
+        """Why it refused the last one."""
+        return self._conductor.status(self._status).get("last refusal", "")
 
     def reported(self) -> int:
         """Ns of the last joint state and reference that came."""
@@ -114,6 +124,7 @@ class Drive:
         self._link = link
         self._trajectory = trajectory
         self._since = since
+        self._refused = link.refused()
 
     @property
     def fraction(self) -> float:
@@ -124,7 +135,16 @@ class Drive:
         return min(1.0, max(0.0, elapsed / self._trajectory.duration))
 
     def over(self) -> bool:
-        """Whether the arm has come to the end and a little further."""
+        """Whether the arm has come to the end and a little further.
+
+        Raises:
+            DemoError: the arm refused the trajectory.
+        """
+        if self._link.refused() > self._refused:
+            raise DemoError(
+                f"{self._link.name} refused the motion: {self._link.refusal()}. Where the "
+                "machine was busy, run the demo again with nothing beside it"
+            )
         end = self._link.start + round((self._trajectory.duration + AFTER) * 1e9)
         return bool(self._link.start) and self._link.reported() >= end
 

@@ -68,6 +68,7 @@ class ArmNode(ClosingNode):
         self._complaints = Complaints(self.get_logger().warning)
         self._command = np.zeros(len(JOINTS))
         self._command_at = -np.inf
+        self._refusal = ""
         self._settings.watch(self._parameters_changed)
 
         self._states = self._offer(JointState, "joint_states")
@@ -156,6 +157,7 @@ class ArmNode(ClosingNode):
             segment = Segment(reference, nanoseconds(message.header.stamp) or now, effort)
             self._follower.accept(segment, now)
         except UserError as error:
+            self._refusal = str(error)
             self._complaints.add("refused trajectory", f"refused a trajectory: {error}")
             return
         if not reference.is_setpoint:
@@ -223,6 +225,7 @@ class ArmNode(ClosingNode):
                 for joint, value in zip(JOINTS, error, strict=True)
             },
             **self._complaints.counts,
+            "last refusal": self._refusal,
         }
         return Status(level, message, values)
 

@@ -138,6 +138,10 @@ def test_what_cannot_be_followed_is_refused_in_words_and_survived(
         send.publish(message)
         # Warnings come once a second at most; the next message must not be gathered into it.
         bench.until(partial(said, arm, expected), expected)
+    bench.until(
+        lambda: "moves no joints" in bench.values("arm: plant").get("last refusal", ""),
+        "the reason",
+    )
     np.testing.assert_allclose(newest(references).position, here, atol=1e-9)
     commands = bench.publisher(Float64MultiArray, "arm/commands")
     for data in ([], [1.0], [math.nan] * 6, [math.inf] * 6):

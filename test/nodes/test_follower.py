@@ -53,9 +53,12 @@ def test_the_present_motion_goes_on_until_the_next_begins() -> None:
 @pytest.mark.parametrize(
     ("segment", "expected"),
     [
-        (move(0.1, 1.0, 0.0), "a would jump by 0.1000 rad"),
+        (move(0.1, 1.0, 0.0), r"a would jump by 0.1000 rad.*; start where the arm is"),
         (move(0.0, 1.0, -5.0), "ended 4.000 s ago"),
-        (move(0.0, 1.0, -0.5), "would jump by 0.5000 rad"),
+        (
+            move(0.0, 1.0, -0.5),
+            r"jump by 0.5000 rad.*came 0.500 s after its start: send it earlier",
+        ),
     ],
 )
 def test_jumps_and_what_is_over_are_refused(segment: Segment, expected: str) -> None:

@@ -79,10 +79,15 @@ class Follower:
         jump = segment.at(takes_over)[0] - self._now.at(takes_over)[0]
         worst = int(np.argmax(np.abs(jump)))
         if abs(jump[worst]) > self.tolerance:
+            late = (now - segment.start) / 1e9
             raise RefusedReference(
                 f"{reference.joints[worst]} would jump by {jump[worst]:.4f} rad from the present "
-                f"reference, more than the tolerance of {self.tolerance:g} rad; start where the "
-                "arm is"
+                f"reference, more than the tolerance of {self.tolerance:g} rad; "
+                + (
+                    f"it came {late:.3f} s after its start: send it earlier"
+                    if late > 0.0
+                    else "start where the arm is"
+                )
             )
         with self._lock:
             self._next = segment
