@@ -54,5 +54,5 @@ def test_it_is_over_a_little_after_the_end(link: FakeLink, drive: Drive) -> None
 
 def test_a_refused_motion_ends_the_wait_with_the_reason(link: FakeLink, drive: Drive) -> None:
     link.refusals += 1
-    with pytest.raises(DemoError, match="/arm refused the motion: joint_6 would jump by 0.5 rad"):
+    with pytest.raises(DemoError, match=r"/arm refused the motion: joint_6 would jump by 0\.5 rad"):
         drive.over()

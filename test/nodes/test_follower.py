@@ -57,7 +57,7 @@ def test_the_present_motion_goes_on_until_the_next_begins() -> None:
         (move(0.0, 1.0, -5.0), "ended 4.000 s ago"),
         (
             move(0.0, 1.0, -0.5),
-            r"jump by 0.5000 rad.*came 0.500 s after its start: send it earlier",
+            r"jump by 0.5000 rad.*0.500 s after its start: send it earlier",
         ),
     ],
 )
