@@ -132,14 +132,11 @@ def _fall(sure: Sequence[Finding], made: Mapping[Finding, Consequence]) -> str:
         return ""
     first, last = made[sure[0]], made[sure[-1]]
     joint = sure[0].joint
-    before, after, where = first.whole_before, last.whole_after, f"on {joint}"
+    before, after, whose = first.whole_before, last.whole_after, "the joint's error"
     if any(one.joint != joint for one in sure):
-        before, after, where = first.every_before, last.every_after, "over all joints"
+        before, after, whose = first.every_before, last.every_after, "the error over all joints"
     change = "falls" if after < before else "does not fall: it goes"
-    return (
-        f": the error {change} from {before:.3g} to {after:.3g} N·m {where} on motion not used to "
-        "find it"
-    )
+    return f": {whose} {change} from {before:.3g} to {after:.3g} N·m on motion not used to find it"
 
 
 def _nothing(diagnosis: Diagnosis) -> str:

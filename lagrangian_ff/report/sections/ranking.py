@@ -25,7 +25,9 @@ def ranking_section(record: Mapping[str, Any]) -> Section | None:
     small = html.note(
         "The mark on each bar is what the best of all candidates stays below, when nothing is "
         f"missing{often}: found by tearing the tie between residual and motion and searching "
-        "again. A bar that ends before its mark is no evidence."
+        "again. A bar that ends before its mark is no evidence. This is the first look, when the "
+        "model still takes for noise what is missing; once the effect is in and the noise is "
+        "chosen anew, it gains more, as told above."
     )
     return Section(
         "Against the other candidates",
