@@ -170,7 +170,10 @@ def line(
         "absorbed": absorbed,
         "visible": [0.6 * size] * 2,
         "reached": [size] * 2,
+        "catalogue": [effect],
+        "joints": ["joint_2"],
     }
+    cannot = {"effect": "stribeck", "joint": "joint_2"}
     false = ["stribeck on joint_1"] if outcome == "wrong" else []
     return [
         {
@@ -178,6 +181,7 @@ def line(
             "group": group,
             "plant": {"hidden": [] if group == "clean" else [hidden]},
             "judgement": {"outcome": outcome, "false": false, "suggested": []},
+            "record": {"not_observable": [cannot]},
             "ratio": ratio,
         }
         for k in range(count)
@@ -205,6 +209,8 @@ def test_the_summary_counts_what_was_judged() -> None:
         10, 6, 2, 1, 1,
     )  # fmt: skip
     assert numbers["visible"]["0.05-0.1"] == row
+    # Stribeck friction was missed and said not to be observable, the ripple of 2 % only missed.
+    assert (row["told"], numbers["sizes"]["0.02"]["told"]) == (1, 0)
     assert numbers["absorbed"]["0.1"]["nothing"] == 1
     assert numbers["pairs"]["0.1"]["part"] == 1
     assert (numbers["clean"]["cases"], numbers["clean"]["wrong"]) == (20, 1)

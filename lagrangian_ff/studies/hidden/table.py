@@ -28,10 +28,11 @@ def summary(lines: Lines) -> dict[str, Any]:
 
     Returns:
         For JSON: `sizes`, from the size to the outcomes of effects alone (those that every
-        Lagrangian kernel absorbs stand in `absorbed`); `visible`, the same by the part of the size
-        that friction of the joint's own kind cannot stand in for; `pairs`, by size; `effects`, from
-        name and size to outcomes; `clean` and `outside`, cases and claims made in them; `ratio`,
-        the error after adding over that of the true structure, by size.
+        Lagrangian kernel absorbs stand in `absorbed`), with `told`, the cases of nothing in which
+        the diagnosis says that this motion cannot show the effect; `visible`, the same by the part
+        of the size that friction of the joint's own kind cannot stand in for; `pairs`, by size;
+        `effects`, from name and size to outcomes; `clean` and `outside`, cases and claims made in
+        them; `ratio`, the error after adding over that of the true structure, by size.
     """
     judged = [line for line in lines if "failed" not in line]
     alone = [line for line in judged if line["group"] == "alone"]
@@ -93,7 +94,22 @@ def _outcomes(lines: Lines) -> dict[str, int]:
         for line in lines
     )
     suggested = sum(bool(line["judgement"]["suggested"]) for line in lines)
-    return {**counted, "cases": len(found), "with_false": extra, "suggested": suggested}
+    told = sum(line["judgement"]["outcome"] == "nothing" and _told(line) for line in lines)
+    return {**counted, "cases": len(found), "with_false": extra, "suggested": suggested,
+            "told": told}  # fmt: skip
+
+
+def _told(line: dict[str, Any]) -> bool:
+    """Whether the diagnosis said that this motion cannot show what was hidden."""
+    cannot = {(one["effect"], one["joint"]) for one in line["record"]["not_observable"]}
+    return all(
+        any(
+            (name, joint) in cannot
+            for name in one["catalogue"]
+            for joint in ("all", *one["joints"])
+        )
+        for one in line["plant"]["hidden"]
+    )
 
 
 def _claims(lines: Iterable[dict[str, Any]]) -> dict[str, Any]:
@@ -143,12 +159,14 @@ def table(numbers: dict[str, Any]) -> list[str]:
     )
     for title, key in blocks:
         if numbers[key]:
-            text += ["", f"{title}:", _row(("", "cases", *OUTCOMES, "ratio"), first=12)]
-        for name, row in numbers[key].items():
-            shares = [f"{row[outcome] / row['cases']:.2f}" for outcome in OUTCOMES]
-            ratio = numbers["ratio"].get(name, {}).get("median") if key == "sizes" else None
+            text += ["", f"{title}:", _row(("", "cases", *OUTCOMES, "told", "ratio"), first=12)]
+        for size, row in numbers[key].items():
+            shares = [f"{row[name] / row['cases']:.2f}" for name in (*OUTCOMES, "told")]
+            ratio = numbers["ratio"].get(size, {}).get("median") if key == "sizes" else None
             last = "" if ratio is None else f"{ratio:.2f}"
-            text.append(_row([_percent(name), str(row["cases"]), *shares, last], first=12))
+            text.append(_row([_percent(size), str(row["cases"]), *shares, last], first=12))
+    if any(numbers[key] for _, key in blocks):
+        text += ["", "told: of nothing, where the diagnosis said that this motion cannot show it"]
     if numbers["effects"]:
         text += ["", "by effect, right or as a class / wrong / cases:"]
         sizes = sorted({size for row in numbers["effects"].values() for size in row}, key=float)
