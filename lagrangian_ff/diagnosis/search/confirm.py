@@ -143,18 +143,18 @@ def _trial(ground: Ground, z: Floats) -> Trial:
     expected = _by_piece(ground, 0.5 * z * z)
     power = float(z @ z)
     ratio = float(z @ w) / power if power > 0.0 else 0.0
-    grouped, hoped = _grouped(gained, expected)
-    if len(grouped) < FEWEST_GROUPS:
+    gains, hoped = grouped(gained, expected)
+    if len(gains) < FEWEST_GROUPS:
         reason = "the unseen motion is too short, or hardly shows the effect, to confirm it"
-        return Trial(hoped, grouped, ratio, 1.0, reason)
-    p_value = float(wilcoxon(grouped, alternative="greater").pvalue)
-    share = float(np.mean(grouped > 0.0))
+        return Trial(hoped, gains, ratio, 1.0, reason)
+    p_value = float(wilcoxon(gains, alternative="greater").pvalue)
+    share = float(np.mean(gains > 0.0))
     reason = ""
     if share < SHARE or p_value > LEVEL:
         reason = f"it helps in {share:.0%} of the unseen motion (p = {p_value:.2g}), too little"
     elif not RATIO[0] < ratio < RATIO[1]:
         reason = f"on the unseen motion it is {ratio:.2g} times as large: not the same effect"
-    return Trial(hoped, grouped, ratio, p_value, reason)
+    return Trial(hoped, gains, ratio, p_value, reason)
 
 
 def _by_piece(ground: Ground, values: Floats) -> Floats:
@@ -165,15 +165,21 @@ def _by_piece(ground: Ground, values: Floats) -> Floats:
     return np.asarray(np.add.reduceat(values, starts))
 
 
-def _grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
-    """Neighbouring blocks put together until enough is expected of each group."""
+def grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
+    """Neighbouring pieces put together until enough is expected of each group.
+
+    Pieces come whole: what one group got beyond its share, the next need not wait for.
+    """
     total = float(expected.sum())
     least = max(float(np.clip(total / GROUPS, *GROUP_NATS)), total / MOST_GROUPS)
-    groups, hoped = [], []
-    sums = np.zeros(2)
+    groups: list[float] = []
+    hoped: list[float] = []
+    fewest = max(GROUP_NATS[0], 0.5 * least)
+    sums, reached = np.zeros(2), 0.0
     for one, hope in zip(gained, expected, strict=True):
         sums += (one, hope)
-        if sums[1] >= least:
+        reached += hope
+        if sums[1] >= fewest and reached >= (len(groups) + 1) * least:
             groups.append(sums[0])
             hoped.append(sums[1])
             sums = np.zeros(2)
