@@ -13,6 +13,7 @@ from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.nodes.common.messages import JointStateMaker, command
+from lagrangian_ff.nodes.common.own_effects import load_own_effects
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
@@ -39,10 +40,12 @@ class FeedforwardLink:
 
     Raises:
         ModelError: the model cannot be loaded or is of other joints.
+        EffectError: the file of effects cannot be used.
     """
 
     def __init__(self, node: LifecycleNode, parameters: Parameters, complaints: Complaints) -> None:
         self._node, self._parameters, self._complaints = node, parameters, complaints
+        load_own_effects(parameters.value("effects_file"))
         file = parameters.value("model_file")
         self._model, self._columns = load_model(file, parameters.strings("joints"))
         joints = self._model.joints

@@ -17,6 +17,7 @@ def declare(parameters: Parameters) -> None:
     """Declare all that does not depend on the joints of the model."""
     add = parameters.declare
     add("model_file", "", "the identified model to load when configured")
+    add("effects_file", "", "Python that defines effects of your own; empty = none")
     add("joints", [""], 'order of ~/commands; [""] = the order of the model')
     add("autostart", True, "configure and activate at the start", read_only=True)
     add("rate", 500.0, "Hz of the stream; taken up when activated", low=1.0, high=2000.0)

@@ -20,12 +20,12 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
-from lagrangian_ff.effects import load_effects, load_installed
 from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.diagnostics import Diagnostics
 from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.nodes.common.messages import JointStateMaker
+from lagrangian_ff.nodes.common.own_effects import load_own_effects
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
@@ -59,9 +59,7 @@ class MonitorNode(ClosingNode):
         self._settings = Parameters(self)
         declare(self._settings)
         value = self._settings.value
-        load_installed()
-        if value("effects_file"):
-            load_effects(value("effects_file"))
+        load_own_effects(value("effects_file"))
         self._model, _ = load_model(value("model_file"), ())
         joints = self._model.joints
         declare_joints(self._settings, joints)

@@ -2,6 +2,7 @@
 
 import math
 import signal
+import textwrap
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,6 +21,8 @@ from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from lagrangian_ff.diagnosis import add
+from lagrangian_ff.effects import EFFECTS, load_effects
 from lagrangian_ff.identification import Model
 from lagrangian_ff.nodes.common.messages import points
 from lagrangian_ff.nodes.streaming.reference import read_reference
@@ -301,6 +304,40 @@ def test_without_a_model_it_waits_unconfigured_for_one(bench: Bench, folder: Pat
     commands: deque[Any] = bench.collect(Float64MultiArray, "/lost/feedforward/commands")
     bench.spin(0.2)
     assert not commands
+    process.signal(signal.SIGINT)
+    assert process.wait() == 0
+
+
+def test_a_model_with_an_effect_of_the_users_own_is_loaded_with_its_file(
+    bench: Bench, folder: Path, model: Model
+) -> None:
+    text = """
+        from lagrangian_ff.effects import Effect, Parameter
+
+        class Sway(Effect):
+            name = "sway"
+            formula = "F cos(3 q)"
+            parameters = (Parameter("F", "N·m", "of a cable"),)
+
+            def columns(self, x, joint, shape):
+                import numpy as np
+                return np.cos(3.0 * x.q[:, [joint]])
+        """
+    (folder / "sway.py").write_text(textwrap.dedent(text), encoding="utf-8")
+    known = dict(EFFECTS)
+    load_effects(folder / "sway.py")
+    try:
+        add(model, "sway", joint="a").save(folder / "swaying.npz")
+    finally:
+        EFFECTS.clear()
+        EFFECTS.update(known)
+    params = {"model_file": str(folder / "swaying.npz")}
+    process = bench.start("feedforward", namespace="swaying", params=params)
+    bench.until(lambda: "cannot be configured" in process.output, "a reason")
+    assert "sway" in process.output
+    name = str(folder / "sway.py")
+    assert bench.set_parameter("/swaying/feedforward", "effects_file", name).successful
+    assert bench.transition("/swaying/feedforward", "configure")
     process.signal(signal.SIGINT)
     assert process.wait() == 0
 

@@ -56,6 +56,13 @@ def test_a_finding_warns_where_something_is_surely_missing(verdict: str, level: 
     assert ("0.5 to 0.2 N·m" in status.message) == (verdict == "confirmed")
 
 
+def test_what_was_not_held_against_chance_has_no_p_value() -> None:
+    one = {**FINDING, "effect": "payload", "p_value": None}
+    values = finding_statuses(diagnosed(findings=[one]))["payload on a"].values
+    assert "p value" not in values
+    assert values["evidence gain [nats]"] == 80.0
+
+
 def test_what_nobody_can_name_is_told() -> None:
     rest = {"joint": "b", "coordinate": "position", "share": 0.1, "evidence_gain": 50.0}
     session = diagnosed(unexplained=[rest])

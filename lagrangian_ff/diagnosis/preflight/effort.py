@@ -63,8 +63,8 @@ def check_sign(case: Case) -> list[Check]:
                 None,
                 "the effort of every joint has the sign opposite to the model's",
                 True,
-                "Give --effort-scale -1 for every joint, or mend the driver: effort is the torque "
-                "that the motor puts on the joint",
+                f"Give --effort-scale {' '.join(f'{joint}=-1' for joint in case.joints)}, or "
+                "mend the driver: effort is the torque that the motor puts on the joint",
                 {"correlation": float(case.correlation.max())},
             )
         ]

@@ -187,8 +187,10 @@ def _finding(one: Mapping[str, Any]) -> Status:
         "joints": ", ".join(one["joints"]),
         "verdict": one["verdict"],
         "evidence gain [nats]": float(one["evidence_gain"]),
-        "p value": float(one["p_value"]),
     }
+    # What happens once is not held against chance.
+    if one["p_value"] is not None:
+        values["p value"] = float(one["p_value"])
     for label, name in (
         ("error before [N·m]", "error_before"),
         ("error after [N·m]", "error_after"),

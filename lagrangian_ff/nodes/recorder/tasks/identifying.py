@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from lagrangian_ff.effects import load_effects, load_installed
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.kernels.rigid import read_urdf
+from lagrangian_ff.nodes.common.own_effects import load_own_effects
 from lagrangian_ff.nodes.recorder.order import Order
 from lagrangian_ff.nodes.recorder.tasks.reading import read
 from lagrangian_ff.progress import Progress, part
@@ -18,9 +18,7 @@ def identify_bags(order: Order, progress: Progress) -> dict[str, Any]:
     Raises:
         UserError: a recording or a setting cannot be used.
     """
-    load_installed()
-    if order.effects_file:
-        load_effects(order.effects_file)
+    load_own_effects(order.effects_file)
     conditioning = Conditioning(
         bandwidth=order.bandwidth,
         effort_scale=order.effort_scale,

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from lagrangian_ff.effects import load_effects, load_installed
 from lagrangian_ff.identification import Model
+from lagrangian_ff.nodes.common.own_effects import load_own_effects
 from lagrangian_ff.nodes.common.treatment import treatment
 from lagrangian_ff.nodes.recorder.order import Order
 from lagrangian_ff.progress import Progress
@@ -47,7 +47,5 @@ def open_model(order: Order) -> Model:
         ModelError: it cannot be read.
         EffectError: the file of effects cannot be used.
     """
-    load_installed()
-    if order.effects_file:
-        load_effects(order.effects_file)
+    load_own_effects(order.effects_file)
     return Model.load(order.model_file)
