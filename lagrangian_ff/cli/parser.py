@@ -31,7 +31,7 @@ what is missing in a model:
   lagrangian_ff history NEW.npz                  what was added, why, and the fall of the error
 
 Every command explains itself: lagrangian_ff COMMAND --help
-Exit codes: 0 done, 2 a mistake you can mend (said on stderr), 130 interrupted."""
+Exit codes: 0 done, 2 a mistake you can fix (explained on stderr), 130 interrupted."""
 
 
 class Layout(argparse.RawDescriptionHelpFormatter):

@@ -38,7 +38,7 @@ def run(options: Options | None = None) -> int:
     except ImportError as error:
         raise UserError(
             f"the demo needs ROS 2 ({error}): source ROS 2 Jazzy, or install the extra: "
-            "pip install 'lagrangian_ff[ros]'"
+            "pip install -e '.[ros]' in the source folder"
         ) from error
     from lagrangian_ff.demo.graph import own_graph
     from lagrangian_ff.demo.present import print_findings, write_results

@@ -13,7 +13,7 @@ LOSSES = ("square", "huber")
 
 @dataclass(frozen=True)
 class Settings:
-    """How a model is identified; the defaults are those of section IV-B but for `train`.
+    """How a model is identified; samples, blocks and folds are by default those of section IV-B.
 
     The paper trains on the first third. A recording of half a minute rarely visits in its first
     third what the rest needs, so two thirds are the default here.

@@ -67,7 +67,9 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             self._link = FeedforwardLink(self, self._settings, self._complaints)
         except (UserError, *BAD_PARAMETER) as error:
             self._failure = str(error)
-            self.get_logger().error(f"cannot be configured: {error}; mend it, then configure again")
+            self.get_logger().error(
+                f"cannot be configured: {error}; put it right, then configure again"
+            )
             return FAILURE
         except Exception as error:
             # rclpy would swallow it without a word.

@@ -202,7 +202,7 @@ def test_faults_of_measurement_are_told_first_and_an_interrupt_leaves_nothing(
     )  # fmt: skip
     assert outcome.code == 130
     assert "Traceback" not in outcome.text
-    assert "mend first" in outcome.out
+    assert "fix first" in outcome.out
     assert "--effort-scale elbow=2" in outcome.text
     assert list(tmp_path.iterdir()) == [source]
 

@@ -78,7 +78,7 @@ def test_a_fault_of_the_measurement_comes_before_the_verdict() -> None:
     calm = {**check, "serious": False, "finding": "fine"}
     status = work_status(Task.DIAGNOSE, diagnosed(preflight=[check, calm]), None)["diagnosis"]
     assert status.level is Level.WARN
-    assert status.message.startswith("Mend first: a: the torque has the wrong sign")
+    assert status.message.startswith("Fix first: a: the torque has the wrong sign")
     assert "fine" not in status.message
 
 

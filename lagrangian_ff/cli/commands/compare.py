@@ -24,7 +24,7 @@ NAME = "compare"
 SUMMARY = "see where a model fails: in which region of speed, position, load, direction or time"
 USAGE = "MODEL SOURCE [SOURCE ...] [options]"
 DESCRIPTION = """\
-Holds a model against recordings, those it was identified from or others, and tells where its error
+Compares a model with recordings, those it was identified from or others, and tells where its error
 lies: the error of each joint, and the few regions of speed, position, acceleration, load, time,
 direction or time around reversals that hold most of it. On a recording made later, this is what
 changed since."""

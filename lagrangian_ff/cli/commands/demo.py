@@ -20,7 +20,7 @@ what comes out:
   friction part, and with all of it, beside those with the plant's true torques, which are the
   bound; pictures and a page that shows them in the output folder.
 
-Needs rclpy: source ROS 2 Jazzy, or pip install 'lagrangian_ff[ros]'."""
+Needs rclpy: source ROS 2 Jazzy, or pip install -e '.[ros]' in the source folder."""
 
 TEXTS = ("model", "through")
 NUMBERS = {

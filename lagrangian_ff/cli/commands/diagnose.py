@@ -50,7 +50,7 @@ examples:
   lagrangian_ff diagnose model.npz bag --effects-file my_effects.py
 
 what comes out:
-  faults of the measurement, to be mended first;
+  faults of the measurement, to be fixed first;
   the verdict, and for each finding its evidence, size, and error before and after:
       confirmed    helps on motion that was not used to find it
       ambiguous    one of several that look the same on this motion

@@ -61,8 +61,9 @@ models are one kernel and any number of effects, joined by +:
   kernels  auto (the usual): chain or chain_rbf, whichever predicts blocks left out better;
            chain, chain_rbf: kinetic energy quadratic in velocity, gravity apart, of a serial
            arm, joints given from the base to the tool; energy, energy_rbf: of any arm;
-           vrbfs, vrbf, srbfs, srbf, svrbfs, svrbf, pol, motor: the paper's, from a Lagrangian,
-           vrbf* and motor couple the joints; rbf, rbfs: assume nothing; none
+           vrbfs, vrbf, svrbfs, svrbf, srbfs, srbf: the paper's, from a Lagrangian, of which
+           vrbfs and vrbf couple the joints; pol, motor: the paper's benchmarks, rigid bodies
+           and joints by themselves; rbf, rbfs: assume nothing; none
   effects  fri = viscous+coulomb+offset, or each by its name; any other of `lagrangian_ff effects`
            on all joints, or on one: vrbfs+fri+stribeck@joint_2. Which ones are missing is what
            lagrangian_ff diagnose finds out
@@ -97,7 +98,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="the robot's description: its rigid bodies become part of the model, their masses "
-        "learned about those of the file, and the kernel only corrects (needs the extra urdf)",
+        "corrected from those of the file, and the kernel corrects the rest (needs the extra urdf)",
     )
     parser.add_argument(
         "--prismatic",

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     Columns = dict[str, NDArray[np.float64]]
 
 NAME = "predict"
-SUMMARY = "hold a model against a recording: error per joint, torques as CSV"
+SUMMARY = "compare a model with a recording: error per joint, torques as CSV"
 USAGE = "MODEL SOURCE [options]"
 DESCRIPTION = """\
 Predicts the torque of a recorded motion and compares it with what was measured: the test of a

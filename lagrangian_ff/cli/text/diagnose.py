@@ -26,7 +26,7 @@ def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
         console: to tell it to.
     """
     for heading, faults in (
-        ("mend first: these faults of the measurement look like missing physics",
+        ("fix first: these faults of the measurement look like missing physics",
          [one for one in checks if one["serious"]]),
         ("about the measurement",
          [one for one in checks if one["advice"] and not one["serious"]]),
@@ -195,7 +195,7 @@ def next_steps(
     again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
     lines = []
     if any(one["serious"] for one in record.get("preflight", [])):
-        lines.append("next: mend what is wrong with the measurement, see above, and diagnose again")
+        lines.append("next: fix what is wrong with the measurement, see above, and diagnose again")
     sure = [one for one in record["findings"] if one["verdict"] == "confirmed"]
     events = [one for one in sure if is_event(one)]
     to_add = [one for one in sure if not is_event(one)]

@@ -64,7 +64,7 @@ def check_sign(case: Case) -> list[Check]:
                 "the effort of every joint has the sign opposite to the model's",
                 True,
                 f"Give --effort-scale {' '.join(f'{joint}=-1' for joint in case.joints)}, or "
-                "mend the driver: effort is the torque that the motor puts on the joint",
+                "correct the driver: effort is the torque that the motor puts on the joint",
                 {"correlation": float(case.correlation.max())},
             )
         ]
@@ -75,7 +75,7 @@ def check_sign(case: Case) -> list[Check]:
             f"the effort of {case.joints[n]} has the sign opposite to the model's (correlation "
             f"{case.correlation[n]:.2f})",
             True,
-            f"Give --effort-scale {case.joints[n]}=-1, or mend the driver",
+            f"Give --effort-scale {case.joints[n]}=-1, or correct the driver",
             {"correlation": case.correlation[n], "factor": case.slope[n]},
         )
         for n in turned

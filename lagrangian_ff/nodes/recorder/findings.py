@@ -120,13 +120,13 @@ def diagnosis_status(record: Mapping[str, Any]) -> Status:
         "confirmed on": record["confirmed_on"],
         "findings": len(record["findings"]),
         "unexplained": len(record["unexplained"]),
-        **{f"mend first {number}": text for number, text in enumerate(serious, 1)},
+        **{f"fix first {number}": text for number, text in enumerate(serious, 1)},
         "not observable": ", ".join(
             f"{one['effect']} on {one['joint']}" for one in record["not_observable"]
         ),
         **_files(record),
     }
-    message = " ".join([*(f"Mend first: {text}" for text in serious), record["verdict"]])
+    message = " ".join([*(f"Fix first: {text}" for text in serious), record["verdict"]])
     return Status(Level.WARN if missing or serious else Level.OK, message, values)
 
 

@@ -49,8 +49,8 @@ def _panel(record: Mapping[str, Any], joint: str) -> str:
         html.note(
             "Line: the mean residual (measured minus predicted) in bins that hold the same time "
             "each; its band holds the true mean 90 % of the time. Where the band leaves zero, the "
-            "model is wrong on purpose, not by noise. Bars: the share of the joint's squared error "
-            "in each bin."
+            "model is systematically wrong, not by noise. Bars: the share of the joint's squared "
+            "error in each bin."
         )
     )
     parts += [_spectrum(one) for one in _of(record["spectra"], joint)]

@@ -22,7 +22,7 @@ def serious_section(record: Mapping[str, Any]) -> Section | None:
     texts = [_named(one) for one in serious]
     return Section(
         "First: the measurement",
-        "These faults look like missing physics. Mend them before believing any effect.",
+        "These faults look like missing physics. Fix them before believing any effect.",
         html.bullets(texts),
     )
 
@@ -47,7 +47,7 @@ def checks_section(record: Mapping[str, Any]) -> Section | None:
             spoken(str(one["check"])),
             one.get("joint") or "all",
             one["finding"],
-            "mend first" if one.get("serious") else "fine",
+            "fix first" if one.get("serious") else "fine",
         ]
         for one in checks
     ]

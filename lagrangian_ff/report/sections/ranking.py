@@ -24,14 +24,14 @@ def ranking_section(record: Mapping[str, Any]) -> Section | None:
     often = f" in {100.0 * level:.0f} % of the cases" if level else ""
     small = html.note(
         "The mark on each bar is what the best of all candidates stays below, when nothing is "
-        f"missing{often}: found by tearing the tie between residual and motion and searching "
+        f"missing{often}: found by giving the residual of each block a random sign and searching "
         "again. A bar that ends before its mark is no evidence. This is the first look, when the "
         "model still takes for noise what is missing; once the effect is in and the noise is "
         "chosen anew, it gains more, as told above."
     )
     return Section(
         "Against the other candidates",
-        "Every effect of the catalogue was tried on every joint. The longer the bar, the more "
-        "likely it makes the measured torques.",
+        "Every effect that a motion can show was tried on every joint. The longer the bar, the "
+        "more likely it makes the measured torques.",
         picture + small,
     )

@@ -86,7 +86,8 @@ def cluster(address: str) -> Workers:
         from distributed import as_completed
     except ImportError as error:
         raise UserError(
-            "--scheduler needs Dask: pip install 'lagrangian_ff[cluster]', here and on the workers"
+            "--scheduler needs Dask: pip install -e '.[cluster]' in the source folder, here and on "
+            "the workers"
         ) from error
 
     def done(cases: Sequence[Case]) -> Iterator[Line]:
