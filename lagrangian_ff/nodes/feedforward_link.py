@@ -90,7 +90,7 @@ class FeedforwardLink:
         self._references.drop()
         if self._loop is None:
             return
-        self._stream.withhold("deactivated")
+        self._stream.end("deactivated")
         deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.1
         while time.monotonic() < deadline and self._sending():
             time.sleep(0.005)

@@ -90,6 +90,9 @@ class References:
 
         After a stall only the newest of many set-points is worth its time.
         """
+        if not self.active:
+            self.ignore()
+            return
         waiting = None
         for data, _ in self._subscription.take():
             message = None

@@ -3,6 +3,7 @@
 import math
 import signal
 import textwrap
+import threading
 from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
@@ -268,6 +269,35 @@ def test_deactivating_and_activating(node: Feedforward) -> None:
     assert node.bench.transition("feedforward", "deactivate")
     assert node.bench.transition("feedforward", "cleanup")
     assert node.bench.transition("feedforward", "configure")
+    assert node.bench.transition("feedforward", "activate")
+    node.hold()
+
+
+def test_deactivating_fades_though_set_points_go_on(node: Feedforward) -> None:
+    def step() -> bool:
+        node.send.publish(reference([0.0], [[0.2, 0.2]]))
+        node.bench.spin(0.01)
+        return node.tau[0] > 6.0
+
+    node.bench.until(step, "torque of set-points")
+    stop = threading.Event()
+
+    def go_on() -> None:
+        while not stop.wait(0.01):
+            node.send.publish(reference([0.0], [[0.2, 0.2]]))
+
+    sender = threading.Thread(target=go_on)
+    sender.start()
+    try:
+        begin = len(node.commands)
+        assert node.bench.transition("feedforward", "deactivate")
+        node.until_silent("deactivated")
+    finally:
+        stop.set()
+        sender.join()
+    torques = np.array([message.data[0] for _, message in list(node.commands)[begin - 1 :]])
+    # From full to zero in 0.2 s at 500 Hz; a stall may make some ticks of 0.02 s.
+    assert np.abs(np.diff(torques)).max() < 0.25 * torques.max()
     assert node.bench.transition("feedforward", "activate")
     node.hold()
 

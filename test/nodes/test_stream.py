@@ -175,6 +175,25 @@ def test_timeouts_of_zero_are_off() -> None:
     assert bench.run(5.0)[-1].gain == 1.0
 
 
+def test_at_its_end_no_reference_brings_the_torque_back() -> None:
+    bench = Bench()
+    for _ in range(20):
+        bench.play(setpoint())
+        bench.run(0.05)
+    bench.stream.end("deactivated")
+    gains = []
+    for _ in range(12):
+        bench.play(setpoint())
+        gains += [output.gain for output in bench.run(0.05)]
+    assert np.all(np.diff(gains) <= 0.0)
+    assert max(-np.diff(gains)) < 0.01
+    assert gains[-1] == 0.0
+    assert bench.run(0.01)[-1].withheld == "deactivated"
+    bench.stream.forget()
+    bench.play(setpoint())
+    assert bench.run(0.1)[-1].gain > 0.0
+
+
 def test_disable_and_withhold_fade_it_and_a_good_reference_brings_it_back() -> None:
     bench = Bench()
     bench.play(constant_speed())

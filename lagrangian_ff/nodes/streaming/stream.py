@@ -106,7 +106,7 @@ class TorqueStream:
         self._reference_at = -np.inf
         self._joint_state_at = -np.inf
         self._state: tuple[int, Floats] | None = None
-        self._refused = ""
+        self._refused = self._ending = ""
         self._last_tick: float | None = None
 
     @property
@@ -124,6 +124,10 @@ class TorqueStream:
         """Fade out until the next reference that can be followed comes."""
         self._refused = reason
 
+    def end(self, reason: str) -> None:
+        """Fade out, whatever reference may still come, until `forget`."""
+        self._ending = reason
+
     def joint_state_came(self, steady: float, stamp: int, position: Floats) -> None:
         """The robot is alive, and its joints were here, (N,) rad, at this time in ns."""
         self._joint_state_at, self._state = steady, (stamp, position)
@@ -136,7 +140,7 @@ class TorqueStream:
         """No reference, no torque."""
         with self._lock:
             self._plan = self._next = None
-        self._refused = ""
+        self._refused = self._ending = ""
         self._ramp.value = 0.0
         self._last_tick = None
 
@@ -199,6 +203,8 @@ class TorqueStream:
     def _withheld(self, phase: Phase, steady: float) -> str:
         """Why the torque must not be sent; empty where it may."""
         settings = self.settings
+        if self._ending:
+            return self._ending
         if not self.enabled:
             return "disabled"
         silence = steady - self._joint_state_at
