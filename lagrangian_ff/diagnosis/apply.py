@@ -15,7 +15,7 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     """
     model = diagnosis.model
     for finding in diagnosis.findings:
-        if finding.verdict != CONFIRMED:
+        if finding.verdict != CONFIRMED or finding.effect.kind == "event":
             continue
         why = {
             "why": reason(finding, diagnosis),

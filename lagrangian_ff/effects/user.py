@@ -158,7 +158,8 @@ def _place(error: BaseException, file: Path) -> str:
     if isinstance(error, SyntaxError) and error.lineno is not None:
         return f"line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if Path(frame.filename) == file]
+    whole = file.resolve()
+    lines = [frame.lineno for frame in frames if Path(frame.filename).resolve() == whole]
     return f"line {lines[-1]}: " if lines else ""
 
 

@@ -9,6 +9,9 @@ from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
 
+STILL = 1e-3
+"""rad, rad/s, rad/s²: what a joint that stood still may do and still stand."""
+
 
 @dataclass(frozen=True)
 class MotionRange:
@@ -42,10 +45,10 @@ class MotionRange:
         The largest excess of position, velocity and acceleration, each relative to the width of
         what was seen.
         """
-        width = np.maximum(self.q_high - self.q_low, 1e-9)
+        width = np.maximum(self.q_high - self.q_low, 2.0 * STILL)
         over = np.maximum(np.maximum(self.q_low - x.q, x.q - self.q_high) / width, 0.0)
         for rate, limit in ((x.qd, self.qd_max), (x.qdd, self.qdd_max)):
-            over = np.maximum(over, np.abs(rate) / np.maximum(limit, 1e-9) - 1.0)
+            over = np.maximum(over, np.abs(rate) / np.maximum(limit, STILL) - 1.0)
         return over
 
     def record(self) -> dict[str, list[float]]:

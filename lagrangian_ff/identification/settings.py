@@ -58,7 +58,9 @@ class Settings:
 
     def record(self) -> dict[str, object]:
         """By name, as JSON holds them."""
-        return {**asdict(self), "prismatic": list(self.prismatic)}
+        # NumPy's whole numbers are taken, and are no numbers to JSON.
+        whole = {name: int(getattr(self, name)) for name in ("samples", "folds", "evaluations")}
+        return {**asdict(self), **whole, "prismatic": list(self.prismatic)}
 
     @classmethod
     def from_record(cls, record: object) -> "Settings":

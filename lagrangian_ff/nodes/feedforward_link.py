@@ -17,7 +17,7 @@ from lagrangian_ff.nodes.common.own_effects import load_own_effects
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, overridable
+from lagrangian_ff.nodes.common.qos import LATCHED, RELIABLE, SHARED, overridable
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.common.summary import held_out
 from lagrangian_ff.nodes.feedforward_parameters import declare_joints, settings
@@ -67,7 +67,7 @@ class FeedforwardLink:
         self._stamped = node.create_publisher(
             JointState, "~/feedforward", RELIABLE, qos_overriding_options=options
         )
-        self._states = PolledSubscription(node, JointState, "joint_states", NEWEST, raw=True)
+        self._states = PolledSubscription(node, JointState, "joint_states", SHARED, raw=True)
         self._description = node.create_subscription(
             String, "robot_description", self._on_description, LATCHED
         )

@@ -37,7 +37,7 @@ from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import LATCHED, RECORDING
-from lagrangian_ff.nodes.common.running import ClosingNode, run
+from lagrangian_ff.nodes.common.running import BAD_PARAMETER, ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.identify_parameters import declare, declare_joints
 from lagrangian_ff.nodes.recorder.findings import finding_statuses, lines, work_status
@@ -101,7 +101,7 @@ class IdentifyNode(ClosingNode):
             try:
                 response.message = refusal or do()
                 response.success = not refusal
-            except (UserError, OSError) as error:
+            except (UserError, OSError, *BAD_PARAMETER) as error:
                 response.message, response.success = str(error), False
             self._diagnostics.publish()
             # rclpy ties a severity to the line that logs: one line for each.
@@ -138,7 +138,10 @@ class IdentifyNode(ClosingNode):
         if self._intake.failure:
             said += f"; it ended early: {self._intake.failure}"
         if self._settings.value("identify_on_stop"):
-            said += f"; {self._begin(Task.IDENTIFY)}"
+            try:
+                said += f"; {self._begin(Task.IDENTIFY)}"
+            except (UserError, *BAD_PARAMETER) as error:
+                said += f"; not identified: {error}"
         return said
 
     def _begin(self, task: Task) -> str:

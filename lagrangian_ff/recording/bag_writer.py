@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.bag_folder import is_bag
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateEncoder
 from lagrangian_ff.recording.recording import Recording
 
@@ -252,7 +253,7 @@ def _make_directory(path: Path, *, overwrite: bool) -> None:
         if path.exists():
             if not overwrite:
                 raise RecordingError(f"{path}: exists already; not overwritten")
-            if path.is_dir() and not _is_bag(path):
+            if path.is_dir() and not is_bag(path):
                 raise RecordingError(f"{path}: a directory that is not a bag; not overwritten")
             if path.is_dir():
                 shutil.rmtree(path)
@@ -261,14 +262,6 @@ def _make_directory(path: Path, *, overwrite: bool) -> None:
         path.mkdir(parents=True)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be written: {error.strerror or error}") from error
-
-
-def _is_bag(path: Path) -> bool:
-    """Whether a directory holds nothing but a bag's files, so that it may be replaced."""
-    return all(
-        file.name.startswith("metadata.yaml") or file.suffix in (".mcap", ".db3", ".zstd")
-        for file in path.iterdir()
-    )
 
 
 def _absolute(topic: str) -> str:

@@ -134,6 +134,8 @@ def test_what_no_motion_tells_apart_is_said(model: Path, tmp_path: Path) -> None
         (["stribeck", "--joint", "elbow", "--shape", "w=1"], ["w=1", "v_s"]),
         (["stribeck", "--joint", "elbow", "--shape", "v_s=x"], ["v_s=x", "no number"]),
         (["stribeck", "--joint", "elbow", "--shape", "v_s=99"], ["v_s=99", "between", "rad/s"]),
+        (["stribeck", "--joint", "elbow", "--shape", "v_s=-0.1"], ["v_s=-0.1", "between"]),
+        (["ripple", "--joint", "elbow", "--shape", "order=2.5"], ["order=2.5", "a whole order"]),
         (["coupled", "--joint", "elbow", "--shape", "ratio=1"], ["partner", "all of its shape"]),
         (["offset", "--joint", "elbow", "--shape", "c=1"], ["c=1", "linear"]),
         (["offset", "--joint", "elbow", "--output", "new.txt"], ["new.txt", ".npz"]),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.options import assignments, names
-from lagrangian_ff.cli.common.outputs import check_file, whole, write_record, write_table
+from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record, write_table
 from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.errors import UserError
 
@@ -50,6 +50,28 @@ def test_a_whole_folder_takes_its_place(tmp_path: Path) -> None:
         (made / "new.mcap").touch()
     assert [file.name for file in path.iterdir()] == ["new.mcap"]
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_comes_back_where_the_new_one_cannot_take_its_place(tmp_path: Path) -> None:
+    path = tmp_path / "bag"
+    path.mkdir()
+    (path / "old.mcap").touch()
+    with pytest.raises(UserError, match="cannot be written"), whole(path):
+        pass  # nothing was made
+    assert [file.name for file in path.iterdir()] == ["old.mcap"]
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(("name", "replaced"), [("metadata.yaml", True), ("identify.yaml", False)])
+def test_only_a_bag_is_replaced_by_a_bag(name: str, replaced: bool, tmp_path: Path) -> None:
+    path = tmp_path / "config"
+    path.mkdir()
+    (path / name).touch()
+    if replaced:
+        check_bag(path, "--output", force=True)
+    else:
+        with pytest.raises(UserError, match="is not a bag"):
+            check_bag(path, "--output", force=True)
 
 
 def test_a_place_that_cannot_be_written_is_a_users_error(tmp_path: Path) -> None:

@@ -129,6 +129,17 @@ def test_a_current_instead_of_a_torque(model: Model, clean: Recording) -> None:
     assert "shoulder=4" in check.advice
 
 
+def test_advice_counts_the_scale_in_with_which_the_effort_was_read(
+    model: Model, clean: Recording
+) -> None:
+    given = Conditioning(clock="stamps", effort_scale={"elbow": 4.0})
+    read = condition(replace(clean, effort=clean.effort * [1.0, -0.25]), given)
+    assert "--effort-scale elbow=-4," in only(preflight(model, read)).advice
+    read = condition(replace(clean, effort=clean.effort * [1.0, 0.5]), given)
+    undo = float(only(preflight(model, read)).advice.partition("elbow=")[2].split()[0])
+    assert undo == pytest.approx(2.0, rel=0.1)
+
+
 def test_the_sign(model: Model, clean: Recording) -> None:
     check = only(preflight(model, changed(clean, clean.effort * [-1.0, 1.0])))
     assert (check.check, check.joint) == ("effort sign", "shoulder")

@@ -47,6 +47,7 @@ def test_progress_and_result_come_back() -> None:
 import json, sys
 order = json.loads(sys.argv[1])
 print("a library that prints")
+print(3)
 print(json.dumps({"progress": 0.25, "label": "reading"}))
 print(json.dumps({"result": {"scale": order["effort_scale"]}}))
 """

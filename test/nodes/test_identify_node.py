@@ -229,6 +229,29 @@ def test_a_recording_survives_a_kill(bench: Bench, arm: Process, folder: Path) -
     assert len(recording) >= seen
 
 
+def test_a_parameter_of_a_joint_that_cannot_be_is_told_and_survived(
+    bench: Bench, folder: Path
+) -> None:
+    params = {"output_directory": str(folder / "wrong"), "effort_scale.a": 2}  # not 2.0
+    bench.start("identify", namespace="wrong", params=params)
+    states = bench.publisher(JointState, "wrong/joint_states")
+    message = JointState(name=["a"], position=[0.1], effort=[0.2])
+
+    def told() -> Any:
+        states.publish(message)
+        status = bench.statuses.get("wrong/identify: housekeeping")
+        return status is not None and "effort_scale.a" in status.message
+
+    success, said = ask(bench, "start", "wrong/identify")
+    assert success, said
+    bench.until(told, "the parameter is named")
+    assert bench.values("wrong/identify: input")
+    assert ask(bench, "stop", "wrong/identify")[0]
+    success, said = ask(bench, "identify", "wrong/identify")
+    assert not success
+    assert "effort_scale.a" in said
+
+
 def test_ctrl_c_twice_ends_the_bag_properly(
     bench: Bench, identify: Process, arm: Process, folder: Path
 ) -> None:

@@ -119,6 +119,7 @@ SHORT[3] = [0.0]
         ({"time": [0.0] * 41}, "must increase; point 1"),
         ({"time": [-1.0, *T[1:]]}, "not negative"),
         ({"time": [float("nan"), *T[1:]]}, "finite"),
+        ({"time": [1e4 * t for t in T]}, "is time_from_start in seconds?"),
         ({"position": EMPTY}, "no positions"),
         ({"position": NAN}, "position of b in point 7 is nan"),
         ({"velocity": NAN}, "velocity of b in point 7 is nan"),

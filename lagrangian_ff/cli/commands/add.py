@@ -155,10 +155,11 @@ def _shape(
         except ValueError:
             raise UserError(f"--shape {part}: '{text}' is no number") from None
         shape = effect.shapes[known.index(name)]
-        if not shape.low <= abs(values[name]) <= shape.high:
+        value = values[name]
+        if not shape.low <= value <= shape.high or (shape.whole and not value.is_integer()):
             raise UserError(
-                f"--shape {part}: expected {shape.name} between {number(shape.low)} and "
-                f"{number(shape.high)} {shape.unit} ({shape.meaning})"
+                f"--shape {part}: expected {'a whole ' if shape.whole else ''}{shape.name} between "
+                f"{number(shape.low)} and {number(shape.high)} {shape.unit} ({shape.meaning})"
             )
     missing = [name for name in known if name not in values]
     if missing:

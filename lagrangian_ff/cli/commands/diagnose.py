@@ -136,11 +136,11 @@ def run(arguments: Namespace) -> int:
     if arguments.since:
         record["changed"] = _changed(model, motions)
     after = next((one.after for one in reversed(rounds) if one.after is not None), None)
-    if arguments.json is not None or arguments.report is not None:
-        _write(record, model, motions, arguments)
     if after is not None:
         with whole(arguments.output) as path:
             after.save(path)
+    if arguments.json is not None or arguments.report is not None:
+        _write(record, model, motions, arguments)
     _say(rounds, record, arguments, console)
     return 0
 

@@ -135,6 +135,8 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_arguments(arguments: Namespace) -> None:
+    if arguments.seed < 0:
+        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
     inputs = [] if arguments.trajectory is None else [arguments.trajectory]
     if arguments.feedforward not in ("none", "true"):
         path = Path(arguments.feedforward)

@@ -124,7 +124,7 @@ def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) 
     for option in ("effort_scale", "effort_offset"):
         values = assignments(f"--{option.replace('_', '-')}", getattr(arguments, option))
         if values:
-            given[option] = values
+            given[option] = {**(getattr(before, option) if before else {}), **values}
     for option in ("bandwidth", "rate", "clock"):
         if getattr(arguments, option) is not None:
             given[option] = getattr(arguments, option)

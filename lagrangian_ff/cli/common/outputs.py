@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-BAG_SUFFIXES = (".mcap", ".db3", ".zstd", ".yaml")
-
 
 def check_file(
     path: Path, option: str, *, force: bool, suffix: str = "", keep: Iterable[Path] = ()
@@ -48,10 +46,10 @@ def check_bag(path: Path, option: str, *, force: bool, keep: Iterable[Path] = ()
     Raises:
         UserError: it may not, and why. A folder that holds anything but a bag is never replaced.
     """
-    if path.exists() and force:
-        strange = path.is_file() or [f for f in path.iterdir() if f.suffix not in BAG_SUFFIXES]
-        if strange:
-            raise UserError(f"{option} {path}: is not a bag and is not replaced; name another")
+    from lagrangian_ff.recording.bag_folder import is_bag
+
+    if path.exists() and force and (path.is_file() or not is_bag(path)):
+        raise UserError(f"{option} {path}: is not a bag and is not replaced; name another")
     _check_place(path, option, force=force, keep=keep)
 
 
@@ -84,15 +82,18 @@ def whole(path: Path) -> Iterator[Path]:
         aside = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror}") from error
+    before = aside / "replaced"
     try:
         made = aside / path.name
         yield made
         if path.is_dir():
-            path.rename(aside / "replaced")
+            path.rename(before)
         made.replace(path)
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
+        if before.exists() and not path.exists():
+            before.rename(path)
         shutil.rmtree(aside, ignore_errors=True)
 
 

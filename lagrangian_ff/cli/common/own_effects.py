@@ -34,6 +34,7 @@ def load_own_effects(arguments: Namespace, console: Console) -> None:
     """
     from lagrangian_ff.effects import load_effects, load_installed
 
+    _require_kept(arguments)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         load_installed()
@@ -41,6 +42,17 @@ def load_own_effects(arguments: Namespace, console: Console) -> None:
         console.note(str(warning.message), "")
     for path in arguments.effects_file:
         load_effects(path)
+
+
+def _require_kept(arguments: Namespace) -> None:
+    """Refuse to write over the file of effects."""
+    for option in ("output", "json", "report", "picture"):
+        written = getattr(arguments, option, None)
+        for path in arguments.effects_file:
+            if written is not None and Path(written).resolve() == path.resolve():
+                raise UserError(
+                    f"--{option} {written}: this command reads effects from that file; name another"
+                )
 
 
 def effect_named(name: str) -> "Effect":

@@ -114,7 +114,8 @@ def _driving(found: Findings) -> str | None:
     joints, _ = negative_friction(found.record["effects"])
     if not joints:
         return None
-    flips = " ".join(f"{joint}=-1" for joint in joints)
+    known = (found.record.get("conditioning") or {}).get("effort_scale") or {}
+    flips = " ".join(f"{joint}={-known.get(joint, 1.0):g}" for joint in joints)
     return (
         f"The friction found on {', '.join(joints)} drives the motion instead of braking it. "
         "Is the effort of the right sign, and the torque of the actuator? If the sign is "

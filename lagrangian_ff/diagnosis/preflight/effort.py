@@ -57,14 +57,15 @@ def check_sign(case: Case) -> list[Check]:
     """Whether measured torque falls where the model's rises."""
     turned = np.flatnonzero(case.clear & (case.slope < 0.0)).tolist()
     if len(turned) == len(case.joints):
+        flips = " ".join(_scale(case, joint, -1.0) for joint in case.joints)
         return [
             Check(
                 "effort sign",
                 None,
                 "the effort of every joint has the sign opposite to the model's",
                 True,
-                f"Give --effort-scale {' '.join(f'{joint}=-1' for joint in case.joints)}, or "
-                "correct the driver: effort is the torque that the motor puts on the joint",
+                f"Give --effort-scale {flips}, or correct the driver: effort is the torque "
+                "that the motor puts on the joint",
                 {"correlation": float(case.correlation.max())},
             )
         ]
@@ -75,7 +76,7 @@ def check_sign(case: Case) -> list[Check]:
             f"the effort of {case.joints[n]} has the sign opposite to the model's (correlation "
             f"{case.correlation[n]:.2f})",
             True,
-            f"Give --effort-scale {case.joints[n]}=-1, or correct the driver",
+            f"Give --effort-scale {_scale(case, case.joints[n], -1.0)}, or correct the driver",
             {"correlation": case.correlation[n], "factor": case.slope[n]},
         )
         for n in turned
@@ -84,6 +85,13 @@ def check_sign(case: Case) -> list[Check]:
 
 def _off(factor: float) -> float:
     return float(max(factor, 1.0 / factor))
+
+
+def _scale(case: Case, joint: str, factor: float) -> str:
+    """The option that undoes a factor, beside the scale that the recording was read with."""
+    given = case.motion.conditioning.get("effort_scale")
+    known = given.get(joint, 1.0) if isinstance(given, dict) else 1.0
+    return f"{joint}={known / factor:.4g}"
 
 
 def _all(case: Case, factor: float) -> Check:
@@ -95,7 +103,7 @@ def _all(case: Case, factor: float) -> Check:
         f"the effort of every joint is {factor:.4g} of what the model expects: {guess}",
         True,
         "Record effort in N·m, or give --effort-scale "
-        + " ".join(f"{name}={1.0 / factor:.4g}" for name in case.joints),
+        + " ".join(_scale(case, name, factor) for name in case.joints),
         {"factor": factor},
     )
 
@@ -109,7 +117,7 @@ def _one(case: Case, n: int) -> Check:
         f"the effort of {name} is {factor:.2f} of what the model expects"
         + (": other unit, gear ratio or torque constant?" if serious else ""),
         serious,
-        f"Check the driver's scale; --effort-scale {name}={1.0 / factor:.3g} undoes it"
+        f"Check the driver's scale; --effort-scale {_scale(case, name, factor)} undoes it"
         if serious
         else "A wrong torque constant, a changed load or a missing effect may do this",
         {"factor": factor, "correlation": case.correlation[n]},

@@ -9,6 +9,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
 
 from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.identification.solving.system import System
@@ -28,8 +29,16 @@ def best_shape(fitted: Fit[System], effect: Effect, joint: int, x: Inputs) -> Ma
         fitted: the model so far.
         effect, joint: what is to be added where.
         x: (C,) the samples it was fitted on.
+
+    Raises:
+        ModelError: the motion leaves no shape to try.
     """
     shapes = effect.candidates(x, joint)
+    if not shapes:
+        raise ModelError(
+            f"{effect.name}: the motion that the model keeps leaves no shape of it to try on this "
+            "joint, being too short, too still or of too few joints for it"
+        )
     return max(shapes, key=lambda shape: fall(fitted, Term(effect, joint, shape), x)[0])
 
 

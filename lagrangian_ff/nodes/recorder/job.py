@@ -75,6 +75,8 @@ class Job:
                 event = json.loads(line)
             except ValueError:
                 continue  # a library that prints
+            if not isinstance(event, dict):
+                continue  # a number that it prints
             if "progress" in event:
                 self.fraction, self.label = float(event["progress"]), str(event["label"])
             elif "result" in event:

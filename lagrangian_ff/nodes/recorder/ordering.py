@@ -64,7 +64,7 @@ def make_order(
     if task is Task.ADD:
         additions = _additions(session, value)
         stem = "_".join([model.stem, *(f"{each.effect}_{each.joint}" for each in additions)])
-        output = str(new_path(model.parent, stem, ".npz"))
+        output = str(new_path(model.parent, stem.replace("/", "_"), ".npz"))
         return Order(**common, output=output, additions=additions)
     stem = f"{session.bags[-1].name}_{task.value}"
     output = str(new_path(directory, stem, ".json"))

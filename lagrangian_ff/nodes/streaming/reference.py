@@ -99,6 +99,10 @@ class Reference:
         )
 
 
+LONGEST = 3600.0
+"""s that a reference may last: times in other units than seconds would fill the memory."""
+
+
 def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_000) -> Reference:
     """Check a trajectory and complete it.
 
@@ -122,6 +126,11 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
     time = np.asarray(points.time, dtype=np.float64)
     if count > 1 or points.time[0] != 0.0:
         _check_time(time)
+    if time[-1] > LONGEST:
+        raise RefusedReference(
+            f"it lasts {time[-1]:.0f} s, expected at most {LONGEST:.0f} s; is time_from_start in "
+            "seconds?"
+        )
     q = _table(points.position, "position", points.names, columns)
     if q is None:
         raise RefusedReference("the points have no positions")
