@@ -134,7 +134,7 @@ def run(arguments: Namespace) -> int:
     rounds = diagnosed(model, motions, confirm, steps, apply=arguments.apply)
     record = {**_record(rounds, arguments), "preflight": checks}
     if arguments.since:
-        record["changed"] = _changed(model, motions)
+        record["changed"] = _changed(model, motions, steps)
     after = next((one.after for one in reversed(rounds) if one.after is not None), None)
     if after is not None:
         with whole(arguments.output) as path:
@@ -145,14 +145,14 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _changed(model: "Model", motions: "Sequence[Motion]") -> list[dict[str, Any]]:
+def _changed(model: "Model", motions: "Sequence[Motion]", steps: int) -> list[dict[str, Any]]:
     """What differs from the data that the model was identified from."""
     from lagrangian_ff.diagnosis import changed_since
     from lagrangian_ff.recording.motion import concatenate
 
     with progress_bar("asking what changed") as progress:
         return [one.record() for one in changed_since(model, concatenate(motions),
-                                                      progress=progress)]  # fmt: skip
+                                                      steps, progress)]  # fmt: skip
 
 
 def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.choosing.ascent import Hill, Slopes, slopes_by_gram
 from lagrangian_ff.identification.choosing.belief import Belief
 from lagrangian_ff.identification.samples import evenly
+from lagrangian_ff.identification.sliding import sliding_of
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import States
@@ -88,7 +89,8 @@ def sharpen(
     """The prior chosen anew with more explained: what is left then stands out more."""
     some = part_of(ground.motion, ground.inputs, FINE, extra, ground)
     states = States(some.x.q, some.x.qd, some.x.qdd)
-    middle = Prior.start(some.tau, states).vector()
+    sliding = sliding_of(ground.prior.kernel, ground.joints)
+    middle = Prior.start(some.tau, states, sliding).vector()
     with threadpool_limits(1):
         return _climb(some, basis, ground.prior, middle, AGAIN, progress)
 
