@@ -15,13 +15,14 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     """
     model = diagnosis.model
     for finding in diagnosis.findings:
-        if finding.verdict != CONFIRMED or finding.effect.kind == "event":
+        why = reason(finding, diagnosis)
+        if finding.verdict != CONFIRMED or not why:
             continue
-        why = {
-            "why": reason(finding, diagnosis),
+        told = {
+            "why": why,
             "verdict": finding.verdict,
             "evidence_gain": finding.step.score.gain,
             "p_value": finding.step.p_value,
         }
-        model = add(model, finding.effect.name, finding.joint, finding.shape, why, progress)
+        model = add(model, finding.effect.name, finding.joint, finding.shape, told, progress)
     return model

@@ -7,9 +7,11 @@ def reason(finding: Finding, diagnosis: Diagnosis) -> str:
     """What speaks for a finding, and against it where it is not confirmed.
 
     Args:
-        finding: of something that lasts, not of a load or a contact.
+        finding: of what happens once there is none: it is of the recording, not of the arm.
         diagnosis: which it is of.
     """
+    if finding.step.score.once:
+        return ""
     where = "another recording" if diagnosis.separate else "the end of it, held back"
     text = (
         f"{finding.effect.meaning}; it gains {finding.step.score.gain:.0f} nats of evidence, "

@@ -212,7 +212,7 @@ def finding(verdict: str, rivals: list[str], reason: str = "") -> dict[str, obje
     return {
         "effect": "ripple", "joints": ["elbow"], "verdict": verdict, "ambiguous_with": rivals,
         "told_apart_by": [], "reason": reason, "next_motion": "creep",
-        "shape": {"order": 9}, "shape_words": {"order": "9"}, "p_value": 0.01,
+        "shape": {"order": 9}, "shape_words": {"order": "9"}, "p_value": 0.01, "why": "it is",
     }  # fmt: skip
 
 
@@ -230,7 +230,7 @@ def test_only_what_is_confirmed_is_told_to_be_added(verdict: str) -> None:
 
 
 def test_a_load_taken_up_is_not_told_to_be_added() -> None:
-    event = {**finding("confirmed", []), "effect": "payload", "p_value": None}
+    event = {**finding("confirmed", []), "effect": "payload", "p_value": None, "why": ""}
     lines = "\n".join(next_steps({"findings": [event], "unexplained": []}, "m.npz", ["a"]))
     assert "payload is of this recording" in lines
     assert "lagrangian_ff add" not in lines

@@ -70,6 +70,14 @@ def test_what_is_not_there_does_not_take_a_larger_effect_with_it(
     assert not views[1][1].holds
 
 
+def test_what_happened_once_is_never_added(stuck: Diagnosis) -> None:
+    (finding,) = stuck.findings
+    contact = Candidate(EFFECTS["contact"], 1, {"t0": 1.0, "length": 2.0})
+    once = replace(finding.step, score=replace(finding.step.score, candidate=contact))
+    found = replace(stuck, findings=(replace(finding, step=once),))
+    assert apply(found) is stuck.model
+
+
 def test_the_record_is_json_and_complete(stuck: Diagnosis) -> None:
     record = json.loads(json.dumps(stuck.record(), allow_nan=False))
     assert "stribeck on elbow" in record["verdict"]

@@ -86,7 +86,7 @@ def say_parameters(
 
 def is_event(finding: Mapping[str, Any]) -> bool:
     """Whether it is of the recording, as a load taken up, not of the arm: nothing to add."""
-    return finding["p_value"] is None
+    return not finding["why"]
 
 
 def finding_table(findings: Sequence[Mapping[str, Any]], every: Sequence[str]) -> list[str]:
