@@ -75,6 +75,12 @@ class Feedforward:
     def until_sending(self, why: str) -> None:
         self.bench.until(lambda: any(self.tau), f"torque: {why}")
 
+    def set_point(self) -> bool:
+        """Send a set-point and look a moment later; whether its torque is sent."""
+        self.send.publish(reference([0.0], [[0.2, 0.2]]))
+        self.bench.spin(0.02)
+        return self.tau[0] > 6.0
+
     def hold(self, q: float = 0.4) -> None:
         """Bring it to hold gravity at the end of a short reference."""
         self.send.publish(reference([0.0, 0.1], [[q, q], [q, q]]))
@@ -166,17 +172,12 @@ def test_disabling_fades_and_enabling_brings_back(node: Feedforward) -> None:
 
 
 def test_silence_of_set_points_and_of_joint_states_fades(node: Feedforward) -> None:
-    def step() -> bool:
-        node.send.publish(reference([0.0], [[0.2, 0.2]]))
-        node.bench.spin(0.02)
-        return node.tau[0] > 6.0
-
-    node.bench.until(step, "torque of set-points")
+    node.bench.until(node.set_point, "torque of set-points")
     node.bench.until(
         lambda: int(node.bench.values("feedforward: stream").get("references followed", "0")) > 1,
         "set-points counted",
     )
-    node.bench.until(step, "torque of set-points again")
+    node.bench.until(node.set_point, "torque of set-points again")
     node.until_silent("no set-points")
     node.bench.until(lambda: "no set-point for" in node.process.output, "a warning")
     node.hold()
@@ -274,12 +275,7 @@ def test_deactivating_and_activating(node: Feedforward) -> None:
 
 
 def test_deactivating_fades_though_set_points_go_on(node: Feedforward) -> None:
-    def step() -> bool:
-        node.send.publish(reference([0.0], [[0.2, 0.2]]))
-        node.bench.spin(0.01)
-        return node.tau[0] > 6.0
-
-    node.bench.until(step, "torque of set-points")
+    node.bench.until(node.set_point, "torque of set-points")
     stop = threading.Event()
 
     def go_on() -> None:

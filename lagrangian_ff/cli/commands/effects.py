@@ -74,7 +74,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_outputs(arguments: Namespace) -> None:
-    kept = list(arguments.effects_file)
+    kept: list[Path] = []
     if arguments.picture is not None:
         if arguments.effect is None:
             raise UserError("--picture draws one effect: name it, as in lagrangian_ff effects "

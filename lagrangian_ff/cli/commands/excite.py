@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json, assignments
+from lagrangian_ff.cli.common.options import add_force, add_json, assignments, check_seed
 from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
 from lagrangian_ff.cli.common.own_effects import (
     add_effects_file,
@@ -122,15 +122,14 @@ def run(arguments: Namespace) -> int:
 def _check_arguments(arguments: Namespace) -> None:
     if arguments.output.suffix not in (".csv", ".yaml"):
         raise UserError(f"--output {arguments.output}: expected a name that ends in .csv or .yaml")
-    kept = [*arguments.effects_file, *([arguments.model] if arguments.model else [])]
+    kept = [arguments.model] if arguments.model else []
     check_file(arguments.output, "--output", force=arguments.force, keep=kept)
     if arguments.json not in (None, "-"):
         keep = [*kept, arguments.output]
         check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)
     if not 0.0 < arguments.reach <= 1.0:
         raise UserError(f"--reach {arguments.reach:g}: expected more than 0, and 1 at most")
-    if arguments.seed < 0:
-        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
+    check_seed(arguments)
     if arguments.arm and find_spec("pybullet") is None:
         raise UserError("the simulated arm needs PyBullet: pip install pybullet")
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.driving import SPEED, motion_file, motion_of, torque_of
 from lagrangian_ff.cli.common.hiding import Hidden, hidden, told, wanted
-from lagrangian_ff.cli.common.options import add_force, add_json, assignments
+from lagrangian_ff.cli.common.options import add_force, add_json, assignments, check_seed
 from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.common.progress import progress_bar
@@ -135,8 +135,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_arguments(arguments: Namespace) -> None:
-    if arguments.seed < 0:
-        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
+    check_seed(arguments)
     inputs = [] if arguments.trajectory is None else [arguments.trajectory]
     if arguments.feedforward not in ("none", "true"):
         path = Path(arguments.feedforward)

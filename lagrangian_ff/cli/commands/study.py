@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json, names
+from lagrangian_ff.cli.common.options import add_force, add_json, check_seed, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record
 from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.errors import UserError
 from lagrangian_ff.studies.catalogue import STUDIES, study_class
 
 if TYPE_CHECKING:
@@ -87,8 +86,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """See `Command`."""
     console = Console(arguments.json)
-    if arguments.seed < 0:
-        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
+    check_seed(arguments)
     if arguments.json not in (None, "-"):
         check_file(Path(arguments.json), "--json", force=arguments.force)
     kind = study_class(arguments.study)

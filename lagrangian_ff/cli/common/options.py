@@ -106,6 +106,16 @@ def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
     return values
 
 
+def check_seed(arguments: Namespace) -> None:
+    """Refuse a --seed that is none.
+
+    Raises:
+        UserError: it is negative.
+    """
+    if arguments.seed < 0:
+        raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
+
+
 def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) -> "Conditioning":
     """How recordings are made ready, from the options.
 

@@ -6,6 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.identification.motion_range import STILL
+
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -53,13 +55,13 @@ def excess(
     """
     q, qd, qdd = states
     # A joint that stood still was identified in a point; give it a milliradian of width.
-    half = np.maximum(0.5 * (known.q_high - known.q_low), 1e-3) * (1.0 + 2.0 * margin)
+    half = np.maximum(0.5 * (known.q_high - known.q_low), STILL) * (1.0 + 2.0 * margin)
     middle = 0.5 * (known.q_high + known.q_low)
     # Distances from the middle, in units of half the range that counts as inside.
     relative = np.empty((3, *q.shape))
     np.divide(np.abs(q - middle), half, out=relative[0])
-    np.divide(np.abs(qd), np.maximum(known.qd_max, 1e-3) * (1.0 + margin), out=relative[1])
-    np.divide(np.abs(qdd), np.maximum(known.qdd_max, 1e-3) * (1.0 + margin), out=relative[2])
+    np.divide(np.abs(qd), np.maximum(known.qd_max, STILL) * (1.0 + margin), out=relative[1])
+    np.divide(np.abs(qdd), np.maximum(known.qdd_max, STILL) * (1.0 + margin), out=relative[2])
     if relative.max() <= 1.0:
         return Excess(np.zeros(len(q), dtype=bool), "")
     outside: Flags = np.asarray((relative > 1.0).any(axis=(0, 2)))
