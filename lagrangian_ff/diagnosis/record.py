@@ -21,6 +21,7 @@ from lagrangian_ff.diagnosis.search.forward import FLOOR
 from lagrangian_ff.diagnosis.search.unnamed import told
 from lagrangian_ff.diagnosis.signature import signature
 from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.words import listed, which
 
@@ -50,7 +51,7 @@ def diagnosis_record(
         "joints": list(diagnosis.model.joints),
         "sources": [diagnosis.motion.source],
         "confirmed_on": diagnosis.unseen.source if diagnosis.separate
-        else f"the last {_seconds(diagnosis):.0f} s, held back",
+        else f"the last {seconds(diagnosis.unseen):.0f} s, held back",
         "verdict": verdict(diagnosis, made),
         "findings": _findings(diagnosis, made),
         "unexplained": [
@@ -273,10 +274,6 @@ def _steps(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[di
         for one in added
     ]
     return steps
-
-
-def _seconds(diagnosis: Diagnosis) -> float:
-    return float(np.ptp(diagnosis.unseen.time)) if len(diagnosis.unseen) else 0.0
 
 
 def _causes(found: Sequence[Finding]) -> list[str]:

@@ -93,6 +93,10 @@ class _Later(Effect):
         """See `Effect.candidates`."""
         return self._effect.candidates(x, joint)
 
+    def cause(self, joint: int, shape: Mapping[str, float]) -> int:
+        """See `Effect.cause`."""
+        return self._effect.cause(joint, shape)
+
 
 def changed_since(
     model: Model, motion: Motion, steps: int = MOST_STEPS, progress: Progress = silent

@@ -76,7 +76,11 @@ def parse(text: str) -> Spec:
             f"model '{text}': {' and '.join(kernels)} are both kernels; "
             "a model has one kernel and any number of effects, as in vrbfs+fri"
         )
-    twice = sorted({name for name in effects if effects.count(name) > 1})
+    everywhere = {name for name in effects if "@" not in name}
+    alone = [name.partition("@")[0] for name in effects if "@" in name]
+    twice = sorted(
+        {name for name in effects if effects.count(name) > 1} | everywhere.intersection(alone)
+    )
     if twice:
         raise ModelError(f"model '{text}': {', '.join(twice)} stands in it twice")
     basic = [name for name in effects if name in FRICTION]

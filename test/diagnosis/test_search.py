@@ -18,6 +18,7 @@ from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import concatenate
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -127,6 +128,12 @@ def test_a_load_taken_up_is_dated() -> None:
     assert low < 14.0 < high
     assert low < change.since < high
     assert high - low < 5.0
+
+
+def test_no_moment_is_told_of_several_recordings() -> None:
+    motion = concatenate([two_rods.motion(seed, 30.0, load_since=14.0) for seed in (4, 5)])
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    assert change_of(tune(motion, x, friction())) is None
 
 
 def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:

@@ -24,6 +24,7 @@ def test_effects_may_stand_alone_and_anywhere() -> None:
         ("", "neither a kernel"),
         ("vrbfs+rbf", "both kernels"),
         ("vrbfs+fri+viscous", "viscous stands in it twice"),
+        ("vrbfs+fri+viscous@joint_2", "viscous stands in it twice"),
     ],
 )
 def test_what_cannot_be_is_refused_with_the_reason(name: str, said: str) -> None:

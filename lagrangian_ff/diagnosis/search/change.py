@@ -77,7 +77,8 @@ def change_of(
     """The interval in which the evidence gains most from a second Lagrangian.
 
     Few samples tell whether and roughly when, all of them how much and when. None where even the
-    best interval is not worth it.
+    best interval is not worth it, or where the motion is of several recordings, each with a time of
+    its own: a moment of one is none of the others.
 
     Args:
         ground: of the motion.
@@ -86,6 +87,8 @@ def change_of(
     """
     time = ground.seen.time
     if not np.isfinite(time).all() or float(np.ptp(time)) < 2.5 * MARGIN:
+        return None
+    if (np.diff(time) < 0.0).any():
         return None
     start, end = float(time.min()), float(time.max())
     coarse = _gains(ground, SAMPLES)

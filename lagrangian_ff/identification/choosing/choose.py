@@ -65,7 +65,7 @@ def choose_all(
     """
     if not issubclass(spec.kernel, DifferentiableKernel):
         return Chosen(spec, *choose(spec, data, scalings, criterion, evaluations, progress))
-    require_folds(data, criterion)
+    require_folds(data)
     first, last = (_for(stages, evaluations) for stages in (FIRST, LAST))
     ways = [_Way.started(one, scaling, data) for one in spec.alternatives for scaling in scalings]
     whole = len(ways) * _work(first) + _work(last)

@@ -81,7 +81,7 @@ def choose(
     Raises:
         ModelError: there is one fold only to validate on.
     """
-    require_folds(data, criterion)
+    require_folds(data)
     start = starting_choice(spec, data.states)
     per_joint = issubclass(spec.kernel, IndependentKernel) and spec.kernel.per_joint
     if not per_joint:
@@ -101,16 +101,16 @@ def choose(
     return chosen, scaling
 
 
-def require_folds(data: TrainingSet, criterion: str) -> None:
-    """Refuse a criterion for which there are too few blocks.
+def require_folds(data: TrainingSet) -> None:
+    """Refuse motion of which no part can be left out.
 
     Raises:
         ModelError: says what to do.
     """
-    if criterion == "validation" and len(np.unique(data.fold)) < 2:
+    if len(np.unique(data.fold)) < 2:
         raise ModelError(
-            "cross-validation needs at least two blocks of training motion, got one: "
-            "record longer, use a larger --train, shorter blocks, or --selection evidence"
+            "a model is judged on blocks of its training motion left out in turn, which needs at "
+            "least two of them, got one: record longer, use a larger --train, or a shorter --block"
         )
 
 
