@@ -205,6 +205,4 @@ def test_less_than_a_block_is_refused() -> None:
 @pytest.mark.parametrize("selection", ["validation", "evidence"])
 def test_one_block_cannot_be_judged_on(selection: str) -> None:
     with pytest.raises(ModelError, match="needs at least two of them, got one"):
-        identify(
-            pendulum.motion(3.1), Settings(train=1.0, block_seconds=3.09, selection=selection)
-        )
+        identify(pendulum.motion(3.1), Settings(train=1.0, block_seconds=3.09, selection=selection))
