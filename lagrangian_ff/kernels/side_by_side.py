@@ -17,18 +17,15 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.kernels.base import Learned
 from lagrangian_ff.kernels.compiled import prepared
+from lagrangian_ff.kernels.exponential import exponentials
+from lagrangian_ff.kernels.options import APART, APART_INNER
 from lagrangian_ff.kernels.states import States
 
 Floats = NDArray[np.float64]
 
-LANES = 32
-_OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract", "nsz", "reassoc"},
-}
-_INNER = _OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+LANES = 64
+"""Centres that a loop runs over before the next one does: few enough to stay in the nearest
+memory, and enough to be worth the call."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +33,8 @@ class SideBySide(Learned):
     """Torques learned at centres that lie joint by joint, so that loops over them are fast.
 
     Attributes:
-        centres: q, qd, qdd, sin q, cos q and a, (6, N, C), C a multiple of `LANES`.
+        centres: (C / L, N, 5, L) of each the sine and cosine of the position, or it and 1 where the
+            coordinate is linear, and qd, qdd and a.
         weights: which coordinates are angles, α and w of `fused`.
     """
 
@@ -46,11 +44,14 @@ class SideBySide(Learned):
     @classmethod
     def of(cls, u: States, a: Floats, weights: tuple[Any, Floats, Floats]) -> "SideBySide":
         """What was learned at u (C, N) with coefficients a (C, N)."""
-        count = -(-len(u) // LANES) * LANES
-        centres = np.zeros((6, u.joints, count))
-        for row, values in enumerate((*prepared(u), a)):
-            centres[row, :, : len(u)] = values.T
-        return cls(centres, weights)
+        q, qd, qdd, sine, cosine = prepared(u)
+        angle = weights[0]
+        place = np.where(angle, sine, q), np.where(angle, cosine, 1.0)
+        parts = -(-len(u) // LANES)
+        centres = np.zeros((5, parts * LANES, u.joints))
+        centres[:, : len(u)] = *place, qd, qdd, a
+        lanes = centres.reshape(5, parts, LANES, u.joints)
+        return cls(np.ascontiguousarray(lanes.transpose(1, 3, 0, 2)), weights)
 
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
@@ -59,98 +60,102 @@ class SideBySide(Learned):
         return out
 
 
-@njit(**_OPTIONS)
-def _apply(x, u, angle, alpha, w, out):  # type: ignore[no-untyped-def]
+@njit(**APART)
+def _apply(x, centres, angle, alpha, w, out):  # type: ignore[no-untyped-def]
     """Write Σ_j K(x_i, u_j) a_j to out[i]."""
-    of_joint, total = np.empty((3, w.shape[0], LANES)), np.empty((8, LANES))
+    joints = w.shape[0]
+    e, p, r = np.empty((joints, LANES)), np.empty((joints, LANES)), np.empty((joints, LANES))
+    total, work = np.empty((8, LANES)), np.empty((2, LANES))
     for i in range(x[0].shape[0]):
         out[i, :] = 0.0
-        for first in range(0, u.shape[2], LANES):
-            _gather(i, first, x, u, angle, alpha, w, of_joint, total)
-            _spread(i, first, x, u, w, of_joint, total, out)
+        for part in range(centres.shape[0]):
+            total[:, :] = 0.0
+            for n in range(joints):
+                place = _place(i, n, x, angle, alpha)
+                _gather(
+                    place, x[1][i, n], x[2][i, n], w[n], centres[part, n], e[n], p[n], r[n],
+                    total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7],
+                )  # fmt: skip
+            exponentials(total[0], work[0], work[1])
+            _combine(
+                work[1],
+                total[0], total[1], total[2], total[3], total[4], total[5], total[6], total[7],
+            )  # fmt: skip
+            for n in range(joints):
+                out[i, n] += _spread(
+                    x[2][i, n], w[n], centres[part, n], e[n], p[n], r[n],
+                    total[0], total[1], total[2], total[3], total[4], total[5],
+                )  # fmt: skip
 
 
-@njit(**_INNER)
-def _gather(i, first, x, u, angle, alpha, w, of_joint, total):  # type: ignore[no-untyped-def]
-    """Fill e, p, r of every joint, and the sums over joints."""
-    e, p, r = of_joint[0], of_joint[1], of_joint[2]
-    exponent, cx, cu, cxu = total[0], total[1], total[2], total[3]
-    ea, sa, xa, ra = total[4], total[5], total[6], total[7]
-    total[:, :] = 0.0
-    last = first + LANES
-    for n in range(w.shape[0]):
-        # Numbers apart from the arrays: a store to one array could change another, for all LLVM
-        # knows, and then nothing runs side by side.
-        weight, scale = w[n], alpha[n]
-        place, v, acceleration = x[0][i, n], x[1][i, n], x[2][i, n]
-        b = weight * acceleration
-        q, vu, au = u[0, n, first:last], u[1, n, first:last], u[2, n, first:last]
-        a = u[5, n, first:last]
-        en, pn, rn = e[n], p[n], r[n]
-        if angle[n]:
-            sine, cosine = scale * x[3][i, n], scale * x[4][i, n]
-            su, cos = u[3, n, first:last], u[4, n, first:last]
-            for z in range(LANES):
-                pn[z] = sine * cos[z] - cosine * su[z]
-            for z in range(LANES):
-                rn[z] = cosine * cos[z] + sine * su[z]
-            for z in range(LANES):
-                exponent[z] += rn[z] - scale
-        else:
-            for z in range(LANES):
-                pn[z] = scale * (place - q[z])
-            for z in range(LANES):
-                exponent[z] -= 0.5 * pn[z] * (place - q[z])
-            rn[:] = scale
-        for z in range(LANES):
-            en[z] = weight * (v - vu[z])
-        for z in range(LANES):
-            exponent[z] -= 0.5 * en[z] * (v - vu[z])
-        for z in range(LANES):
-            cx[z] += pn[z] * v + en[z] * acceleration
-        for z in range(LANES):
-            cu[z] += pn[z] * vu[z] + en[z] * au[z]
-        for z in range(LANES):
-            cxu[z] += rn[z] * v * vu[z] + b * au[z]
-        for z in range(LANES):
-            ea[z] += en[z] * a[z]
-        for z in range(LANES):
-            sa[z] += (weight * au[z] + pn[z]) * a[z]
-        for z in range(LANES):
-            xa[z] += b * a[z]
-        for z in range(LANES):
-            ra[z] += rn[z] * v * a[z]
+@njit(**APART_INNER)
+def _place(i, n, x, angle, alpha):  # type: ignore[no-untyped-def]
+    """Where joint n of state i is, as `_gather` takes it.
+
+    p is the first times the centre's second less the second times its first, r the second times its
+    second plus the third times its first, and −½ ρ = r − α − bend p².
+    """
+    scale = alpha[n]
+    if angle[n]:
+        sine = scale * x[3][i, n]
+        return sine, scale * x[4][i, n], sine, scale, 0.0
+    return scale * x[0][i, n], scale, 0.0, scale, 0.5 / scale
 
 
-@njit(**_INNER)
-def _spread(i, first, x, u, w, of_joint, total, out):  # type: ignore[no-untyped-def]
-    """Add K a of these centres to out[i]."""
-    e, p, r = of_joint[0], of_joint[1], of_joint[2]
-    # What e, p − x̄, ū, r∘qd' and r∘a, and w∘a are multiplied by takes the place of the sums.
+@njit(**APART_INNER)
+def _gather(  # type: ignore[no-untyped-def]
+    place, v, acceleration, w, centres, e, p, r, log_k, cx, cu, cxu, ea, sa, xa, ra
+):
+    """Write e, p and r of a joint, and add what it contributes to the sums; sa is U + P."""
+    sine, cosine, turn, alpha, bend = place
+    sines, cosines, vu, au, a = centres[0], centres[1], centres[2], centres[3], centres[4]
+    b = w * acceleration
     for z in range(LANES):
-        k, cx, cu, cxu = np.exp(total[0, z]), total[1, z], total[2, z], total[3, z]
-        ea, xa = total[4, z], total[6, z]
-        ba = cu * ea - total[5, z]
-        ya = cu * xa - total[7, z]
-        total[0, z] = k * (cx * ba - cxu * ea - ya)
-        total[1, z] = k * ba
-        total[2, z] = k * (xa - cx * ea)
-        total[3, z] = k * ea
-        total[4, z] = k
-        total[5, z] = k * (cxu - cx * cu)
-    of_e, of_p, of_u, of_v, of_a, of_w = total[0], total[1], total[2], total[3], total[4], total[5]
-    last = first + LANES
-    for n in range(w.shape[0]):
-        weight, b = w[n], w[n] * x[2][i, n]
-        vu, au, a = u[1, n, first:last], u[2, n, first:last], u[5, n, first:last]
-        en, pn, rn = e[n], p[n], r[n]
-        torque = 0.0
-        for z in range(LANES):
-            torque += (
-                of_e[z] * en[z]
-                + of_p[z] * (pn[z] - b)
-                + of_u[z] * weight * au[z]
-                + rn[z] * (of_a[z] * a[z] - of_v[z] * vu[z])
-                + of_w[z] * weight * a[z]
-            )
-        out[i, n] += torque
+        pz = sine * cosines[z] - cosine * sines[z]
+        rz = cosine * cosines[z] + turn * sines[z]
+        difference = v - vu[z]
+        ez = w * difference
+        log_k[z] += rz - alpha - bend * pz * pz - 0.5 * ez * difference
+        cx[z] += pz * v + ez * acceleration
+        cu[z] += pz * vu[z] + ez * au[z]
+        cxu[z] += rz * v * vu[z] + b * au[z]
+        ea[z] += ez * a[z]
+        sa[z] += (w * au[z] + pz) * a[z]
+        xa[z] += b * a[z]
+        ra[z] += rz * v * a[z]
+        e[z], p[z], r[z] = ez, pz, rz
+
+
+@njit(**APART_INNER)
+def _combine(k, of_e, of_p, of_u, of_v, of_a, of_w, xa, ra):  # type: ignore[no-untyped-def]
+    """Replace log k, c_x, c_u, c_xu, E and U + P by what the terms are multiplied by.
+
+    Those of e, p − x̄, ū, r∘qd', r∘a and w∘a.
+    """
+    for z in range(LANES):
+        cx, cu, cxu, ea = of_p[z], of_u[z], of_v[z], of_a[z]
+        ba = cu * ea - of_w[z]
+        of_e[z] = k[z] * (cx * ba - cxu * ea - cu * xa[z] + ra[z])
+        of_p[z] = k[z] * ba
+        of_u[z] = k[z] * (xa[z] - cx * ea)
+        of_v[z] = k[z] * ea
+        of_a[z] = k[z]
+        of_w[z] = k[z] * (cxu - cx * cu)
+
+
+@njit(**APART_INNER)
+def _spread(  # type: ignore[no-untyped-def]
+    acceleration, w, centres, e, p, r, of_e, of_p, of_u, of_v, of_a, of_w
+):
+    """K a of these centres, of one joint."""
+    vu, au, a = centres[2], centres[3], centres[4]
+    b, torque = w * acceleration, 0.0
+    for z in range(LANES):
+        torque += (
+            of_e[z] * e[z]
+            + of_p[z] * (p[z] - b)
+            + of_u[z] * w * au[z]
+            + r[z] * (of_a[z] * a[z] - of_v[z] * vu[z])
+            + of_w[z] * w * a[z]
+        )
+    return torque

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import INNER, OPTIONS
+from lagrangian_ff.kernels.options import INNER, OPTIONS
 
 
 @njit(**OPTIONS)

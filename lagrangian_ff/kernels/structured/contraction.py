@@ -3,9 +3,9 @@
 import numpy as np
 from numba import njit
 
+from lagrangian_ff.kernels.options import APART, APART_INNER, LANES
 from lagrangian_ff.kernels.structured.factors import move, rate, swap
 from lagrangian_ff.kernels.structured.lanes import kinetic, load, room
-from lagrangian_ff.kernels.structured.options import APART, APART_INNER, LANES
 from lagrangian_ff.kernels.structured.potential import add_potential
 
 KINETIC, POTENTIAL, ROTOR = 0, 1, 2

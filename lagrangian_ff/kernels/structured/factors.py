@@ -10,7 +10,7 @@ Each is 1 at d = 0 and positive definite for every ω > 0.
 import numpy as np
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import APART_INNER
+from lagrangian_ff.kernels.options import APART_INNER
 
 COSINE, BELL, LINE = 0, 1, 2
 

@@ -6,9 +6,9 @@ One compiled function serves for all that is made of blocks: compiling takes lon
 import numpy as np
 from numba import njit
 
+from lagrangian_ff.kernels.options import APART, APART_INNER, LANES
 from lagrangian_ff.kernels.structured import product, serial
 from lagrangian_ff.kernels.structured.factors import factor, square
-from lagrangian_ff.kernels.structured.options import APART, APART_INNER, LANES
 from lagrangian_ff.kernels.structured.potential import add_potential, slope_along
 
 ALL, LOWER, DIAGONAL = 0, 1, 2

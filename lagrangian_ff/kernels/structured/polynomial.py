@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels.structured.options import INNER, OPTIONS
+from lagrangian_ff.kernels.options import INNER, OPTIONS
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ the matrix of second derivatives in d.
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import APART_INNER
+from lagrangian_ff.kernels.options import APART_INNER
 
 
 @njit(**APART_INNER)

@@ -15,7 +15,7 @@ the push-forward (22) of the kernel is
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import APART_INNER
+from lagrangian_ff.kernels.options import APART_INNER
 
 
 @njit(**APART_INNER)

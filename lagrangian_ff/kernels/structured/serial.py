@@ -28,7 +28,7 @@ apart: every term has one of the two of a joint, once, or none, so that K is aff
 
 from numba import njit
 
-from lagrangian_ff.kernels.structured.options import APART_INNER
+from lagrangian_ff.kernels.options import APART_INNER
 
 
 @njit(**APART_INNER)
