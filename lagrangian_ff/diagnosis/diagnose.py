@@ -191,7 +191,7 @@ def diagnose(
     found = search(ground, effects, steps, part(progress, 0.3, 0.85))
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
-    findings = _confirmed(found, unseen, model.joints, taken_up)
+    findings = _confirmed(found, unseen, model, taken_up)
     progress(1.0, "diagnosing")
     return Diagnosis(
         model,
@@ -241,8 +241,9 @@ def _taken_up(
 
 
 def _confirmed(
-    found: Search, motion: Motion, joints: Sequence[str], taken_up: TakenUp | None
+    found: Search, motion: Motion, model: Model, taken_up: TakenUp | None
 ) -> tuple[Finding, ...]:
+    joints = model.joints
     frozen = _frozen(found)
     change = taken_up.again if taken_up else None
     views = _views(found, motion, change)
@@ -273,6 +274,11 @@ def _confirmed(
             reason = (
                 f"something without a name on the same joint gains {rest:.0f} nats, this "
                 f"{step.score.gain:.0f}"
+            )
+        if not reason and candidate.effect.absorbed and model.kernel.free:
+            reason = (
+                f"gravity of {model.kernel.name} may be any smooth function of the positions and "
+                "has this torque already: the effect may be there, but the model does not lack it"
             )
         verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
         parameters, low, high = frozen[number]

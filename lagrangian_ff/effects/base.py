@@ -92,6 +92,7 @@ class Effect(ABC):
         remembers: whether it depends on the past; its columns then get the whole motion.
         uses: which of `load` and `torque` of the inputs it needs.
         caution: what this effect cannot be told from by any motion; empty where nothing is.
+        absorbed: whether any kernel that is free in position has it already, see `Kernel.free`.
     """
 
     name: ClassVar[str]
@@ -110,6 +111,7 @@ class Effect(ABC):
     remembers: ClassVar[bool] = False
     uses: ClassVar[frozenset[str]] = frozenset()
     caution: ClassVar[str] = ""
+    absorbed: ClassVar[bool] = False
 
     @abstractmethod
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:

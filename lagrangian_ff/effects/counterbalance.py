@@ -37,6 +37,7 @@ class Counterbalance(Effect):
     motion = "payloads"
     next_motion = "sweep the whole range slowly with two payloads: it stays while gravity changes"
     caution = "a kernel that is free in position has it already: only models without find it"
+    absorbed = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
         """See `Effect.columns`."""

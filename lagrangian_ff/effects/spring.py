@@ -33,6 +33,7 @@ class Spring(Effect):
     motion = "slow sweep"
     next_motion = "sweep the whole range slowly, forth and back"
     caution = "a kernel that is free in position has it already: only models without find it"
+    absorbed = True
     side_by_side = True
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:

@@ -48,6 +48,8 @@ class Kernel(ABC):
     """The hyperparameters that a simplex search chooses by evidence or validation."""
     further: ClassVar[tuple[Hyperparameter, ...]] = ()
     """What the other numbers are; the range of these is not searched."""
+    free: ClassVar[bool] = False
+    """Whether gravity may be any smooth function of the positions, and hold a spring's torque."""
     mechanism: ClassVar["Mechanism | None"] = None
     """What is known of the mechanism; None where the kernel knows nothing of it."""
 

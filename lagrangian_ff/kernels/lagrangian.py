@@ -46,6 +46,7 @@ class _Universal(Kernel):
     velocity_scale: Floats
 
     angles: ClassVar[bool]
+    free: ClassVar[bool] = True
     searched: ClassVar[tuple[Hyperparameter, ...]] = (SIGMA, VELOCITY_SCALE)
 
     @classmethod

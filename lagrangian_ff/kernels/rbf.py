@@ -24,6 +24,7 @@ class Rbf(IndependentKernel):
     acceleration_scale: Floats
 
     name: ClassVar[str] = "rbf"
+    free: ClassVar[bool] = True
     meaning: ClassVar[str] = "any smooth function of state, each joint learned apart"
     searched: ClassVar[tuple[Hyperparameter, ...]] = (
         Hyperparameter("sigma", "1", "squared length scale of (52), (53)", 1e-2, 1e3),

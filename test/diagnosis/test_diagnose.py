@@ -52,6 +52,28 @@ def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:
     assert stuck.taken_up is None
 
 
+def sprung(
+    t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
+) -> two_rods.Floats:
+    """A spring in the elbow."""
+    return np.stack([np.zeros(len(t)), 3.0 * q[:, 1]], axis=1)
+
+
+def test_a_spring_is_missing_only_where_gravity_is_not_free(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = identify(two_rods.motion(1), replace(FEW, model="chain+fri")).model
+    first, second = (two_rods.motion(seed, hidden=sprung) for seed in (1, 2))
+    found = diagnose(model, first, second)
+    (finding,) = found.confirmed
+    assert (finding.effect.name, finding.joint) == ("spring", "elbow")
+    assert finding.low[0] < 3.0 < finding.high[0]
+    monkeypatch.setattr(type(model.kernel), "free", True)
+    (finding,) = engine._confirmed(found.search, second, model, None)
+    assert finding.verdict == "suggested"
+    assert "has this torque already" in finding.reason
+
+
 def test_what_is_not_there_does_not_take_a_larger_effect_with_it(
     stuck: Diagnosis, monkeypatch: pytest.MonkeyPatch
 ) -> None:

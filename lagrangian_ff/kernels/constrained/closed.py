@@ -114,6 +114,7 @@ def closed(linkage: "Linkage", family: type[Kernel]) -> type[Kernel]:
     words: dict[str, Any] = {
         "mechanism": linkage,
         "family": family,
+        "free": family.free,
         "name": family.name,
         "meaning": f"the loops of {linkage.name} closed: {family.meaning}",
         "searched": family.searched,

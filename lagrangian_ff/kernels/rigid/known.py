@@ -244,6 +244,7 @@ def known(robot: "Robot", family: type[Kernel]) -> type[Kernel]:
     words: dict[str, Any] = {
         "mechanism": robot,
         "family": family,
+        "free": family.free,
         "name": family.name,
         "meaning": f"the bodies of {robot.name}, corrected by: {family.meaning}",
         "searched": (*family.searched, CORRECTION),

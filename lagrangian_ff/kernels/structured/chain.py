@@ -36,4 +36,5 @@ class ChainRbf(Structured):
     name = "chain_rbf"
     meaning = "as chain, with rbf factors: gears and links need not be rigid bodies"
     form = BELL
+    free = True
     serial = True

@@ -22,4 +22,5 @@ class EnergyRbf(Structured):
     name = "energy_rbf"
     meaning = "as energy, with rbf factors: inertia and gravity any smooth functions"
     form = BELL
+    free = True
     serial = False
