@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from lagrangian_ff.kernels import threads
 from lagrangian_ff.kernels.base import Learned
 from lagrangian_ff.kernels.compiled import prepared
 from lagrangian_ff.kernels.exponential import exponentials
@@ -26,6 +27,9 @@ Floats = NDArray[np.float64]
 LANES = 64
 """Centres that a loop runs over before the next one does: few enough to stay in the nearest
 memory, and enough to be worth the call."""
+
+PAIRS_A_BLOCK = 40
+"""Pairs that cost as much here as one of those that `threads` counts."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +60,14 @@ class SideBySide(Learned):
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
         out = np.empty(x.q.shape)
-        _apply(prepared(x), self.centres, *self.weights, out)
+        states = prepared(x)
+
+        def write(rows: slice) -> None:
+            part = tuple(values[rows] for values in states)
+            _apply(part, self.centres, *self.weights, out[rows])
+
+        pairs = len(x) * self.centres.shape[0] * LANES
+        threads.over_rows(write, len(x), pairs / PAIRS_A_BLOCK)
         return out
 
 

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.kernels import threads
 from lagrangian_ff.kernels.base import (
     CHUNK_ENTRIES,
     Contracted,
@@ -18,7 +19,7 @@ from lagrangian_ff.kernels.base import (
 )
 from lagrangian_ff.kernels.compiled import Prepared, prepared
 from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured import contraction, lanes, threads
+from lagrangian_ff.kernels.structured import contraction, lanes
 from lagrangian_ff.kernels.structured.factors import LINE
 from lagrangian_ff.kernels.structured.slopes import slopes
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.kernels import threads
 from lagrangian_ff.kernels.base import Learned
 from lagrangian_ff.kernels.compiled import contiguous
 from lagrangian_ff.kernels.states import States
@@ -17,6 +18,8 @@ Three = tuple[Floats, Floats, Floats]
 MOST_JOINTS = 7
 """With more, the polynomial has more coefficients than it is worth: five times for each joint."""
 CHUNK_STATES = 128
+COEFFICIENTS_A_BLOCK = 400
+"""Coefficients that cost as much at a state as a pair that `threads` counts."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,14 @@ class Polynomial(Learned):
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
         out = np.empty(x.q.shape)
-        work = polynomial.workspace(x.joints)
-        polynomial.torques(*contiguous(x), self.mass, self.potential, self.rotor, work, out)
+        states = contiguous(x)
+
+        def write(rows: slice) -> None:
+            part = (values[rows] for values in states)
+            work = polynomial.workspace(x.joints)
+            polynomial.torques(*part, self.mass, self.potential, self.rotor, work, out[rows])
+
+        threads.over_rows(write, len(x), len(x) * self.mass.size / COEFFICIENTS_A_BLOCK)
         return out
 
 
