@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels.options import INNER, OPTIONS
+from lagrangian_ff.kernels.options import APART, APART_INNER
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def workspace(joints: int) -> tuple[Floats, Floats, Floats, Floats]:
     )
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _functions(q, of_joint):  # type: ignore[no-untyped-def]
     """Write 1, cos q, sin q, cos 2q, sin 2q of every joint, and their slopes."""
     for n in range(q.shape[0]):
@@ -51,7 +51,7 @@ def _functions(q, of_joint):  # type: ignore[no-untyped-def]
         of_joint[1, n, 3], of_joint[1, n, 4] = -2.0 * twice, 2.0 * double
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _tails(v, of_joint, tails):  # type: ignore[no-untyped-def]
     """Write τ_k, all k one after the other, k = 0 first, and how they change along v."""
     joints = v.shape[0]
@@ -72,7 +72,7 @@ def _tails(v, of_joint, tails):  # type: ignore[no-untyped-def]
         source, width = first, LONG * width
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _rows(v, of_joint, rows):  # type: ignore[no-untyped-def]
     """Write μ_jk, all k one after the other, and how they change along v."""
     value, change = rows[0], rows[1]
@@ -89,7 +89,7 @@ def _rows(v, of_joint, rows):  # type: ignore[no-untyped-def]
         value[before + count - 1], change[before + count - 1] = 1.0, 0.0
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _momenta(v, a, mass, tails, rows, out):  # type: ignore[no-untyped-def]
     """Write M a + Ṁ v to out, and what ½ vᵀ M v gains with each μ and τ to rows[4] and tails[2]."""
     joints = v.shape[0]
@@ -126,7 +126,7 @@ def _momenta(v, a, mass, tails, rows, out):  # type: ignore[no-untyped-def]
         width //= LONG
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _subtract_slopes(of_joint, tails, rows, out):  # type: ignore[no-untyped-def]
     """Subtract from out how ½ vᵀ M v changes with each joint, by what it gains with μ and τ."""
     joints = out.shape[0]
@@ -165,7 +165,7 @@ def _subtract_slopes(of_joint, tails, rows, out):  # type: ignore[no-untyped-def
         first = source
 
 
-@njit(**INNER)
+@njit(**APART_INNER)
 def _subtract_potential(potential, of_joint, work, out):  # type: ignore[no-untyped-def]
     """Subtract from out how the potential part of the Lagrangian changes with each joint."""
     joints = out.shape[0]
@@ -199,7 +199,7 @@ def _subtract_potential(potential, of_joint, work, out):  # type: ignore[no-unty
         first -= width
 
 
-@njit(**OPTIONS)
+@njit(**APART)
 def torques(q, qd, qdd, mass, potential, rotor, work, out):  # type: ignore[no-untyped-def]
     """Write the torques of states (M, N) to out (M, N).
 
