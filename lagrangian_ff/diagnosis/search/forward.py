@@ -15,6 +15,7 @@ from lagrangian_ff.diagnosis.search.gain import Score, scores
 from lagrangian_ff.diagnosis.search.refine import refined
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
 from lagrangian_ff.diagnosis.search.tones import tones
+from lagrangian_ff.diagnosis.search.worth import evidence_without, worth_of
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
@@ -46,7 +47,8 @@ class Step:
     """Something that was missing.
 
     Attributes:
-        score: the best candidate, judged once the noise was chosen with it in the model.
+        score: the best candidate, judged once the noise was chosen with it in the model; its gain
+            is what it is worth over the best without it.
         rivals: named candidates that the data cannot tell from it.
         first_gain: its gain before the noise was chosen anew.
         p_value: how often chance gains as much, over all candidates.
@@ -269,15 +271,19 @@ def _judge(
     plain = chosen is not None and chosen.candidate.effect.name in PLAIN
     share = FIRST_SHARE if plain and _bare(ground, joint) else NAME_SHARE
     if chosen is not None and (curve is None or worth > share * rival_worth):
-        left = tuple(rivals(chosen, named_view.others))
-        step, view = Step(chosen, left, first.gain, p_value, curve), named_view
+        found, view = chosen, named_view
     elif curve is not None:
-        step, view = Step(curve, (), first.gain, p_value, curve), free_view
+        found, view = curve, free_view
     else:
         return None, ground.prior
-    if step.score.gain <= FLOOR:
+    without = max(evidence_without(ground), *(view.base for view in views))
+    gain = min(found.gain, worth_of(found, view.ground, without))
+    if gain <= FLOOR:
         return None, ground.prior
-    return step, view.ground.prior
+    left = rivals(found, named_view.others) if found.candidate.named else ()
+    return Step(
+        replace(found, gain=gain), tuple(left), first.gain, p_value, curve
+    ), view.ground.prior
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,43 @@
+"""What a candidate is worth: the evidence with it over the best that there is without it.
+
+Both sides get the prior that suits them. What is missing counts as noise until it is taken in, and
+what is not there may take the place of something that the prior was good at: against a prior that
+was chosen for the candidate, either would seem to gain much more than it does.
+"""
+
+import numpy as np
+from scipy.stats import multivariate_normal
+
+from lagrangian_ff.diagnosis.ground import Ground, lay, sharpen
+from lagrangian_ff.diagnosis.ground.ground import Extra
+from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score
+
+
+def evidence_without(ground: Ground) -> float:
+    """Log evidence of a ground with its prior as it is or chosen anew, whichever suits better."""
+    prior = sharpen(ground, ground.basis, ground.extra)
+    args = ground.motion, ground.index, ground.block, ground.inputs
+    again = lay(*args, prior, ground.basis, ground.extra, ground.seen)
+    return max(ground.system.log_evidence, again.system.log_evidence)
+
+
+def worth_of(score: Score, ground: Ground, without: float) -> float:
+    """Nats that a candidate gains, tempered as its score is.
+
+    Args:
+        score: of the candidate on the ground.
+        ground: with the prior that suits the candidate, but without it.
+        without: log evidence, the best that is reached without it.
+    """
+    columns = score.candidate.columns(ground.seen)
+    extra = (Extra(score.candidate.joint, columns), *ground.extra)
+    args = ground.motion, ground.index, ground.block, ground.inputs
+    system = lay(*args, ground.prior, ground.basis, extra, ground.seen).system
+    first = max((place.stop for _, place in ground.basis.slices()), default=0)
+    own = slice(first, first + columns.shape[1])
+    # The restricted evidence is that of any size: times the prior's density about the one found.
+    expected = PRIOR_SHARE * ground.spread[score.candidate.joint]
+    deviation = expected / np.sqrt(np.mean(columns**2, axis=0))
+    covariance = np.diag(deviation**2) + system.amplitude * system.covariance[own, own]
+    density = multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
+    return float(system.log_evidence + density - without) / score.inflation

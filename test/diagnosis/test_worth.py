@@ -1,0 +1,92 @@
+"""What a candidate is worth is the evidence with it over the best without it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import two_rods
+from scipy.stats import multivariate_normal
+
+from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
+from lagrangian_ff.diagnosis.ground.ground import Extra
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.forward import FLOOR
+from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, scores
+from lagrangian_ff.diagnosis.search.worth import evidence_without, worth_of
+from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.kernels import States
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _small() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tuning, "ROWS", 1000)
+        yield
+
+
+def ground_of(hidden: two_rods.Hidden | None) -> Ground:
+    motion = two_rods.motion(1, 30.0, hidden)
+    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+    terms = [
+        Term(EFFECTS[name], joint, {"v0": 0.02} if name == "coulomb" else {})
+        for joint in range(2)
+        for name in ("viscous", "coulomb", "offset")
+    ]
+    return tune(motion, x, Basis(tuple(terms)))
+
+
+@pytest.fixture(scope="module")
+def clean() -> Ground:
+    """Return the ground of a motion in which nothing is hidden."""
+    return ground_of(None)
+
+
+def with_prior(ground: Ground, **changed: np.ndarray) -> Ground:
+    """The ground with another kernel or other noise."""
+    noise = changed.pop("noise", ground.prior.noise)
+    prior = replace(ground.prior, kernel=ground.prior.kernel.replace(**changed), noise=noise)
+    args = ground.motion, ground.index, ground.block, ground.inputs
+    return lay(*args, prior, ground.basis, ground.extra, ground.seen)
+
+
+def test_it_is_a_difference_of_log_evidence(clean: Ground) -> None:
+    """Against the definition, with dense matrices, on a few samples and without a basis."""
+    few = clean.index[:40]
+    small = lay(clean.motion, few, clean.block[:40], clean.inputs, clean.prior, Basis(()))
+    candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
+    (score,) = scores(small, [candidate])
+    columns = candidate.columns(small.seen)
+    args = small.motion, small.index, small.block, small.inputs, small.prior, small.basis
+    amplitude = lay(*args, [Extra(1, columns)]).system.amplitude
+    scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2, axis=0))
+    full = np.zeros((40, 2, columns.shape[1]))
+    full[:, 1] = columns * scale / small.prior.unit[1]
+    flat = full.reshape(80, -1)
+    gram = small.prior.gram(small.seen)
+    gram = np.tril(gram) + np.tril(gram, -1).T + np.diag(np.tile(small.prior.noise, 40))
+    y = (small.seen.mean(clean.motion.tau) / small.prior.unit).ravel()
+    expected = multivariate_normal.logpdf(y, cov=amplitude * gram + flat @ flat.T)
+    assert worth_of(score, small, 0.0) * score.inflation == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_candidate_that_takes_the_place_of_gravity_is_worth_nothing(clean: Ground) -> None:
+    poor = with_prior(clean, potential=1e-4 * clean.prior.kernel.potential)
+    (score,) = scores(poor, [Candidate(EFFECTS["ripple"], 0, {"order": 1.0})])
+    assert score.gain > FLOOR
+    assert worth_of(score, poor, evidence_without(poor)) < 0.0
+
+
+def test_noise_that_was_chosen_too_large_gives_nothing_its_worth(clean: Ground) -> None:
+    noisy = with_prior(clean, noise=30.0 * clean.prior.noise)
+    (score,) = scores(clean, [Candidate(EFFECTS["drift"], 1)])
+    assert worth_of(score, clean, noisy.system.log_evidence) > 100.0
+    assert worth_of(score, clean, evidence_without(noisy)) < 20.0
+
+
+def test_what_is_there_keeps_its_worth() -> None:
+    ground = ground_of(two_rods.stick)
+    (score,) = scores(ground, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
+    worth = worth_of(score, ground, evidence_without(ground))
+    assert worth > 100.0
