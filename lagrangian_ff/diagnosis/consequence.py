@@ -27,7 +27,7 @@ class Consequence:
     Attributes:
         model: with the finding.
         before, after: (B,) N·m, error of the joint in each block of the unseen motion.
-        time: (B,) s, where the blocks begin.
+        time: (B,) s since the beginning, where the blocks begin.
         whole_before, whole_after: N·m, over all of it.
         every_before, every_after: N·m, over all joints.
     """
@@ -82,7 +82,7 @@ def _between(
 
     return Consequence(
         model,
-        motion.time[starts],
+        motion.elapsed[starts],
         by_block(before),
         by_block(after),
         rms(before[:, column]),

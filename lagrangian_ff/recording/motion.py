@@ -79,6 +79,14 @@ class Motion:
             **{name: getattr(self, name)[:, columns] for name in ("q", "qd", "qdd", "tau")},
         )
 
+    @property
+    def elapsed(self) -> Floats:
+        """(M,) s since the beginning; recordings that follow one another are put end to end."""
+        out = self.time - self.time[:1]
+        for k in np.flatnonzero(np.diff(self.time) < 0.0) + 1:
+            out[k:] += out[k - 1] - out[k]
+        return out
+
     def blocks(self, seconds: float) -> Ints:
         """(M,) the number of the block each sample lies in.
 

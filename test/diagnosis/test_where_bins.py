@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from where_examples import course, motion, noise
 
 from lagrangian_ff.diagnosis.where import COORDINATES, bins_of
-from lagrangian_ff.recording.motion import concatenate
 
 VELOCITY = COORDINATES["velocity"]
 
@@ -91,11 +90,3 @@ def test_the_two_directions_are_two_bins() -> None:
     assert found is not None
     np.testing.assert_array_equal(found.low, [-1.0, 1.0])
     np.testing.assert_allclose(found.mean, [-1.0, 1.0], atol=0.01)
-
-
-def test_recordings_after_one_another_are_put_end_to_end() -> None:
-    moved = motion(0, 10.0)
-    twice = concatenate([moved, moved])
-    elapsed = course(twice, np.ones(2 * len(moved))).elapsed
-    assert np.all(np.diff(elapsed) >= 0.0)
-    assert elapsed[-1] == pytest.approx(2.0 * moved.time[-1])

@@ -51,3 +51,12 @@ def test_concatenation_sorts_columns_by_the_first() -> None:
     assert np.array_equal(np.unique(both.segment), [0, 1])
     with pytest.raises(RecordingError, match="select common joints"):
         concatenate([whole, whole.select(("elbow",))])
+
+
+def test_recordings_after_one_another_are_put_end_to_end() -> None:
+    whole = motion()
+    elapsed = concatenate([whole, whole]).elapsed
+    assert elapsed[0] == 0.0
+    assert np.all(np.diff(elapsed) >= 0.0)
+    assert elapsed[-1] == pytest.approx(2.0 * np.ptp(whole.time))
+    assert motion().take(slice(0, 0)).elapsed.shape == (0,)

@@ -68,7 +68,7 @@ COORDINATES: dict[str, Coordinate] = {
             "before_reversal", "s", "time until the joint turns round",
             lambda c, j: before_reversal(c.motion, j), phrases.before_reversal,
         ),
-        Coordinate("time", "s", "time", lambda c, j: c.elapsed, phrases.time),
+        Coordinate("time", "s", "time", lambda c, j: c.motion.elapsed, phrases.time),
         Coordinate(
             "direction", "", "direction of motion", lambda c, j: direction(c.motion, j),
             phrases.direction, levels=(-1.0, 1.0),

@@ -34,16 +34,6 @@ class Course:
         blocks = self.motion.blocks(BLOCK_SECONDS)
         return not len(blocks) or int(blocks[-1]) + 1 < FEWEST_BLOCKS
 
-    @property
-    def elapsed(self) -> Floats:
-        """(M,) s since the beginning; recordings that follow one another are put end to end."""
-        time = self.motion.time
-        back = np.flatnonzero(np.diff(time) < 0.0) + 1
-        out = time - time[0]
-        for k in back:
-            out[k:] += out[k - 1] - out[k]
-        return out
-
     def thinned(self, most: int) -> "Course":
         """At most so many samples, evenly spread."""
         step = -(-len(self.motion) // most)

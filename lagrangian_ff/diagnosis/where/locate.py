@@ -92,7 +92,7 @@ class Whereabouts:
     def _blocks(self) -> list[dict[str, object]]:
         """The error of each 3 s."""
         number = self.course.motion.blocks(ERROR_BLOCK_SECONDS)
-        elapsed, squared = self.course.elapsed, self.course.residual**2
+        elapsed, squared = self.course.motion.elapsed, self.course.residual**2
         rows = []
         for k in np.unique(number):
             inside = number == k
@@ -125,7 +125,7 @@ class Whereabouts:
         part = every(self.course.motion) if interval is None else interval.at
         motion, predicted = self.course.motion.take(part), self.comparison.predicted[part]
         return {
-            "time": [float(v) for v in self.course.elapsed[part]],
+            "time": [float(v) for v in self.course.motion.elapsed[part]],
             "segment": [int(v) for v in motion.segment],
             "joints": {
                 name: {
