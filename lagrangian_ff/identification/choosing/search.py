@@ -176,9 +176,7 @@ class _Search:
         choice = _at(start, self.axes, values, self.joint, part.states)
         joint = self.joint
         try:
-            fitted = fit(self.spec, choice, part.x, part.tau, scaling, part.trust)
-            if joint is not None:
-                fitted = replace(fitted, systems=fitted.systems[joint : joint + 1])
+            fitted = fit(self.spec, choice, part.x, part.tau, scaling, part.trust, only=joint)
             if self.criterion == "evidence":
                 return -fitted.log_evidence
             score = validation_score(fitted, groups)

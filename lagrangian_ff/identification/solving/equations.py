@@ -38,12 +38,20 @@ class Equations:
 
     @classmethod
     def of(
-        cls, basis: Basis, choice: Choice, x: Inputs, tau: Floats, scaling: Scaling
+        cls,
+        basis: Basis,
+        choice: Choice,
+        x: Inputs,
+        tau: Floats,
+        scaling: Scaling,
+        only: int | None = None,
     ) -> "Equations":
         """The equations of a basis whose shapes are given; see `fit`."""
         states = States(x.q, x.qd, x.qdd)
         parts = []
         for joints in together(choice.kernel, states.joints):
+            if only is not None and only not in joints:
+                continue
             part, rows = rows_to_learn(basis, choice, x, tau, scaling, joints)
             parts.append((joints, part, gram_of(choice.kernel, states, joints), rows))
         return cls(choice, scaling, basis, states, tuple(parts))
@@ -79,6 +87,7 @@ def fit(
     tau: Floats,
     scaling: Scaling,
     trust: Floats | None = None,
+    only: int | None = None,
 ) -> Fit[System]:
     """Solve (44) for given hyperparameters: one Cholesky factor a system.
 
@@ -89,12 +98,14 @@ def fit(
         tau: (M, N) N·m.
         scaling: how torques are normalised.
         trust: (M, N) of each torque; None trusts all.
+        only: the joint that is asked for, where joints are learned apart; None is all.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
     inputs = x if isinstance(x, Inputs) else Inputs.of(x)
-    return fit_basis(choice.basis(spec, inputs.joints), choice, inputs, tau, scaling, trust)
+    basis = choice.basis(spec, inputs.joints)
+    return Equations.of(basis, choice, inputs, tau, scaling, only).solve(trust)
 
 
 def fit_basis(

@@ -99,3 +99,19 @@ def test_known_friction_is_recovered() -> None:
     for joint in range(2):
         assert found["viscous", joint] == pytest.approx(pendulum.VISCOUS[joint], rel=0.03)
         assert found["coulomb", joint] == pytest.approx(pendulum.COULOMB[joint], rel=0.03)
+
+
+@pytest.mark.parametrize("name", ["srbfs+fri", "rbf+fri"])
+def test_a_joint_that_is_learned_apart_can_be_had_alone(name: str) -> None:
+    motion = thin(pendulum.motion(12.0), 80)
+    x, spec = Inputs.of(States.of(motion.q, motion.qd, motion.qdd)), parse(name)
+    choice, scaling = starting_choice(spec, States(x.q, x.qd, x.qdd)), Scaling.of(motion.tau)
+    whole = fit(spec, choice, x, motion.tau, scaling)
+    alone = fit(spec, choice, x, motion.tau, scaling, only=1)
+    ((joints, _, system),) = alone.systems
+    assert joints == (1,)
+    np.testing.assert_array_equal(system.weights, whole.systems[1][2].weights)
+    group = [np.arange(20, 35)]
+    left, every = (one.left_out(group)[0] for one in (alone, whole))
+    np.testing.assert_array_equal(left[:, 1], every[:, 1])
+    assert np.isnan(left[:, 0]).all()
