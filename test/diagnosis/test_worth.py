@@ -90,3 +90,13 @@ def test_what_is_there_keeps_its_worth() -> None:
     (score,) = scores(ground, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
     worth = worth_of(score, ground, evidence_without(ground))
     assert worth > 100.0
+
+
+def test_a_parameter_that_the_motion_never_asks_for_does_no_harm(clean: Ground) -> None:
+    seen = replace(clean.seen, qd=np.abs(clean.seen.qd))
+    whole = None if seen.whole is None else replace(seen.whole, qd=np.abs(seen.whole.qd))
+    forth = replace(clean, seen=replace(seen, whole=whole))
+    candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
+    assert (candidate.columns(forth.seen) == 0.0).all(axis=0).any()
+    (score,) = scores(forth, [candidate])
+    assert np.isfinite(worth_of(score, forth, evidence_without(forth)))

@@ -29,15 +29,16 @@ def worth_of(score: Score, ground: Ground, without: float) -> float:
         ground: with the prior that suits the candidate, but without it.
         without: log evidence, the best that is reached without it.
     """
-    columns = score.candidate.columns(ground.seen)
-    extra = (Extra(score.candidate.joint, columns), *ground.extra)
+    joint, columns = score.candidate.joint, score.candidate.columns(ground.seen)
+    rms = np.sqrt(np.mean(columns**2, axis=0))
+    # In parts of what is expected a priori, so that parameters of any unit stand beside each other.
+    scaled = columns[:, rms > 0.0] * (PRIOR_SHARE * ground.spread[joint] / rms[rms > 0.0])
+    extra = (Extra(joint, scaled), *ground.extra)
     args = ground.motion, ground.index, ground.block, ground.inputs
     system = lay(*args, ground.prior, ground.basis, extra, ground.seen).system
     first = max((place.stop for _, place in ground.basis.slices()), default=0)
-    own = slice(first, first + columns.shape[1])
+    own = slice(first, first + scaled.shape[1])
     # The restricted evidence is that of any size: times the prior's density about the one found.
-    expected = PRIOR_SHARE * ground.spread[score.candidate.joint]
-    deviation = expected / np.sqrt(np.mean(columns**2, axis=0))
-    covariance = np.diag(deviation**2) + system.amplitude * system.covariance[own, own]
+    covariance = np.eye(scaled.shape[1]) + system.amplitude * system.covariance[own, own]
     density = multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
     return float(system.log_evidence + density - without) / score.inflation
