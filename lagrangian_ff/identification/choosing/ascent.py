@@ -55,12 +55,15 @@ class Hill(Generic[Place]):
         belief: of the logarithms, before any torque is seen.
         go: to a point; NotPositiveDefiniteError where nobody can stand.
         height: the log evidence there.  slopes: and how it changes.
+        low, high: (K,) the ends of where it is climbed.
     """
 
     belief: Belief
     go: Callable[[Floats], Place]
     height: Callable[[Place], float]
     slopes: Callable[[Place], Slopes]
+    low: Floats | float = -np.inf
+    high: Floats | float = np.inf
 
     def climb(
         self, point: Floats, steps: int, told: Callable[[int], None] = lambda _: None
@@ -88,7 +91,7 @@ class Hill(Generic[Place]):
             slope = slopes.slope + self.belief.slope(point)
             information = slopes.information + np.diag(self.belief.information(point))
             for _ in range(TRIALS):
-                tried = point + _step(slope, information, damping)
+                tried = np.clip(point + _step(slope, information, damping), self.low, self.high)
                 try:
                     there = self.go(tried)
                     higher = self.height(there) + self.belief.height(tried)

@@ -76,7 +76,7 @@ def climb(
             def slopes(fitted: Fit, part: TrainingSet = part) -> Slopes:
                 return slopes_of(fitted, part)
 
-            hill = Hill(path.belief, go, lambda fitted: fitted.log_evidence, slopes)
+            hill = Hill(path.belief, go, lambda fitted: fitted.log_evidence, slopes, *path.ends)
             point, fitted = hill.climb(_footing(point, path, go), steps, told)
             evidence = fitted.log_evidence
             done += steps
@@ -127,6 +127,19 @@ class _Path:
         """Where the noise of each joint stands."""
         first = sum(len(value) for value in numbers(_kernel(self.start)).values())
         return slice(first, first + len(self.start.noise))
+
+    @property
+    def ends(self) -> tuple[Floats, Floats]:
+        """(K,) the lowest and the highest logarithms: shapes have a range, nothing else has."""
+        ranges = {e.name: {s.name: (s.low, s.high) for s in e.shapes} for e in self.spec.effects}
+        low, high = np.full((2, len(self.middle)), [[-np.inf], [np.inf]])
+        first = self.noise.stop
+        for effect, named in self.start.shapes.items():
+            for shape, values in named.items():
+                own = slice(first, first + len(values))
+                low[own], high[own] = np.log(ranges[effect][shape])
+                first = own.stop
+        return low, high
 
     def at(self, point: Floats) -> Choice:
         """The choice at a point."""

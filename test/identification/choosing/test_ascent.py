@@ -1,6 +1,7 @@
 """Climbing: slopes against finite differences, and what a climb must never do."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,6 +96,13 @@ def test_the_prior_holds_what_the_heights_say_nothing_about() -> None:
     found, _ = hill.climb(np.zeros(2), 20)
     assert found[0] == pytest.approx(3.0, abs=0.2)
     assert found[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_climb_ends_where_its_range_does() -> None:
+    hill = replace(parabola(np.array([3.0, 1.0]), np.ones(2)), low=-np.inf, high=np.array([2, 9]))
+    found, _ = hill.climb(np.zeros(2), 20)
+    assert found[0] == 2.0
+    assert found[1] == pytest.approx(1.0 / (1.0 + PRIOR_DEVIATION**-2), abs=0.2)
 
 
 @settings(max_examples=30)

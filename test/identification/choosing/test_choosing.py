@@ -8,7 +8,7 @@ import pendulum
 import pytest
 from numpy.typing import NDArray
 
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.choosing import choose as choosing
@@ -96,6 +96,17 @@ def test_a_number_the_motion_does_not_show_stays_where_it_began() -> None:
     before, after = (c.kernel.hyperparameters["rotor"] for c in (choice, top))
     assert after[1] == pytest.approx(before[1], rel=1e-12)
     assert after[0] != pytest.approx(before[0], rel=1e-6)
+
+
+def test_a_shape_stays_within_its_range() -> None:
+    """Friction that reverses slowly asks for a step as wide as that of no dry friction."""
+    data = training(40)
+    smooth = replace(data, tau=data.tau + 5.0 * np.tanh(data.x.qd / 1.5))
+    choice, scaling = started(smooth)
+    top, _ = climb(CHAIN, choice, smooth, scaling, [(40, 12)])
+    (shape,) = EFFECTS["coulomb"].shapes
+    assert (top.shapes["coulomb"]["v0"] <= shape.high * (1.0 + 1e-12)).all()
+    assert top.shapes["coulomb"]["v0"].max() == pytest.approx(shape.high)
 
 
 def test_a_start_with_too_little_noise_gets_more() -> None:
