@@ -38,11 +38,12 @@ class Prior:
         gram = self.kernel.gram(States(x.q, x.qd, x.qdd))
         if self.change is not None:
             rows = np.flatnonzero(np.repeat(self._within(x), x.joints))
-            if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
-                part = slice(rows[0], rows[-1] + 1)
-                gram[part, part] *= 1.0 + self.change[2]
-            elif len(rows):
-                gram[np.ix_(rows, rows)] *= 1.0 + self.change[2]
+            with np.errstate(all="ignore"):  # what memory held above the diagonal
+                if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
+                    part = slice(rows[0], rows[-1] + 1)
+                    gram[part, part] *= 1.0 + self.change[2]
+                elif len(rows):
+                    gram[np.ix_(rows, rows)] *= 1.0 + self.change[2]
         return gram
 
     def torque(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
