@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
-from lagrangian_ff.diagnosis.ground import Ground, evidence_of, lay, sharpen, tune
+from lagrangian_ff.diagnosis.ground import Ground, evidence_of, sharpen, tune
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.change import FELT, FINE, WORTH, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
@@ -175,8 +175,7 @@ def _named(change: BodyChange, ground: Ground, model: Model) -> Changed:
 def _explained(ground: Ground, change: BodyChange) -> Ground:
     """The ground with the torque of a change explained away."""
     extra = [Extra(n, change.torque[:, n : n + 1]) for n in range(ground.joints)]
-    args = ground.motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
-    return lay(*args, (*ground.extra, *extra), ground.seen)
+    return ground.relaid(extra=(*ground.extra, *extra))
 
 
 def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
@@ -191,9 +190,8 @@ def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
     if gain < WORTH:
         return None
     prior = replace(ground.prior, change=(boundary, np.inf, share))
-    args = ground.motion, ground.index, ground.block, ground.inputs
-    heavier = lay(*args, prior, ground.basis, seen=ground.seen)
-    heavier = lay(*args, sharpen(heavier, ground.basis), ground.basis, seen=ground.seen)
+    heavier = ground.relaid(prior)
+    heavier = heavier.relaid(sharpen(heavier, heavier.basis))
     _, felt = joints_of(heavier)
     size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
     return heavier, Changed(MASSES, (), gain, None, {}, size)

@@ -47,8 +47,7 @@ def with_prior(ground: Ground, **changed: np.ndarray) -> Ground:
     """The ground with another kernel or other noise."""
     noise = changed.pop("noise", ground.prior.noise)
     prior = replace(ground.prior, kernel=ground.prior.kernel.replace(**changed), noise=noise)
-    args = ground.motion, ground.index, ground.block, ground.inputs
-    return lay(*args, prior, ground.basis, ground.extra, ground.seen)
+    return ground.relaid(prior)
 
 
 def test_it_is_a_difference_of_log_evidence(clean: Ground) -> None:
@@ -58,8 +57,7 @@ def test_it_is_a_difference_of_log_evidence(clean: Ground) -> None:
     candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
     (score,) = scores(small, [candidate])
     columns = candidate.columns(small.seen)
-    args = small.motion, small.index, small.block, small.inputs, small.prior, small.basis
-    amplitude = lay(*args, [Extra(1, columns)]).system.amplitude
+    amplitude = small.relaid(extra=(Extra(1, columns),)).system.amplitude
     scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2, axis=0))
     full = np.zeros((40, 2, columns.shape[1]))
     full[:, 1] = columns * scale / small.prior.unit[1]

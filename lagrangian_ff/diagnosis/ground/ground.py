@@ -102,6 +102,24 @@ class Ground:
         # Below the diagonal lies what memory held before.
         return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
 
+    def relaid(
+        self,
+        prior: Prior | None = None,
+        basis: Basis | None = None,
+        extra: tuple[Extra, ...] | None = None,
+    ) -> "Ground":
+        """The same motion with another prior, basis, or what is explained besides; see `lay`."""
+        return lay(
+            self.motion,
+            self.index,
+            self.block,
+            self.inputs,
+            self.prior if prior is None else prior,
+            self.basis if basis is None else basis,
+            self.extra if extra is None else extra,
+            self.seen,
+        )
+
     def whiten(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
         """(S N, K) columns (S, K) of one joint's torque, whitened, nothing projected out yet.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.ground import Ground, Prior, lay, sharpen
+from lagrangian_ff.diagnosis.ground import Ground, Prior, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
@@ -129,9 +129,8 @@ def search(
             change = change_of(ground)
             if change is not None and change.gain > _best_gain(ground, eligible):
                 prior = replace(ground.prior, change=change.prior)
-                ground = _relaid(ground, prior, ground.basis, ground.extra)
-                ground = _relaid(ground, sharpen(ground, ground.basis, ground.extra),
-                                 ground.basis, ground.extra)  # fmt: skip
+                ground = ground.relaid(prior)
+                ground = ground.relaid(sharpen(ground, ground.basis, ground.extra))
                 continue
             change = None
         if not eligible or len(taken) == steps:
@@ -143,7 +142,7 @@ def search(
         if step is None:
             break
         taken.append(step)
-        ground = _relaid(ground, prior, *_with(ground, step.score.candidate))
+        ground = ground.relaid(prior, *_with(ground, step.score.candidate))
     taken, ground = _backward(taken, ground, len(first.basis.terms))
     every, ranking, chance = looks[0]
     return Search(
@@ -159,7 +158,7 @@ def _backward(taken: list[Step], ground: Ground, own: int) -> tuple[list[Step], 
         for number, step in enumerate(taken):
             if step.named:
                 basis = _without(ground.basis, own, step)
-                less = _relaid(ground, ground.prior, basis, ground.extra)
+                less = ground.relaid(basis=basis)
                 (score,) = scores(less, [step.score.candidate])
                 needed.append(Needed(number, score.candidate.joint, score.gain))
         last = superfluous(needed)
@@ -167,7 +166,7 @@ def _backward(taken: list[Step], ground: Ground, own: int) -> tuple[list[Step], 
             break
         basis = _without(ground.basis, own, taken[last])
         taken = taken[:last] + taken[last + 1 :]
-        ground = _relaid(ground, ground.prior, basis, ground.extra)
+        ground = ground.relaid(basis=basis)
     return taken, ground
 
 
@@ -281,9 +280,8 @@ def _judge(
     if gain <= FLOOR:
         return None, ground.prior
     left = rivals(found, named_view.others) if found.candidate.named else ()
-    return Step(
-        replace(found, gain=gain), tuple(left), first.gain, p_value, curve
-    ), view.ground.prior
+    step = Step(replace(found, gain=gain), tuple(left), first.gain, p_value, curve)
+    return step, view.ground.prior
 
 
 @dataclass(frozen=True)
@@ -308,7 +306,7 @@ class _View:
     @classmethod
     def of(cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None) -> "_View":
         prior = sharpen(ground, *_with(ground, leader.candidate))
-        again = _relaid(ground, prior, ground.basis, ground.extra)
+        again = ground.relaid(prior)
         candidates = _candidates(again, [leader.candidate.joint], effects)
         causes = _causes(again.basis)
         found = [s for s in best_of_each(scores(again, candidates), causes) if _possible(s, causes)]
@@ -380,9 +378,3 @@ def _with(ground: Ground, candidate: Candidate) -> tuple[Basis, tuple[Extra, ...
         return Basis((*ground.basis.terms, candidate.term())), ground.extra
     columns = candidate.columns(ground.seen)
     return ground.basis, (*ground.extra, Extra(candidate.joint, columns))
-
-
-def _relaid(ground: Ground, prior: Prior, basis: Basis, extra: tuple[Extra, ...]) -> Ground:
-    return lay(
-        ground.motion, ground.index, ground.block, ground.inputs, prior, basis, extra, ground.seen
-    )

@@ -71,6 +71,15 @@ def tempered_gain(sums: Floats, information: Floats, inflation: float) -> Floats
     return np.asarray(0.5 * np.sum(c * half, axis=1) - 0.5 * np.linalg.slogdet(matrix)[1])
 
 
+def expected(columns: Floats, spread: float) -> Floats:
+    """(P,) the prior's standard deviation of what columns (S, P) are multiplied by.
+
+    That of a torque of 0.3 of the joint's spread, N·m; 0 where a column is zero.
+    """
+    rms = np.sqrt(np.mean(columns**2, axis=0))
+    return np.asarray(PRIOR_SHARE * spread / np.where(rms > 0.0, rms, np.inf))
+
+
 def scores(
     ground: Ground, candidates: Sequence[Candidate], *, coarse: bool = False
 ) -> Iterator[Score]:
@@ -103,8 +112,7 @@ def _scored(
     coarse: bool,
 ) -> Iterator[Score]:
     raw = np.hstack([columns for _, columns in waiting])
-    rms = np.sqrt(np.mean(raw**2, axis=0))
-    scale = PRIOR_SHARE * ground.spread[joint] / np.where(rms > 0.0, rms, np.inf)
+    scale = expected(raw, float(ground.spread[joint]))
     whitened = ground.whiten(raw * scale, joint, coarse=coarse)
     before = np.sum(whitened**2, axis=0)
     left = ground.project(whitened)

@@ -8,16 +8,14 @@ was chosen for the candidate, either would seem to gain much more than it does.
 import numpy as np
 from scipy.stats import multivariate_normal
 
-from lagrangian_ff.diagnosis.ground import Ground, lay, sharpen
+from lagrangian_ff.diagnosis.ground import Ground, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
-from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score
+from lagrangian_ff.diagnosis.search.gain import Score, expected
 
 
 def evidence_without(ground: Ground) -> float:
     """Log evidence of a ground with its prior as it is or chosen anew, whichever suits better."""
-    prior = sharpen(ground, ground.basis, ground.extra)
-    args = ground.motion, ground.index, ground.block, ground.inputs
-    again = lay(*args, prior, ground.basis, ground.extra, ground.seen)
+    again = ground.relaid(sharpen(ground, ground.basis, ground.extra))
     return max(ground.system.log_evidence, again.system.log_evidence)
 
 
@@ -30,14 +28,11 @@ def worth_of(score: Score, ground: Ground, without: float) -> float:
         without: log evidence, the best that is reached without it.
     """
     joint, columns = score.candidate.joint, score.candidate.columns(ground.seen)
-    rms = np.sqrt(np.mean(columns**2, axis=0))
+    scale = expected(columns, float(ground.spread[joint]))
     # In parts of what is expected a priori, so that parameters of any unit stand beside each other.
-    scaled = columns[:, rms > 0.0] * (PRIOR_SHARE * ground.spread[joint] / rms[rms > 0.0])
-    extra = (Extra(joint, scaled), *ground.extra)
-    args = ground.motion, ground.index, ground.block, ground.inputs
-    system = lay(*args, ground.prior, ground.basis, extra, ground.seen).system
-    first = max((place.stop for _, place in ground.basis.slices()), default=0)
-    own = slice(first, first + scaled.shape[1])
+    scaled = (columns * scale)[:, scale > 0.0]
+    system = ground.relaid(extra=(Extra(joint, scaled), *ground.extra)).system
+    own = slice(ground.basis.size, ground.basis.size + scaled.shape[1])
     # The restricted evidence is that of any size: times the prior's density about the one found.
     covariance = np.eye(scaled.shape[1]) + system.amplitude * system.covariance[own, own]
     density = multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
