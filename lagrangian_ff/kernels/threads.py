@@ -35,18 +35,21 @@ def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> l
         return list(pool.map(work, parts))
 
 
-def over_rows(work: Callable[[slice], None], rows: int, pairs: float) -> None:
+def over_rows(
+    work: Callable[[slice], None], rows: int, pairs: float, *, lower: bool = False
+) -> None:
     """Let threads do some rows each, or this one all of them where that is quicker.
 
     Args:
         work: is called from several threads, with their rows.
         rows: how many there are.
         pairs: see `each`; where a row costs something else, the pairs that cost as much.
+        lower: whether only pairs up to the diagonal count.
     """
     if pairs < FEWEST_PAIRS or count() == 1:
         work(slice(0, rows))
     else:
-        each(lambda part: work(slice(*part)), row_ranges(rows, lower=False), round(pairs))
+        each(lambda part: work(slice(*part)), row_ranges(rows, lower), round(pairs))
 
 
 def row_ranges(rows: int, lower: bool) -> list[tuple[int, int]]:

@@ -156,11 +156,10 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         """Write all rows, in as many threads as there may be."""
         samples = len(x[0])
 
-        def write(rows: tuple[int, int]) -> None:
-            self._write(x, u, rows, pairs, out[slice(*rows)])
+        def write(rows: slice) -> None:
+            self._write(x, u, (rows.start, rows.stop), pairs, out[rows])
 
-        ranges = threads.row_ranges(samples, pairs == lanes.LOWER)
-        threads.each(write, ranges, samples * len(u[0]))
+        threads.over_rows(write, samples, samples * len(u[0]), lower=pairs == lanes.LOWER)
 
     def _write(
         self,
