@@ -5,42 +5,28 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from ground_examples import friction, ground_of, inputs, quickly
 from sines import sines
 
-from lagrangian_ff.diagnosis.ground import Ground, tune, tuning
-from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.kernels import States
+from lagrangian_ff.diagnosis.ground import Ground, lay, tune
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.recording.motion import Motion
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1600)
+    with quickly(1600):
         yield
 
 
-def basis(width: float = 0.05) -> Basis:
-    """Friction on both joints, its step too wide."""
-    return Basis(
-        tuple(
-            Term(EFFECTS[name], joint, {"v0": width} if name == "coulomb" else {})
-            for joint in range(2)
-            for name in ("viscous", "coulomb", "offset")
-        )
-    )
-
-
-def lay(motion: Motion) -> Ground:
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    return tune(motion, x, basis())
+WIDE = friction(0.05)
+"""Its Coulomb step is too wide."""
 
 
 @pytest.fixture(scope="module")
 def ground() -> Ground:
     """Return the ground of a motion in which nothing is hidden."""
-    return lay(two_rods.motion(1))
+    return ground_of(two_rods.motion(1), WIDE)
 
 
 def test_what_is_left_is_white_and_of_the_size_of_the_noise(ground: Ground) -> None:
@@ -78,17 +64,13 @@ def test_the_load_is_predicted_without_its_own_block(ground: Ground) -> None:
     rows = ground.index[ground.block == 5]
     spoilt[rows] += 50.0
     motion = Motion(**{**ground.motion.__dict__, "tau": spoilt})
-    from lagrangian_ff.diagnosis.ground import lay as lay_again
-
-    other = lay_again(
-        motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
-    ).unseen_inputs()
+    other, same = (
+        lay(of, ground.index, ground.block, ground.inputs, ground.prior, ground.basis)
+        for of in (motion, ground.motion)
+    )
     inside = ground.block == 5
     scale = np.abs(ground.motion.tau).max()
-    same = lay_again(
-        ground.motion, ground.index, ground.block, ground.inputs, ground.prior, ground.basis
-    ).unseen_inputs()
-    total, before = other.torque[inside], same.torque[inside]
+    total, before = (one.unseen_inputs().torque[inside] for one in (other, same))
     np.testing.assert_allclose(total, before, atol=1e-6 * scale)
 
 
@@ -105,7 +87,7 @@ def test_the_load_is_that_of_the_rods(ground: Ground) -> None:
 def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
     motion = two_rods.motion(3)
     scaled = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 2.0])})
-    gain = lay(scaled).prior.gain
+    gain = ground_of(scaled, WIDE).prior.gain
     assert gain[1] / gain[0] == pytest.approx(2.0, rel=0.15)
 
 
@@ -120,8 +102,7 @@ def test_noise_is_not_taken_for_dynamics_where_one_joint_hides_an_effect() -> No
     tau += 0.2 * rng.normal(size=tau.shape)
     names = tuple(f"joint_{n + 1}" for n in range(6))
     motion = Motion(names, t, q, qd, qdd, tau, np.zeros(len(t), dtype=np.int64), "six joints")
-    x = Inputs.of(States.of(q, qd, qdd), t, motion.segment)
-    found = tune(motion, x, Basis(()))
+    found = ground_of(motion, Basis(()))
     noise = 0.2 / np.sqrt(found.seen.window)
     others = np.delete(found.noise, 1)
     assert np.all((others > noise / 3.0) & (others < 3.0 * noise))
@@ -144,9 +125,8 @@ def test_a_ground_that_knows_of_a_sliding_joint_is_the_likelier_one() -> None:
     tau += 0.3 * rng.normal(size=tau.shape)
     segment = np.zeros(len(t), dtype=np.int64)
     motion = Motion(("turn", "reach"), t, q, qd, qdd, tau, segment, "telescope")
-    x = Inputs.of(States.of(q, qd, qdd), t, segment)
     told, untold = (
-        tune(motion, x, Basis(()), sliding=sliding).system.log_evidence
+        tune(motion, inputs(motion), Basis(()), sliding=sliding).system.log_evidence
         for sliding in (np.array([0.0, 1.0]), None)
     )
     assert told > untold + 100.0

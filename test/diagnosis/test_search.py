@@ -6,64 +6,44 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import two_rods
+from ground_examples import begun, dense, ground_of, quickly
 from scipy.stats import multivariate_normal
 
-from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
+from lagrangian_ff.diagnosis.ground import Ground
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.forward import FLOOR, Needed, search, superfluous
 from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score, scores, tempered_gain
 from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
-from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.kernels import States
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.recording.motion import concatenate
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1000)
+    with quickly(1000):
         yield
-
-
-def friction() -> Basis:
-    return Basis(
-        tuple(
-            Term(EFFECTS[name], joint, {"v0": 0.02} if name == "coulomb" else {})
-            for joint in range(2)
-            for name in ("viscous", "coulomb", "offset")
-        )
-    )
-
-
-def ground_of(seed: int, hidden: two_rods.Hidden | None = None) -> Ground:
-    motion = two_rods.motion(seed, 30.0, hidden)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    return tune(motion, x, friction())
 
 
 @pytest.fixture(scope="module")
 def clean() -> Ground:
     """Return the ground of a motion in which nothing is hidden."""
-    return ground_of(1)
+    return ground_of(two_rods.motion(1, 30.0))
 
 
 def test_the_gain_is_the_difference_of_log_evidence(clean: Ground) -> None:
     """Against the definition, with dense matrices, on a few samples and without a basis."""
-    few = clean.index[:40]
-    small = lay(clean.motion, few, clean.block[:40], clean.inputs, clean.prior, Basis(()))
+    small = begun(clean, 40)
     candidate = Candidate(EFFECTS["quadratic_drag"], 1)
     (score,) = scores(small, [candidate])
     columns = candidate.columns(small.seen)
     scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2))
     full = np.zeros((40, 2))
     full[:, 1] = columns[:, 0] * scale / small.prior.unit[1]
-    gram = small.prior.gram(small.seen)
-    gram = np.tril(gram) + np.tril(gram, -1).T + np.diag(np.tile(small.prior.noise, 40))
+    gram, y = dense(small)
     gram *= small.amplitude**2
-    y = (small.seen.mean(clean.motion.tau) / small.prior.unit).ravel()
     with_it = multivariate_normal.logpdf(y, cov=gram + np.outer(full, full))
     expected = with_it - multivariate_normal.logpdf(y, cov=gram)
     whole = score.blocks.sum(axis=0, keepdims=True)
@@ -97,7 +77,7 @@ def test_chance_is_reproducible_from_its_seed(clean: Ground) -> None:
 
 
 def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
-    ground = ground_of(2, two_rods.stick)
+    ground = ground_of(two_rods.motion(2, 30.0, two_rods.stick))
     found = best_of_each(scores(ground, named(ground.seen, ground.basis, (0, 1))))
     assert found[0].candidate.key == ("stribeck", 1)
     assert found[0].gain > 30.0
@@ -105,7 +85,7 @@ def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
 
 
 def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:
-    ground = ground_of(2, two_rods.stick)
+    ground = ground_of(two_rods.motion(2, 30.0, two_rods.stick))
     found = best_of_each(scores(ground, named(ground.seen, ground.basis, (1,))))
     names = [score.candidate.source.name for score in rivals(found[0], found[1:])]
     assert "ripple" not in names
@@ -118,8 +98,7 @@ def test_nothing_takes_hold_of_a_clean_arm(clean: Ground) -> None:
 
 def test_a_load_taken_up_is_dated() -> None:
     motion = two_rods.motion(4, 30.0, load_since=14.0)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    change = change_of(tune(motion, x, friction()))
+    change = change_of(ground_of(motion))
     assert change is not None
     assert change.name == "payload"
     assert change.since == pytest.approx(14.0, abs=0.1)
@@ -132,8 +111,7 @@ def test_a_load_taken_up_is_dated() -> None:
 
 def test_no_moment_is_told_of_several_recordings() -> None:
     motion = concatenate([two_rods.motion(seed, 30.0, load_since=14.0) for seed in (4, 5)])
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    assert change_of(tune(motion, x, friction())) is None
+    assert change_of(ground_of(motion)) is None
 
 
 def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
@@ -156,8 +134,7 @@ def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
 def test_plain_friction_comes_before_friction_with_a_bend() -> None:
     """A joint whose model has no friction at all lacks Coulomb's first, then the viscous."""
     motion = two_rods.motion(1, 30.0)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    found = search(tune(motion, x, Basis(())), steps=4)
+    found = search(ground_of(motion, Basis(())), steps=4)
     names = [step.score.candidate.key for step in found.steps]
     assert {("coulomb", 0), ("coulomb", 1)} <= set(names)
     assert {name for name, _ in names} <= {"coulomb", "viscous"}
@@ -174,8 +151,7 @@ def test_friction_that_every_joint_has_comes_before_any_that_changes_with_positi
         return np.stack([np.zeros_like(more), more], axis=1)
 
     motion = two_rods.motion(1, 30.0, uneven)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    found = search(tune(motion, x, Basis(())), steps=6)
+    found = search(ground_of(motion, Basis(())), steps=6)
     on_elbow = [name for name, joint in (s.score.candidate.key for s in found.steps) if joint]
     assert on_elbow[0] in ("coulomb", "viscous")
     assert "position_friction" in on_elbow
@@ -189,8 +165,7 @@ def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
     link = two_rods.rods(motion.q, motion.qd, motion.qdd) - weight
     tau = motion.tau - weight + motion.qdd * np.array([3.0, 0.05])
     tau[:, 0] += 0.3 * np.abs(link[:, 0]) * np.tanh(motion.qd[:, 0] / two_rods.WIDTH)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    found = search(tune(replace(motion, tau=tau), x, friction()), steps=1)
+    found = search(ground_of(replace(motion, tau=tau)), steps=1)
     assert found.steps[0].score.candidate.key == ("load_friction", 0)
 
 

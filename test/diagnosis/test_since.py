@@ -5,17 +5,15 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from ground_examples import SHORT, quickly
 
-from lagrangian_ff.diagnosis.ground import tuning
 from lagrangian_ff.diagnosis.since import MASSES, changed_since
 from lagrangian_ff.identification import Model, Settings, identify
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1000)
-        patch.setattr(tuning, "STAGES", ((60, 10), (120, 3), (240, 1)))
+    with quickly(1000, SHORT):
         yield
 
 

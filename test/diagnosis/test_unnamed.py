@@ -5,14 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from ground_examples import SHORT, ground_of, inputs, quickly
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.ground import Ground, tune, tuning
 from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.search.tones import Tone, tones
 from lagrangian_ff.diagnosis.search.unnamed import UNNAMED, Place
-from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.kernels import States
 
 Floats = NDArray[np.float64]
@@ -20,26 +19,8 @@ Floats = NDArray[np.float64]
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1000)
-        patch.setattr(tuning, "STAGES", ((60, 10), (120, 3), (240, 1)))
+    with quickly(1000, SHORT):
         yield
-
-
-def inputs(seconds: float = 20.0) -> Inputs:
-    motion = two_rods.motion(1, seconds)
-    return Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-
-
-def ground_of(hidden: two_rods.Hidden) -> Ground:
-    motion = two_rods.motion(1, 40.0, hidden)
-    friction = [
-        Term(EFFECTS[name], joint, {"v0": two_rods.WIDTH} if name == "coulomb" else {})
-        for name in ("viscous", "coulomb", "offset")
-        for joint in (0, 1)
-    ]
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    return tune(motion, x, Basis(tuple(friction)))
 
 
 def shaken(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
@@ -71,7 +52,7 @@ def test_without_time_there_is_no_tone() -> None:
 @pytest.mark.parametrize("make", UNNAMED)
 def test_curves_are_even_in_what_they_are_of(make: object) -> None:
     """Hat functions add up to one, or to the sign of the velocity."""
-    x = inputs()
+    x = inputs(two_rods.motion(1, 20.0))
     for dependence in make(x, 0):  # type: ignore[operator]
         total = dependence.columns(x, 0).sum(axis=1)
         friction = isinstance(dependence, Place) or dependence.friction
@@ -88,7 +69,7 @@ def test_curves_are_even_in_what_they_are_of(make: object) -> None:
 def test_what_no_effect_explains_is_told_by_what_it_follows(
     hidden: two_rods.Hidden, words: str
 ) -> None:
-    found = search(ground_of(hidden), steps=2)
+    found = search(ground_of(two_rods.motion(1, 40.0, hidden)), steps=2)
     first = found.steps[0].score.candidate
     assert not first.named
     assert first.joint == 0

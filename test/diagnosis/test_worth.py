@@ -6,41 +6,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import two_rods
+from ground_examples import begun, dense, ground_of, quickly
 from scipy.stats import multivariate_normal
 
-from lagrangian_ff.diagnosis.ground import Ground, lay, tune, tuning
+from lagrangian_ff.diagnosis.ground import Ground
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import FLOOR
 from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, scores
 from lagrangian_ff.diagnosis.search.worth import evidence_without, worth_of
-from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.kernels import States
+from lagrangian_ff.effects import EFFECTS
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1000)
+    with quickly(1000):
         yield
-
-
-def ground_of(hidden: two_rods.Hidden | None) -> Ground:
-    motion = two_rods.motion(1, 30.0, hidden)
-    x = Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
-    terms = [
-        Term(EFFECTS[name], joint, {"v0": 0.02} if name == "coulomb" else {})
-        for joint in range(2)
-        for name in ("viscous", "coulomb", "offset")
-    ]
-    return tune(motion, x, Basis(tuple(terms)))
 
 
 @pytest.fixture(scope="module")
 def clean() -> Ground:
     """Return the ground of a motion in which nothing is hidden."""
-    return ground_of(None)
+    return ground_of(two_rods.motion(1, 30.0))
 
 
 def with_prior(ground: Ground, **changed: np.ndarray) -> Ground:
@@ -52,8 +39,7 @@ def with_prior(ground: Ground, **changed: np.ndarray) -> Ground:
 
 def test_it_is_a_difference_of_log_evidence(clean: Ground) -> None:
     """Against the definition, with dense matrices, on a few samples and without a basis."""
-    few = clean.index[:40]
-    small = lay(clean.motion, few, clean.block[:40], clean.inputs, clean.prior, Basis(()))
+    small = begun(clean, 40)
     candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
     (score,) = scores(small, [candidate])
     columns = candidate.columns(small.seen)
@@ -62,9 +48,7 @@ def test_it_is_a_difference_of_log_evidence(clean: Ground) -> None:
     full = np.zeros((40, 2, columns.shape[1]))
     full[:, 1] = columns * scale / small.prior.unit[1]
     flat = full.reshape(80, -1)
-    gram = small.prior.gram(small.seen)
-    gram = np.tril(gram) + np.tril(gram, -1).T + np.diag(np.tile(small.prior.noise, 40))
-    y = (small.seen.mean(clean.motion.tau) / small.prior.unit).ravel()
+    gram, y = dense(small)
     expected = multivariate_normal.logpdf(y, cov=amplitude * gram + flat @ flat.T)
     assert worth_of(score, small, 0.0) * score.inflation == pytest.approx(expected, abs=1e-6)
 
@@ -84,7 +68,7 @@ def test_noise_that_was_chosen_too_large_gives_nothing_its_worth(clean: Ground) 
 
 
 def test_what_is_there_keeps_its_worth() -> None:
-    ground = ground_of(two_rods.stick)
+    ground = ground_of(two_rods.motion(1, 30.0, two_rods.stick))
     (score,) = scores(ground, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
     worth = worth_of(score, ground, evidence_without(ground))
     assert worth > 100.0
