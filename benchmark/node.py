@@ -1,10 +1,11 @@
 """The feedforward node at 1 kHz: from a set-point in to its torque out, over DDS.
 
 A process sends set-points of 6 joints at 1 kHz, the node runs the default model with its stream at
-1 kHz, and this process receives. Prints how many set-points the node followed, and the median and
-the 99th percentile of the time from sending a set-point to the first command that is of it or of
-one after it (seen in ~/feedforward, which is sent after each command); bounds: all, and 3 ms. And,
-for what of it is the machine's own, the same of a loop that wakes at 1 kHz and does nothing.
+1 kHz, and this process receives. Prints how many set-points the node followed, how many it left out
+because the next had come before its tick, and how many it never got (bound: none); and the median
+and the 99th percentile (bound 3 ms) of the time from sending a set-point to the first command that
+is of it or of one after it, seen in ~/feedforward, which is sent after each command. And, for what
+of it is the machine's own, the same of a loop that wakes at 1 kHz and does nothing.
 """
 
 import argparse
@@ -124,12 +125,12 @@ def send(pipe: Connection, middle: Floats, count: int) -> None:
     rclpy.shutdown()
 
 
-def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, int]:
+def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, int, int]:
     """Take all that the node says, by the time at which DDS had it.
 
     Returns:
-        Milliseconds to the first command of each set-point; how many the node says it followed;
-        and how many were sent.
+        Milliseconds to the first command of each set-point; how many the node says it followed,
+        and superseded; and how many were sent.
     """
     import rclpy
     from diagnostic_msgs.msg import DiagnosticArray
@@ -148,7 +149,7 @@ def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, 
     time.sleep(1.0)
     pipe.send("go")
     commands: list[tuple[bytes, int]] = []
-    followed = 0
+    followed = superseded = 0
     until = time.monotonic() + count / RATE + LEAVE
     while time.monotonic() < until:
         time.sleep(0.02)
@@ -156,6 +157,7 @@ def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, 
         for message, _ in diagnostics.take():
             values = {pair.key: pair.value for status in message.status for pair in status.values}
             followed = int(values.get("references followed", followed))
+            superseded = int(values.get("set-points superseded", superseded))
     sent = pipe.recv()
     at = np.array([moment for _, moment in commands])
     number = np.array(
@@ -170,7 +172,7 @@ def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, 
     reached = np.maximum.accumulate(number[order])
     first = np.searchsorted(reached, np.arange(count))
     met = first < len(reached)
-    return (at[order][first[met]] - sent[met]) / 1e6, followed, count
+    return (at[order][first[met]] - sent[met]) / 1e6, followed, superseded, count
 
 
 def bare(count: int) -> Floats:
@@ -186,12 +188,13 @@ def bare(count: int) -> Floats:
     return (wakes[np.searchsorted(wakes, instants)] - instants) / 1e6
 
 
-def report(milliseconds: Floats, followed: int, sent: int) -> None:
+def report(milliseconds: Floats, followed: int, superseded: int, sent: int) -> None:
     """Print it."""
     median, tail, worst = np.quantile(milliseconds, (0.5, 0.99, 1.0))
     print(
-        f"{sent} set-points at {RATE:g} Hz: {followed} followed; median {median:.2f} ms, 99th "
-        f"percentile {tail:.2f} ms (bound {BOUND:g}), worst {worst:.1f} ms"
+        f"{sent} set-points at {RATE:g} Hz: {followed} followed, {superseded} superseded, "
+        f"{sent - followed - superseded} lost (bound 0); median {median:.2f} ms, 99th percentile "
+        f"{tail:.2f} ms (bound {BOUND:g}), worst {worst:.1f} ms"
     )
 
 
