@@ -104,15 +104,17 @@ def tuned(
         direction = _orthonormal(z - known @ (known.T @ z))
         return float(np.log(left @ left - np.sum((direction.T @ left) ** 2)))
 
-    start = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
+    low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
+    present = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
+    start = np.clip(present, low, high)  # models of other versions may have it outside
     simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
-    bounds = [(np.log(shape.low), np.log(shape.high)) for _, shape in free]
+    bounds = list(zip(low, high, strict=True))
     found = minimize(
         cost, start, method="Nelder-Mead", bounds=bounds,
         options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
                  "xatol": 0.01, "fatol": 1e-5},
     )  # fmt: skip
-    return moved(found.x) if found.fun < cost(start) else basis
+    return moved(found.x) if found.fun < cost(present) else basis
 
 
 def _system_of(fitted: Fit[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:

@@ -7,12 +7,14 @@ import pendulum
 import pendulum_models
 import pytest
 
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification import Model, extend
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.choosing.shapes import tuned
 from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.recording.motion import Motion
 
 BUMP, V_S = 0.5, 0.25  # N·m, rad/s
@@ -37,6 +39,14 @@ def model() -> Model:
         else term for term in model.basis.terms
     ]  # fmt: skip
     return replace(model, basis=Basis(tuple(terms)))
+
+
+def plain_pendulum() -> tuple[Fit[System], Basis, Inputs]:
+    """A fit of the pendulum without the bump, its basis, and what it was fitted on."""
+    model = pendulum_models.fitted("chain+fri", pendulum.motion(30.0, noise=0.005)).model
+    old = Blueprint.of(model)
+    few = old.few(model.inputs_of_data(), 200)
+    return fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling), old.basis, few.x
 
 
 def shapes(basis: Basis) -> dict[tuple[str, int], dict[str, float]]:
@@ -74,3 +84,18 @@ def test_nothing_is_tuned_where_nothing_has_a_shape(model: Model) -> None:
     twice = tuned(fitted, once, 1, few.x)
     v0 = [shapes(basis)["coulomb", 1]["v0"] for basis in (once, twice)]
     assert v0[1] == pytest.approx(v0[0], rel=0.03)
+
+
+@pytest.mark.parametrize("start", [0.3, 0.6])
+def test_a_shape_at_or_beyond_the_end_of_its_range_comes_back_into_it(start: float) -> None:
+    """Models of other versions have such."""
+    fitted, old, x = plain_pendulum()
+    wide = Basis(
+        tuple(
+            replace(term, shape={"v0": start}) if term.effect.name == "coulomb" else term
+            for term in old.terms
+        )
+    )
+    found = shapes(tuned(fitted, wide, 1, x))
+    assert found["coulomb", 1]["v0"] == pytest.approx(pendulum.WIDTH, rel=0.3)
+    assert found["coulomb", 0] == {"v0": start}
