@@ -41,6 +41,18 @@ class Choice:
             )
         )
 
+    def shaped_as(self, basis: Basis) -> "Choice":
+        """The same with the shapes of a basis' terms."""
+        joints = len(self.noise)
+        shapes = {
+            effect: {name: np.array(np.broadcast_to(v, (joints,))) for name, v in named.items()}
+            for effect, named in self.shapes.items()
+        }
+        for term in basis.terms:
+            for name, value in term.shape.items():
+                shapes[term.effect.name][name][term.joint] = value
+        return replace(self, shapes=shapes)
+
 
 @dataclass(frozen=True)
 class Scaling:

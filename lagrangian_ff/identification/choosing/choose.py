@@ -3,7 +3,8 @@
 The paper's kernels have a few numbers, which a simplex search finds (see `search`). Structured
 kernels have several a joint: their evidence is climbed (see `evidence`), and what blocks left out
 say decides between several kernels and scalings, and how much more noise than the evidence thinks
-the errors of a real arm, which are no white noise, ask for.
+the errors of a real arm, which are no white noise, ask for. All that is done on some samples; how
+steeply friction turns round, which only the slow ones show, is then looked at on all.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from lagrangian_ff.identification.choosing.search import (
     starting_choice,
     validation_score,
 )
+from lagrangian_ff.identification.choosing.shapes import tuned
 from lagrangian_ff.identification.choosing.training import TrainingSet
 from lagrangian_ff.identification.solving.equations import fit
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
@@ -33,6 +35,8 @@ EVALUATIONS = 90
 """What the steps are meant for."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 JUDGED_SAMPLES = 240
+SHAPED_TORQUES = 4000
+"""As many as the shapes of friction are chosen on, at most."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,9 @@ def choose_all(
     # Samples that lie close share their errors, in which the evidence then sees dynamics.
     if criterion == "evidence" or higher.cost < best.cost:
         best = higher
-    return Chosen(best.spec, best.judged, best.scaling, tried)
+    shown = data.thinned(SHAPED_TORQUES // data.states.joints)
+    choice = _reshaped(best.spec, best.judged, shown, best.scaling)
+    return Chosen(best.spec, choice, best.scaling, tried)
 
 
 Stages = Sequence[tuple[int, int]]
@@ -171,3 +177,17 @@ def _least_error(
         if score < least:
             best, least = tried, score
     return best, least
+
+
+def _reshaped(spec: Spec, choice: Choice, data: TrainingSet, scaling: Scaling) -> Choice:
+    """The choice with friction's shapes where least of all these samples is left."""
+    if not choice.shapes:
+        return choice
+    try:
+        fitted = fit(spec, choice, data.x, data.tau, scaling, data.trust)
+    except NotPositiveDefiniteError:  # more noise may be added when the model is made
+        return choice
+    basis = fitted.basis
+    for joint in range(data.states.joints):
+        basis = tuned(fitted, basis, joint, data.x)
+    return choice.shaped_as(basis)

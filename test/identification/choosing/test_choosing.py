@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.choosing import choose as choosing
 from lagrangian_ff.identification.choosing.choose import choose_all
@@ -177,3 +178,24 @@ def test_a_robust_choice_knows_whom_not_to_trust() -> None:
     choice = chosen.choice
     fitted = fit(CHAIN, choice, data.x, data.tau, chosen.scaling, np.where(wrong, 1e-6, 1.0))
     assert np.sqrt(np.mean(fitted.residual[~wrong] ** 2)) < 0.03 * data.tau.std()
+
+
+def test_friction_turns_round_as_all_samples_say_not_only_those_climbed_with() -> None:
+    data = training(1200, seed=1)
+    _, scaling = started(data)
+    found = choose_all(CHAIN, data, [scaling], "evidence").choice
+    np.testing.assert_allclose(found.shapes["coulomb"]["v0"], pendulum.WIDTH, rtol=0.03)
+
+
+def test_a_choice_takes_the_shapes_of_a_basis_and_keeps_the_rest() -> None:
+    data = training(20)
+    choice, _ = started(data)
+    basis = choice.basis(CHAIN, 2)
+    terms = [
+        replace(term, shape={"v0": 0.07}) if (term.effect.name, term.joint) == ("coulomb", 1)
+        else term for term in basis.terms
+    ]  # fmt: skip
+    found = choice.shaped_as(Basis(tuple(terms)))
+    assert found.shapes["coulomb"]["v0"].tolist() == [choice.shapes["coulomb"]["v0"][0], 0.07]
+    assert found.kernel is choice.kernel
+    assert [dict(t.shape) for t in found.basis(CHAIN, 2).terms] == [dict(t.shape) for t in terms]
