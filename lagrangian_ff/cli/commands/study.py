@@ -30,8 +30,8 @@ examples:
   lagrangian_ff study ideal --scheduler tcp://host:8786   on the workers of a Dask cluster
 
 how long it takes, on two processors, about:
-  hidden 3 h; friction 1.5 h; ideal 1 h; speeds, loaded and consistency 20 minutes; tracking and
-  sparsity 10 minutes.
+  hidden 3 h; ideal and friction 1 h; speeds 20 minutes; loaded, tracking, sparsity and consistency
+  5 to 10 minutes.
 
 what comes out, in the folder:
   cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and
