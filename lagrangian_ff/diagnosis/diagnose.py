@@ -280,8 +280,9 @@ def _confirmed(
                 f"gravity of {model.kernel.name} may be any smooth function of the positions and "
                 "has this torque already: the effect may be there, but the model does not lack it"
             )
-        verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
         parameters, low, high = frozen[number]
+        reason = reason or candidate.effect.objection(low, high)
+        verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
         findings.append(
             Finding(
                 step,

@@ -138,6 +138,10 @@ class Effect(ABC):
         """Whether hardware could have these parameters (P,), on the joint whose hardware it is."""
         return True
 
+    def objection(self, low: Floats, high: Floats) -> str:
+        """Why it is not this effect if its parameters (P,) lie between these; else nothing."""
+        return ""
+
     def record(self) -> dict[str, object]:
         """All that it says of itself, as JSON holds it."""
         return {

@@ -41,6 +41,15 @@ class Spring(Effect):
         q = x.q[:, joint]
         return np.stack([q, q**3], axis=1)
 
+    def objection(self, low: Floats, high: Floats) -> str:
+        """See `Effect.objection`: a spring does not push the joint away from its rest."""
+        if high[0] >= 0.0:
+            return ""
+        return (
+            f"its stiffness is between {low[0]:.3g} and {high[0]:.3g} N·m/rad, below zero as no "
+            "spring's is: some other torque of the position, which has no name here"
+        )
+
     def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
         """See `Effect.energies`."""
         q = x.q[:, joint]

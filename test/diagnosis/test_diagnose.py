@@ -68,6 +68,12 @@ def test_a_spring_is_missing_only_where_gravity_is_not_free(
     (finding,) = found.confirmed
     assert (finding.effect.name, finding.joint) == ("spring", "elbow")
     assert finding.low[0] < 3.0 < finding.high[0]
+    with monkeypatch.context() as patch:
+        found_at = (finding.parameters, finding.low - 9.0, finding.high - 9.0)
+        patch.setattr(engine, "_frozen", lambda _: [found_at])
+        (pushing,) = engine._confirmed(found.search, second, model, None)
+        assert pushing.verdict == "suggested"
+        assert "below zero as no spring's is" in pushing.reason
     monkeypatch.setattr(type(model.kernel), "free", True)
     (finding,) = engine._confirmed(found.search, second, model, None)
     assert finding.verdict == "suggested"

@@ -358,6 +358,13 @@ def test_what_hardware_cannot_do_is_not_possible() -> None:
     assert EFFECTS["viscous"].possible(np.array([-1.0]))
 
 
+def test_a_spring_that_surely_pushes_away_is_objected_to() -> None:
+    low, high = np.array([-3.0, 0.1]), np.array([-1.0, 0.4])
+    assert "between -3 and -1 N·m/rad" in EFFECTS["spring"].objection(low, high)
+    assert EFFECTS["spring"].objection(low, -low) == ""
+    assert EFFECTS["counterbalance"].objection(low, high) == ""
+
+
 def test_what_follows_the_load_asks_which_inertia_is_the_rotors(x: Inputs) -> None:
     """Only where that matters; without a shape the load is taken as it is."""
     gravity_free = replace(x, load=1.0 * x.qdd, rotor=np.array([3.0, 0.0, 0.02]))
