@@ -43,9 +43,8 @@ class Choice:
 
     def shaped_as(self, basis: Basis) -> "Choice":
         """The same with the shapes of a basis' terms."""
-        joints = len(self.noise)
         shapes = {
-            effect: {name: np.array(np.broadcast_to(v, (joints,))) for name, v in named.items()}
+            effect: {name: values.copy() for name, values in named.items()}
             for effect, named in self.shapes.items()
         }
         for term in basis.terms:

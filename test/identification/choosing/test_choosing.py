@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.choosing import choose as choosing
 from lagrangian_ff.identification.choosing.choose import choose_all
@@ -190,12 +189,9 @@ def test_friction_turns_round_as_all_samples_say_not_only_those_climbed_with() -
 def test_a_choice_takes_the_shapes_of_a_basis_and_keeps_the_rest() -> None:
     data = training(20)
     choice, _ = started(data)
-    basis = choice.basis(CHAIN, 2)
-    terms = [
-        replace(term, shape={"v0": 0.07}) if (term.effect.name, term.joint) == ("coulomb", 1)
-        else term for term in basis.terms
-    ]  # fmt: skip
-    found = choice.shaped_as(Basis(tuple(terms)))
-    assert found.shapes["coulomb"]["v0"].tolist() == [choice.shapes["coulomb"]["v0"][0], 0.07]
+    v0 = [choice.shapes["coulomb"]["v0"][0], 0.07]
+    basis = replace(choice, shapes={"coulomb": {"v0": np.array(v0)}}).basis(CHAIN, 2)
+    found = choice.shaped_as(basis)
+    assert found.shapes["coulomb"]["v0"].tolist() == v0
     assert found.kernel is choice.kernel
-    assert [dict(t.shape) for t in found.basis(CHAIN, 2).terms] == [dict(t.shape) for t in terms]
+    assert found.basis(CHAIN, 2).terms == basis.terms

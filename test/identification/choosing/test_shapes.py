@@ -34,16 +34,23 @@ def sticking() -> Motion:
 def model() -> Model:
     """Return a model whose Coulomb friction of the elbow is too steep, as without the bump."""
     model = pendulum_models.fitted("chain+fri", sticking()).model
-    terms = [
-        replace(term, shape={"v0": STEEP}) if (term.effect.name, term.joint) == ("coulomb", 1)
-        else term for term in model.basis.terms
-    ]  # fmt: skip
-    return replace(model, basis=Basis(tuple(terms)))
+    return replace(model, basis=with_steps(model.basis, STEEP, (1,)))
 
 
-def plain_pendulum() -> tuple[Fit[System], Basis, Inputs]:
-    """A fit of the pendulum without the bump, its basis, and what it was fitted on."""
-    model = pendulum_models.fitted("chain+fri", pendulum.motion(30.0, noise=0.005)).model
+def with_steps(basis: Basis, v0: float, joints: tuple[int, ...]) -> Basis:
+    """The basis with Coulomb's step of some joints as wide as v0."""
+    return Basis(
+        tuple(
+            replace(term, shape={"v0": v0})
+            if term.effect.name == "coulomb" and term.joint in joints
+            else term
+            for term in basis.terms
+        )
+    )
+
+
+def fitted_on_few(model: Model) -> tuple[Fit[System], Basis, Inputs]:
+    """A fit to 200 of a model's samples, its basis, and those samples."""
     old = Blueprint.of(model)
     few = old.few(model.inputs_of_data(), 200)
     return fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling), old.basis, few.x
@@ -75,27 +82,20 @@ def test_a_shape_that_is_given_is_kept(model: Model) -> None:
 
 def test_nothing_is_tuned_where_nothing_has_a_shape(model: Model) -> None:
     """And tuning twice changes nothing: it was the best."""
-    old = Blueprint.of(model)
-    few = old.few(model.inputs_of_data(), 200)
-    fitted = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling)
+    fitted, basis, x = fitted_on_few(model)
     plain = Basis(tuple(Term(EFFECTS[n], 1) for n in ("viscous", "offset")))
-    assert tuned(fitted, plain, 1, few.x) is plain
-    once = tuned(fitted, old.basis, 1, few.x)
-    twice = tuned(fitted, once, 1, few.x)
-    v0 = [shapes(basis)["coulomb", 1]["v0"] for basis in (once, twice)]
+    assert tuned(fitted, plain, 1, x) is plain
+    once = tuned(fitted, basis, 1, x)
+    twice = tuned(fitted, once, 1, x)
+    v0 = [shapes(found)["coulomb", 1]["v0"] for found in (once, twice)]
     assert v0[1] == pytest.approx(v0[0], rel=0.03)
 
 
 @pytest.mark.parametrize("start", [0.3, 0.6])
 def test_a_shape_at_or_beyond_the_end_of_its_range_comes_back_into_it(start: float) -> None:
     """Models of other versions have such."""
-    fitted, old, x = plain_pendulum()
-    wide = Basis(
-        tuple(
-            replace(term, shape={"v0": start}) if term.effect.name == "coulomb" else term
-            for term in old.terms
-        )
-    )
-    found = shapes(tuned(fitted, wide, 1, x))
+    smooth = pendulum_models.fitted("chain+fri", pendulum.motion(30.0, noise=0.005)).model
+    fitted, basis, x = fitted_on_few(smooth)
+    found = shapes(tuned(fitted, with_steps(basis, start, (0, 1)), 1, x))
     assert found["coulomb", 1]["v0"] == pytest.approx(pendulum.WIDTH, rel=0.3)
     assert found["coulomb", 0] == {"v0": start}
