@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.interval import Interval, interval, quick_interval
-from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Score
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
@@ -69,12 +68,7 @@ def compare(
     Raises:
         ModelError: the motion lacks a joint of the model; names both lists.
     """
-    missing = [name for name in model.joints if name not in motion.joints]
-    if missing:
-        raise ModelError(
-            f"the model is of the joints {', '.join(model.joints)}; {motion.source} holds "
-            f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
-        )
+    model.require_joints(motion.joints, motion.source)
     motion = motion.select(model.joints)
     predicted = model.predict(
         motion.q, motion.qd, motion.qdd, progress, time=motion.time, segment=motion.segment

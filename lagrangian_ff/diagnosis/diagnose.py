@@ -209,6 +209,8 @@ def diagnose(
 
 def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
     motions = [motion] if isinstance(motion, Motion) else list(motion)
+    for one in motions:
+        model.require_joints(one.joints, one.source)
     return concatenate([kept(m.select(model.joints)) for m in motions])
 
 

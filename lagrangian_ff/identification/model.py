@@ -1,6 +1,6 @@
 """The identified model: torques from states, and the parts they are made of."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -100,6 +100,26 @@ class Model:
     noise_share: Floats
     steps: tuple[Mapping[str, object], ...] = ()
     trust: Floats | None = None
+
+    def require_joints(
+        self, held: Sequence[str], source: object, called: object = "the model"
+    ) -> None:
+        """Refuse what does not hold all joints of the model.
+
+        Args:
+            held: the names of its joints.  source: where they are from.
+            called: what the model is called, in the message.
+
+        Raises:
+            ModelError: a joint is not there; names both lists.
+        """
+        missing = [name for name in self.joints if name not in held]
+        if missing:
+            raise ModelError(
+                f"{called} is of the joints {', '.join(self.joints)}; {source} holds "
+                f"{', '.join(held) or 'none'} and lacks {', '.join(missing)}: it is of another "
+                "arm, or its joints were renamed"
+            )
 
     @cached_property
     def dynamics(self) -> "Dynamics":

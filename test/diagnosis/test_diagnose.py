@@ -152,6 +152,13 @@ def test_once_added_it_is_not_missing_any_more(stuck: Diagnosis) -> None:
     assert not again.confirmed
 
 
+def test_a_recording_of_another_arm_is_refused_with_both_lists(stuck: Diagnosis) -> None:
+    turned = replace(stuck.motion, joints=("shoulder", "wrist"), source="other")
+    for first, unseen in ((turned, stuck.motion), (stuck.motion, [stuck.motion, turned])):
+        with pytest.raises(ModelError, match=r"shoulder, elbow; other holds shoulder, wrist"):
+            diagnose(stuck.model, first, unseen)
+
+
 def test_a_clean_arm_lacks_nothing() -> None:
     motions = [two_rods.motion(seed) for seed in (5, 6)]
     found = diagnose(model_of(None, 5), motions[0], motions[1])

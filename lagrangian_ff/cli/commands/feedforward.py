@@ -10,7 +10,7 @@ from lagrangian_ff.cli.common.options import add_force, add_json, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record, write_table
 from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
 from lagrangian_ff.cli.text.layout import number, table
-from lagrangian_ff.errors import ModelError, UserError
+from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -125,13 +125,7 @@ def _of_model(
     Raises:
         ModelError: the trajectory lacks one; names both lists.
     """
-    missing = [name for name in model.joints if name not in trajectory.joints]
-    if missing:
-        raise ModelError(
-            f"{arguments.model} is a model of the joints {', '.join(model.joints)}; "
-            f"{arguments.trajectory} moves {', '.join(trajectory.joints)} and lacks "
-            f"{', '.join(missing)}"
-        )
+    model.require_joints(trajectory.joints, arguments.trajectory, arguments.model)
     for note in trajectory.notes:
         console.note(note, "")
     extra = [name for name in trajectory.joints if name not in model.joints]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.errors import ModelError, RecordingError
+from lagrangian_ff.errors import RecordingError
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import Model
@@ -85,11 +85,5 @@ def of_model(recording: "Recording", model: "Model", path: Path) -> "Recording":
     Raises:
         ModelError: the recording lacks one; names both lists.
     """
-    missing = [name for name in model.joints if name not in recording.joints]
-    if missing:
-        raise ModelError(
-            f"{path} is a model of the joints {', '.join(model.joints)}; {recording.source} holds "
-            f"{', '.join(recording.joints)} and lacks {', '.join(missing)}: it is of another arm, "
-            "or its joints were renamed"
-        )
+    model.require_joints(recording.joints, recording.source, path)
     return recording.select(model.joints)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
@@ -139,12 +138,7 @@ def duration_of(motion: Motion) -> float:
 
 
 def _of_model(model: Model, motion: Motion) -> Motion:
-    missing = [name for name in model.joints if name not in motion.joints]
-    if missing:
-        raise ModelError(
-            f"the model is of the joints {', '.join(model.joints)}; {motion.source} holds "
-            f"{', '.join(motion.joints)} and lacks {', '.join(missing)}"
-        )
+    model.require_joints(motion.joints, motion.source)
     return _on_one_clock(motion.select(model.joints))
 
 
