@@ -4,6 +4,7 @@ import io
 import json
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,18 @@ def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any]], None]
     text = json.dumps(content["header"]).encode()
     np.savez(target, **{**content, "header": np.frombuffer(text, dtype=np.uint8)})
     return target
+
+
+def test_the_joints_of_an_added_effect_may_have_any_name(tmp_path: Path) -> None:
+    motion = replace(pendulum.motion(8.0), joints=("left+right", "b"))
+    model = identify(motion, Settings("vrbfs+fri", samples=30, evaluations=4, train=1.0)).model
+    wider = extend(model, EFFECTS["stribeck"], "left+right").model
+    wider.save(tmp_path / "model.npz")
+    again = Model.load(tmp_path / "model.npz")
+    assert again.name == wider.name == "vrbfs+fri+stribeck@left+right"
+    _, x = pendulum.states(2.0, 20.0, seed=5)
+    states = x.q, x.qd, x.qdd
+    np.testing.assert_array_equal(again.predict(*states), wider.predict(*states))
 
 
 def test_a_model_of_version_2_was_made_exactly(saved: Path, tmp_path: Path) -> None:

@@ -20,6 +20,9 @@ Made = TypeVar("Made")
 UNSEEN = 1e-11
 """Share of the largest eigenvalue of the scaled information below which nothing shows."""
 
+DUST = 1e-75
+"""A column of the basis below this, over its noise, is none: its square's inverse overflows."""
+
 
 STRONGER = 10.0 ** np.arange(7)
 """What too little noise is multiplied with, one after the other, until there is a factor."""
@@ -135,7 +138,7 @@ class Solution(ABC):
     def covariance(self) -> Floats:
         """(B, B) inverse of the information; a direction nothing shows in gets no weight."""
         scale = np.sqrt(np.diag(self.information))
-        scale[scale == 0.0] = 1.0
+        scale[scale < DUST] = 1.0
         values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
         seen = values > values.max(initial=0.0) * UNSEEN
         half = vectors[:, seen] / np.sqrt(values[seen])

@@ -1,6 +1,6 @@
 """The one-factor algebra, against the same quantities written out with dense inverses."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -48,6 +48,17 @@ class Problem:
         inverse = np.asarray(np.linalg.inv(self.gram + np.diag(self.noise)))
         carried = inverse @ self.design
         return np.asarray(inverse - carried @ np.linalg.solve(self.design.T @ carried, carried.T))
+
+
+@pytest.mark.parametrize("left", [0.0, 1e-160, 1e-90])
+def test_a_column_in_which_nothing_shows_gets_no_weight(left: float) -> None:
+    problem = Problem.random(20, 3, seed=1)
+    design = problem.design.copy()
+    design[:, 1] *= left
+    system = replace(problem, design=design).system()
+    without = replace(problem, design=design[:, [0, 2]]).system()
+    np.testing.assert_array_equal(system.coefficients[1], 0.0)
+    np.testing.assert_allclose(system.weights, without.weights, rtol=1e-9)
 
 
 sizes = {"size": st.integers(12, 30), "columns": st.integers(1, 4), "seed": st.integers(0, 999)}
