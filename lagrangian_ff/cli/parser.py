@@ -3,6 +3,8 @@
 import argparse
 import shutil
 import sys
+from collections.abc import Sequence
+from difflib import get_close_matches
 from typing import NoReturn
 
 from lagrangian_ff import __version__
@@ -63,6 +65,26 @@ class Parser(argparse.ArgumentParser):
         return f"; put {missing} first: what follows {' or '.join(greedy)} is taken for its values"
 
 
+class CommandParser(Parser):
+    """The parser of one command, which answers for options that it does not have."""
+
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse, and refuse what is left over; argparse would leave that to the parser above."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._meant(unknown)}")
+        return found, unknown
+
+    def _meant(self, unknown: Sequence[str]) -> str:
+        """The options whose names are near to those that there are not."""
+        options = [name for name in self._option_string_actions if name.startswith("--")]
+        given = [one.partition("=")[0] for one in unknown if one.startswith("--")]
+        near = [match for one in given for match in get_close_matches(one, options, 1)]
+        return f"; is {', '.join(near)} meant?" if near else ""
+
+
 def build_parser() -> Parser:
     """The parser; a parsed command has `run`, which takes the parsed arguments."""
     parser = Parser(
@@ -73,7 +95,9 @@ def build_parser() -> Parser:
         allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"lagrangian_ff {__version__}")
-    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    subparsers = parser.add_subparsers(
+        title="commands", metavar="COMMAND", required=True, parser_class=CommandParser
+    )
     for command in COMMANDS:
         sub = subparsers.add_parser(
             command.NAME,

@@ -62,6 +62,15 @@ def test_wrong_usage_ends_with_2_and_says_where_to_read(arguments: tuple[str, ..
     assert "--help" in outcome.err
 
 
+def test_an_option_that_is_not_there_is_answered_by_its_command() -> None:
+    outcome = lagrangian_ff("compare", "model.npz", "bag", "--jsn", "--nothing-like-it")
+    assert outcome.code == 2
+    usage, error, hint = outcome.err.splitlines()
+    assert usage.startswith("usage: lagrangian_ff compare MODEL")
+    assert error.endswith("unrecognized arguments: --jsn --nothing-like-it; is --json meant?")
+    assert hint == "read on: lagrangian_ff compare --help"
+
+
 def test_a_user_error_is_one_line_on_standard_error(tmp_path: Path) -> None:
     outcome = process("info", tmp_path / "nothing.csv")
     assert outcome.code == 2
