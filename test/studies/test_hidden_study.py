@@ -223,6 +223,7 @@ def test_the_summary_counts_what_was_judged() -> None:
     text = "\n".join(table(numbers))
     assert "0.60" in text
     assert "nothing hidden: 1 of 20" in text
+    assert "one that some models hold already, so that nothing is right too, by size:" in text
 
 
 def test_what_no_strength_makes_large_counts_under_what_it_reached() -> None:

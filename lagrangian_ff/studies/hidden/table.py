@@ -27,10 +27,11 @@ def summary(lines: Lines) -> dict[str, Any]:
         lines: of the study; those with `failed` are counted as such and nowhere else.
 
     Returns:
-        For JSON: `sizes`, from the size to the outcomes of effects alone (those that every
-        Lagrangian kernel absorbs stand in `absorbed`), with `told`, the cases of nothing in which
-        the diagnosis says that this motion cannot show the effect; `visible`, the same by the part
-        of the size that friction of the joint's own kind cannot stand in for; `pairs`, by size;
+        For JSON: `sizes`, from the size to the outcomes of effects alone (those that a kernel
+        free in position holds already, so that nothing is right too, stand in `absorbed`), with
+        `told`, the cases of nothing in which the diagnosis says that this motion cannot show the
+        effect; `visible`, the same by the part of the size that friction of the joint's own kind
+        cannot stand in for; `pairs`, by size;
         `effects`, from name and size to outcomes; `clean` and `outside`, cases and claims made in
         them; `ratio`, the error after adding over that of the true structure, by size.
     """
@@ -127,7 +128,7 @@ def _high(count: int, cases: int) -> float:
 
 
 def _ratios_by_size(lines: Lines) -> dict[str, list[float]]:
-    """The error ratios of the effects alone that no kernel absorbs, by size."""
+    """The error ratios of the effects alone that no kernel holds already, by size."""
     firm = [
         line
         for line in lines
@@ -155,6 +156,7 @@ def table(numbers: dict[str, Any]) -> list[str]:
     blocks = (
         ("one effect, by size", "sizes"),
         ("one effect, by what plain friction cannot stand in for", "visible"),
+        ("one that some models hold already, so that nothing is right too, by size", "absorbed"),
         ("two effects, by size", "pairs"),
     )
     for title, key in blocks:
