@@ -21,7 +21,7 @@ def add(
     Args:
         model: with its data.
         effect: a name of the catalogue.  joint: where it acts.
-        shape: its nonlinear parameters; None searches them.
+        shape: nonlinear parameters; what is not given is searched.
         why: what the history shall tell: `why`, `verdict`, `evidence_gain`, `p_value`.
         progress: told the share done.
 

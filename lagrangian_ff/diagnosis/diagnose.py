@@ -66,8 +66,8 @@ class Finding:
 
     @property
     def shape(self) -> Mapping[str, float]:
-        """Its nonlinear parameters."""
-        return self.step.score.candidate.shape
+        """Its nonlinear parameters, but for those that each model searches for itself."""
+        return self.effect.transferable(self.step.score.candidate.shape)
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,8 @@ class Shape:
         steps: how many values, evenly spread over the logarithm of the range, are tried first.
         whole: whether only whole numbers mean anything; all of the range are tried then.
         joint: whether it is a joint, counted from 0.
+        of_model: whether it makes up for what one model believes, so that it does not carry over
+            to another.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Shape:
     steps: int = 6
     whole: bool = False
     joint: bool = False
+    of_model: bool = False
 
     def grid(self) -> list[float]:
         """The values tried first."""
@@ -141,6 +144,11 @@ class Effect(ABC):
     def objection(self, low: Floats, high: Floats) -> str:
         """Why it is not this effect if its parameters (P,) lie between these; else nothing."""
         return ""
+
+    def transferable(self, shape: Mapping[str, float]) -> dict[str, float]:
+        """What another model may take over of a shape; it searches the rest itself."""
+        own = {one.name for one in self.shapes if one.of_model}
+        return {name: value for name, value in shape.items() if name not in own}
 
     def record(self) -> dict[str, object]:
         """All that it says of itself, as JSON holds it."""

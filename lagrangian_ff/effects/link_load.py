@@ -7,7 +7,11 @@ import numpy as np
 from lagrangian_ff.effects.base import Floats, Shape
 from lagrangian_ff.effects.inputs import Inputs
 
-ROTOR = Shape("Jr", "kg·m²", "inertia before the gear, which its load is free of", 1e-6, 1e3, 1e-3)
+ROTOR = Shape(
+    "Jr", "kg·m²", "inertia before the gear, which its load is free of", 1e-6, 1e3, 1e-3,
+    of_model=True,
+)  # fmt: skip
+"""Of the model: it takes out what the model's load has too much of it, or too little."""
 SHARES = (0.0, 0.25, 0.5, 0.75)
 """Of the inertia that a joint turns: so much of it may be the rotor's."""
 LIKE = 0.05

@@ -48,7 +48,7 @@ def extend(
         model: with the data it keeps.
         effect: what is added.
         joint: where.
-        shape: its nonlinear parameters, kept as given; None searches them.
+        shape: nonlinear parameters, kept as given; what is not given is searched.
         why: what the model's history shall tell of the reason.
         progress: told the share done.
 
@@ -64,8 +64,8 @@ def extend(
     require_room(old, len(few.x))
     progress(0.1, f"adding {effect.name}")
     before = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling, few.trust)
-    searched = best_shape(before, effect, number, few.x) if shape is None else shape
-    term = Term(effect, number, dict(searched))
+    given = dict(shape or {})
+    term = Term(effect, number, best_shape(before, effect, number, few.x, given))
     _, own = fall(before, term, few.x)
     if own < SAME:
         raise ModelError(
@@ -73,9 +73,7 @@ def extend(
             f"({', '.join(t.effect.name for t in model.basis.terms if t.joint == number)}): "
             "adding it would change nothing"
         )
-    basis = tuned(
-        before, Basis((*old.basis.terms, term)), number, few.x, () if shape is None else (term,)
-    )
+    basis = tuned(before, Basis((*old.basis.terms, term)), number, few.x, {effect.name: given})
     del before  # its factor is as large as that of the fit to come
     inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
     new = replace(old, name=f"{model.name}+{effect.name}@{joint}", basis=basis)

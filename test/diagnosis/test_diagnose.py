@@ -106,6 +106,16 @@ def test_what_happened_once_is_never_added(stuck: Diagnosis) -> None:
     assert apply(found) is stuck.model
 
 
+def test_the_load_of_another_model_is_no_part_of_a_finding(stuck: Diagnosis) -> None:
+    (finding,) = stuck.findings
+    mesh = Candidate(EFFECTS["gear_mesh"], 1, {"order": 6.0, "Jr": 0.02})
+    found = replace(
+        finding, step=replace(finding.step, score=replace(finding.step.score, candidate=mesh))
+    )
+    assert found.shape == {"order": 6.0}
+    assert finding.shape == finding.step.score.candidate.shape
+
+
 def test_the_record_is_json_and_complete(stuck: Diagnosis) -> None:
     record = json.loads(json.dumps(stuck.record(), allow_nan=False))
     assert "stribeck on elbow" in record["verdict"]

@@ -61,7 +61,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="NAME=VALUE",
-        help="what the effect is not linear in, all of it (default: searched)",
+        help="what the effect is not linear in; what is not given is searched",
     )
     parser.add_argument(
         "--because",
@@ -161,12 +161,6 @@ def _shape(
                 f"--shape {part}: expected {'a whole ' if shape.whole else ''}{shape.name} between "
                 f"{number(shape.low)} and {number(shape.high)} {shape.unit} ({shape.meaning})"
             )
-    missing = [name for name in known if name not in values]
-    if missing:
-        raise UserError(
-            f"--shape: {effect.name} also has {', '.join(missing)}; give all of its shape, or none "
-            "to have it searched"
-        )
     return values
 
 

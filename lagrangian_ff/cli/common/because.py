@@ -19,7 +19,7 @@ class Because:
 
     Attributes:
         why: for the model's history.
-        shape: what the effect is not linear in; empty where it has none.
+        shape: what it says of what the effect is not linear in.
     """
 
     why: Mapping[str, object]

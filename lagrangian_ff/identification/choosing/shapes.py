@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,18 +23,24 @@ EVALUATIONS = 40
 """A shape to tune, at most."""
 
 
-def best_shape(fitted: Fit[System], effect: Effect, joint: int, x: Inputs) -> Mapping[str, float]:
+def best_shape(
+    fitted: Fit[System], effect: Effect, joint: int, x: Inputs, given: Mapping[str, float]
+) -> Mapping[str, float]:
     """The shape with the largest fall of the whitened squared residual; no refit is needed.
 
     Args:
         fitted: the model so far.
         effect, joint: what is to be added where.
         x: (C,) the samples it was fitted on.
+        given: what is known of the shape.
 
     Raises:
         ModelError: the motion leaves no shape to try.
     """
-    shapes = effect.candidates(x, joint)
+    if given and all(shape.name in given for shape in effect.shapes):
+        return dict(given)
+    tried = [{**shape, **given} for shape in effect.candidates(x, joint)]
+    shapes = [shape for number, shape in enumerate(tried) if shape not in tried[:number]]
     if not shapes:
         raise ModelError(
             f"{effect.name}: the motion that the model keeps leaves no shape of it to try on this "
@@ -63,7 +70,11 @@ def fall(fitted: Fit[System], term: Term, x: Inputs) -> tuple[float, float]:
 
 
 def tuned(
-    fitted: Fit[System], basis: Basis, joint: int, x: Inputs, given: Collection[Term] = ()
+    fitted: Fit[System],
+    basis: Basis,
+    joint: int,
+    x: Inputs,
+    given: Mapping[str, Collection[str]] = MappingProxyType({}),
 ) -> Basis:
     """The basis with the shapes of one joint's friction moved to where least is left.
 
@@ -75,15 +86,17 @@ def tuned(
         basis: its terms, moved or new.
         joint: whose friction is tuned.
         x: (C,) the samples it was fitted on.
-        given: terms that keep their shape.
+        given: by effect, the names of shapes that are kept.
     """
     joints, part, system = _system_of(fitted, joint)
     free = [
         (number, shape)
         for number, term in enumerate(basis.terms)
-        if term.joint == joint and term.effect.kind == "friction" and term not in given
+        if term.joint == joint and term.effect.kind == "friction"
         for shape in term.effect.shapes
-        if not shape.whole and term.shape.get(shape.name, 0.0) > 0.0
+        if shape.name not in given.get(term.effect.name, ())
+        and not shape.whole
+        and term.shape.get(shape.name, 0.0) > 0.0
     ]
     if not free:
         return basis

@@ -11,7 +11,7 @@ from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification import Model, extend
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
-from lagrangian_ff.identification.choosing.shapes import tuned
+from lagrangian_ff.identification.choosing.shapes import best_shape, fall, tuned
 from lagrangian_ff.identification.solving.equations import fit_basis
 from lagrangian_ff.identification.solving.fit import Fit
 from lagrangian_ff.identification.solving.system import System
@@ -58,6 +58,16 @@ def fitted_on_few(model: Model) -> tuple[Fit[System], Basis, Inputs]:
 
 def shapes(basis: Basis) -> dict[tuple[str, int], dict[str, float]]:
     return {(t.effect.name, t.joint): dict(t.shape) for t in basis.terms if t.shape}
+
+
+def test_of_a_shape_that_is_known_in_part_the_rest_is_searched(model: Model) -> None:
+    fitted, _, x = fitted_on_few(model)
+    ripple, mesh = EFFECTS["ripple"], EFFECTS["gear_mesh"]
+    assert best_shape(fitted, ripple, 1, x, {"order": 7.0}) == {"order": 7.0}
+    found = best_shape(fitted, mesh, 1, x, {"order": 7.0})
+    tried = [shape for shape in mesh.candidates(x, 1) if shape["order"] == 7.0]
+    falls = [fall(fitted, Term(mesh, 1, shape), x)[0] for shape in tried]
+    assert found == tried[int(np.argmax(falls))]
 
 
 def test_the_steepness_and_the_bump_are_found_together(model: Model) -> None:
