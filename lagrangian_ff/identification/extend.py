@@ -73,7 +73,8 @@ def extend(
             f"({', '.join(t.effect.name for t in model.basis.terms if t.joint == number)}): "
             "adding it would change nothing"
         )
-    basis = tuned(before, Basis((*old.basis.terms, term)), number, few.x, {effect.name: given})
+    kept = [(effect.name, name) for name in given]
+    basis = tuned(before, Basis((*old.basis.terms, term)), number, few.x, kept)
     del before  # its factor is as large as that of the fit to come
     inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
     new = replace(old, name=f"{model.name}+{effect.name}@{joint}", basis=basis)

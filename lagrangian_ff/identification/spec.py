@@ -97,14 +97,6 @@ def parse(text: str) -> Spec:
     )
 
 
-def kernel_of(name: str) -> type[Kernel]:
-    """The kernel of a model that was built, by its name, whatever its joints are called.
-
-    A joint's name may hold a + of its own, where `parse` would look for an effect.
-    """
-    return next((KERNELS[part] for part in name.split("+") if part in KERNELS), KERNELS["none"])
-
-
 def _name(kernels: list[str], basic: list[str], parts: list[str]) -> str:
     """The kernel and the friction by the names they were given."""
     kept = [part for part in parts if part in kernels or part in GROUPS or part in basic]

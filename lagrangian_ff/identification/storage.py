@@ -13,7 +13,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.motion_range import MotionRange
-from lagrangian_ff.identification.spec import kernel_of
+from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.kernels.constrained.linkage import KIND as LINKAGE
 from lagrangian_ff.kernels.constrained.linkage import Linkage
@@ -222,7 +222,9 @@ def _build(
 
 
 def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[Kernel]:
-    family, held = kernel_of(header["name"]), header.get("mechanism")
+    # Effects at joints come last in a model's name, and a joint's own may hold a +.
+    without_joints, _, _ = header["name"].partition("@")
+    family, held = parse(without_joints).kernel, header.get("mechanism")
     if held is None:
         return family
     if held["kind"] == ROBOT:

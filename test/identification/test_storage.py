@@ -69,6 +69,14 @@ def test_the_joints_of_an_added_effect_may_have_any_name(tmp_path: Path) -> None
     np.testing.assert_array_equal(again.predict(*states), wider.predict(*states))
 
 
+def test_a_kernel_that_is_not_known_is_named(saved: Path, tmp_path: Path) -> None:
+    def strange(content: dict[str, Any]) -> None:
+        content["header"]["name"] = "wizardry+fri"
+
+    with pytest.raises(ModelError, match="'wizardry' is neither a kernel"):
+        Model.load(rewrite(saved, tmp_path / "strange.npz", strange))
+
+
 def test_a_model_of_version_2_was_made_exactly(saved: Path, tmp_path: Path) -> None:
     def older(content: dict[str, Any]) -> None:
         content["header"]["version"] = 2

@@ -98,9 +98,7 @@ def run(arguments: Namespace) -> int:
     reasons = [_because(arguments.because, effect.name, joint) for joint in joints]
     for joint, because in zip(joints, reasons, strict=True):
         with progress_bar(f"adding {effect.name} on {joint}") as progress:
-            model = add(
-                model, effect.name, joint, shape or because.shape or None, because.why, progress
-            )
+            model = add(model, effect.name, joint, shape or because.shape, because.why, progress)
     with whole(output) as path:
         model.save(path)
     record = _record(before, model, effect.name, joints, arguments.model, output)

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +39,7 @@ def best_shape(
     if given and all(shape.name in given for shape in effect.shapes):
         return dict(given)
     tried = [{**shape, **given} for shape in effect.candidates(x, joint)]
-    shapes = [shape for number, shape in enumerate(tried) if shape not in tried[:number]]
+    shapes = {tuple(shape.items()): shape for shape in tried}.values()
     if not shapes:
         raise ModelError(
             f"{effect.name}: the motion that the model keeps leaves no shape of it to try on this "
@@ -74,7 +73,7 @@ def tuned(
     basis: Basis,
     joint: int,
     x: Inputs,
-    given: Mapping[str, Collection[str]] = MappingProxyType({}),
+    given: Collection[tuple[str, str]] = (),
 ) -> Basis:
     """The basis with the shapes of one joint's friction moved to where least is left.
 
@@ -86,7 +85,7 @@ def tuned(
         basis: its terms, moved or new.
         joint: whose friction is tuned.
         x: (C,) the samples it was fitted on.
-        given: by effect, the names of shapes that are kept.
+        given: effect and name of each shape that is kept.
     """
     joints, part, system = _system_of(fitted, joint)
     free = [
@@ -94,7 +93,7 @@ def tuned(
         for number, term in enumerate(basis.terms)
         if term.joint == joint and term.effect.kind == "friction"
         for shape in term.effect.shapes
-        if shape.name not in given.get(term.effect.name, ())
+        if (term.effect.name, shape.name) not in given
         and not shape.whole
         and term.shape.get(shape.name, 0.0) > 0.0
     ]

@@ -21,7 +21,7 @@ class Addition:
 
     Attributes:
         effect: a name of the catalogue.  joint: where it acts.
-        shape: its nonlinear parameters; None searches them.
+        shape: nonlinear parameters; what is not given is searched.
         why: what the model's history shall tell of the reason.
     """
 
