@@ -34,7 +34,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-oldest lint types loops format benchmark install clean
+.PHONY: help demo test test-oldest lint types format benchmark install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -45,7 +45,7 @@ demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in o
 	@$(BIN)/lagrangian_ff demo $(ARGS)
 
 test:  ## everything CI checks: style, types, then all tests
-	@$(MAKE) --no-print-directory --jobs 2 lint types loops
+	@$(MAKE) --no-print-directory --jobs 2 lint types
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
@@ -69,10 +69,6 @@ lint: install  ## check style
 types: install  ## check types
 	@$(BIN)/mypy
 
-# The test processes would each compile the same loops, at the same time.
-loops: install
-	@$(BIN)/python tools/compile_loops.py
-
 format: install  ## put the sources into the one format
 	@$(BIN)/ruff check --fix $(SOURCES)
 	@$(BIN)/ruff format $(SOURCES)
@@ -81,7 +77,7 @@ benchmark:  ## measure speed against named yardsticks
 	$(environment) ros,benchmark
 	@for script in $(filter-out %/timing.py %/held_out.py,$(wildcard benchmark/*.py)); do echo "== $$script"; $(BIN)/python "$$script" || exit 1; done
 
-clean:  ## remove what the build and the tests left; keeps .venv and out/
+clean:  ## remove what the build and the tests left; keeps .venv, the loops and out/
 	rm -rf build install log dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage
 	rm -rf lagrangian_ff.egg-info
 	find lagrangian_ff test benchmark tools launch -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true

@@ -1,10 +1,40 @@
 """Package description for pip and for colcon (ament_python)."""
 
 from glob import glob
+from pathlib import Path
+from runpy import run_path
+from types import SimpleNamespace
 
-from setuptools import find_packages, setup
+from setuptools import Extension, find_packages, setup
+from setuptools.command.build_ext import build_ext
 
 PACKAGE = "lagrangian_ff"
+
+# Not imported: its room needs NumPy, which is not installed yet.
+loops = SimpleNamespace(**run_path(str(Path(__file__).with_name(PACKAGE) / "loops" / "build.py")))
+
+
+class BuildLoops(build_ext):
+    """Compiles the loops with the C compiler of the machine, or with that of `ziglang`."""
+
+    def run(self) -> None:
+        """Compile the libraries side by side."""
+        self.parallel = True
+        loops.choose_compiler()
+        super().run()
+
+
+LOOPS = [
+    Extension(
+        f"{PACKAGE}.loops.{name}",
+        sources=[f"{PACKAGE}/loops/{source}" for source in loops.SOURCES],
+        depends=[f"{PACKAGE}/loops/{header}" for header in loops.HEADERS],
+        define_macros=[("SOURCES", f'"{loops.digest()}"')],
+        extra_compile_args=flags,
+        libraries=["m"],
+    )
+    for name, flags in loops.variants().items()
+]
 
 # Lower bounds are what Ubuntu 24.04, the home of ROS 2 Jazzy, ships, or the oldest release that can
 # be installed and passes the tests (constraints-ubuntu-24.04.txt has them all). Upper bounds close
@@ -12,7 +42,6 @@ PACKAGE = "lagrangian_ff"
 RUNTIME = [
     "numpy >=1.26.4, <2.5",
     "scipy >=1.11.4, <1.18",
-    "numba >=0.58.1, <0.69",
     "threadpoolctl >=3.1, <4",
     "matplotlib >=3.6.3, <3.12",
     "plotly >=5.15, <8",
@@ -64,6 +93,8 @@ setup(
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
+    ext_modules=LOOPS,
+    cmdclass={"build_ext": BuildLoops},
     package_data={"": ["py.typed", "*.urdf", "*.css", "*.js", "*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

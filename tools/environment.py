@@ -27,15 +27,17 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+ZIG = "ziglang >=0.13, <0.18"  # a C compiler from the package index, where the machine has none
 OLDEST, NEWEST = (3, 10), (3, 13)  # the Pythons that have wheels of rclpy
 VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 BUILD = ["pip >=23.1", "setuptools ==68.1.2", "wheel"]  # this setuptools is what colcon needs
 IMPORTS = (
-    "import rclpy, sensor_msgs.msg, pybullet, numba, scipy.linalg; "
+    "import rclpy, sensor_msgs.msg, pybullet, scipy.linalg; "
     "import matplotlib.figure, rosbags.rosbag2"
 )
 # Files whose change means that the environment has to be looked at again.
 INPUTS = ["setup.py", "setup.cfg", "pyproject.toml", "tools/environment.py"]
+LOOPS = ROOT / "lagrangian_ff" / "loops"
 
 
 class SetupError(Exception):
@@ -179,7 +181,8 @@ class Environment:
     def fingerprint(self) -> str:
         """Return a digest of everything that decides what gets installed."""
         digest = hashlib.sha256()
-        for path in [*(ROOT / name for name in INPUTS), self.constraints]:
+        loops = (path for path in sorted(LOOPS.glob("*")) if path.suffix in (".c", ".h", ".py"))
+        for path in [*(ROOT / name for name in INPUTS), *loops, self.constraints]:
             digest.update(path.read_bytes() if path else b"")
         return digest.hexdigest()
 
@@ -213,7 +216,8 @@ class Environment:
         self.directory.mkdir(parents=True)
         self.unfinished.touch()
         self.run("making the environment", [sys.executable, "-m", "venv", self.directory])
-        self.pip("preparing", *BUILD)
+        compiler = any(shutil.which(name) for name in (os.environ.get("CC", "cc"), "gcc", "clang"))
+        self.pip("preparing", *BUILD, *([] if compiler else [ZIG]))
 
     def install(self, extras: list[str]) -> None:
         """Install the package, editable, with its requirements and those of the extras."""

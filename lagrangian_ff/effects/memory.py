@@ -1,14 +1,14 @@
 """What an effect with a memory remembers: a recursion over the samples of a motion."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@njit(cache=True)
 def stop(q: Floats, segment: Ints, start: Floats, width: float) -> Floats:
     """The stop operator q - play(q): how far an elastic contact that slides is deflected.
 
@@ -25,18 +25,11 @@ def stop(q: Floats, segment: Ints, start: Floats, width: float) -> Floats:
         (M,) the deflection over the width, -1 to 1.
     """
     out = np.empty(q.size)
-    for i in range(q.size):
-        if i == 0 or segment[i] != segment[i - 1]:
-            out[i] = min(1.0, max(-1.0, start[i]))
-        else:
-            out[i] = min(1.0, max(-1.0, out[i - 1] + (q[i] - q[i - 1]) / width))
+    q, start = (np.ascontiguousarray(one, dtype=np.float64) for one in (q, start))
+    loop("memory_stop")(q.size, q, np.ascontiguousarray(segment, dtype=np.int64), start, width, out)
     return out
 
 
-SUBSTEPS = 8
-
-
-@njit(cache=True)
 def loose(load: Floats, part: Floats, step: float, play: float, blow: float) -> Floats:
     """What a gear with play carries of a part of its load.
 
@@ -56,27 +49,6 @@ def loose(load: Floats, part: Floats, step: float, play: float, blow: float) -> 
         (M,) as `part`.
     """
     out = np.empty(load.size)
-    h = step / SUBSTEPS
-    passed = 1.0 - np.exp(-h / blow)
-    ahead, speed = (0.5 if load[0] > 0.0 else -0.5), 0.0
-    gained, momentum = 0.0, 0.0
-    for i in range(load.size):
-        last = i + 1 == load.size
-        change = 0.0 if last else load[i + 1] - load[i]
-        part_change = 0.0 if last else part[i + 1] - part[i]
-        carried = 0.0
-        for k in range(SUBSTEPS):
-            now = load[i] + change * k / SUBSTEPS
-            if (ahead >= 0.5 and now >= 0.0) or (ahead <= -0.5 and now <= 0.0):
-                carried += part[i] + part_change * k / SUBSTEPS
-            else:
-                speed += h * now / play
-                ahead += h * speed
-                gained += h * (part[i] + part_change * k / SUBSTEPS)
-                if abs(ahead) >= 0.5:
-                    momentum += gained
-                    ahead, speed, gained = (0.5 if ahead > 0.0 else -0.5), 0.0, 0.0
-            carried += momentum * passed / h
-            momentum -= momentum * passed
-        out[i] = carried / SUBSTEPS
+    load, part = (np.ascontiguousarray(one, dtype=np.float64) for one in (load, part))
+    loop("memory_loose")(load.size, load, part, step, play, blow, out)
     return out

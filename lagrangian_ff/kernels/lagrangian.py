@@ -7,12 +7,12 @@ diagonal gives the scalar kernels (30) and, with hyperparameters of each joint's
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import fused
+from lagrangian_ff.kernels import threads
 from lagrangian_ff.kernels.base import (
     Hyperparameter,
     IndependentKernel,
@@ -22,9 +22,8 @@ from lagrangian_ff.kernels.base import (
     largest,
     of_joint,
 )
-from lagrangian_ff.kernels.compiled import CompiledKernel, prepared
-from lagrangian_ff.kernels.side_by_side import SideBySide
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.kernels.states import States, prepared
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 Self = TypeVar("Self", bound="_Universal")
@@ -66,42 +65,115 @@ class _Universal(Kernel):
         """See `Kernel.replace`."""
         return replace(self, **hyperparameters)
 
-    def _weights(self, joints: int, joint: int = 0) -> tuple[Any, Floats, Floats]:
-        """Which coordinates are angles, α and w of `fused`, for one joint's hyperparameters."""
+    def _numbers(self, joints: int, joint: int = 0) -> tuple[int, int, Floats, Floats]:
+        """Joints, whether they are angles, α and w of `universal.c`, of one joint's numbers."""
         alpha = 1.0 / of_joint(self.sigma, joint)
         w = alpha * of_joint(self.velocity_scale, joint) ** 2
-        return np.full(joints, self.angles), np.full(joints, alpha), np.full(joints, w)
+        return joints, int(self.angles), np.full(joints, alpha), np.full(joints, w)
 
 
-class _Vector(_Universal, CompiledKernel, LagrangianKernel):
+class _Vector(_Universal, LagrangianKernel):
     """The vector-valued Lagrangian kernel (22)."""
 
-    loops: ClassVar[Any] = fused
     quadratic: ClassVar[bool] = False
+
+    def gram(self, x: States) -> Floats:
+        """See `CoupledKernel.gram`."""
+        return self._blocks(prepared(x), prepared(x), lower=True)
+
+    def cross(self, x: States, u: States) -> Floats:
+        """See `CoupledKernel.cross`."""
+        return self._blocks(prepared(x), prepared(u), lower=False)
+
+    def _blocks(self, x: Floats, u: Floats, lower: bool) -> Floats:
+        joints, many = x.shape[2], len(u)
+        out = np.empty((len(x), joints, many, joints))
+        numbers = self._numbers(joints)
+
+        def write(rows: slice) -> None:
+            ends = np.array([rows.start, rows.stop])
+            loop("universal_blocks")(*numbers, x, u, ends, many, lower, out[rows])
+
+        threads.over_rows(write, len(x), len(x) * many, lower=lower)
+        return out.reshape(len(x) * joints, many * joints)
+
+    def apply(self, x: States, u: States, a: Floats) -> Floats:
+        """See `Kernel.apply`; no block is formed."""
+        return self.learned(u, a).torque(x)
 
     def learned(self, u: States, a: Floats) -> Learned:
         """See `Kernel.learned`; no block is formed."""
-        return SideBySide.of(u, a, self._weights(u.joints))
+        return Centres.of(u, a, self._numbers(u.joints))
+
+    def variance(self, x: States) -> Floats:
+        """See `Kernel.variance`."""
+        out = np.empty((len(x), x.joints))
+        loop("universal_variance")(*self._numbers(x.joints), prepared(x), len(x), out)
+        return out
 
     def lagrangian_row(self, x: States, u: States) -> Floats:
         """(M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34): what recovers the Lagrangian in (31)."""
         out = np.empty((len(x), len(u), x.joints))
-        fused.lagrangian_rows(prepared(x), prepared(u), *self._weights(x.joints), out)
+        states = prepared(x), len(x), prepared(u), len(u)
+        loop("universal_lagrangian_rows")(*self._numbers(x.joints), *states, out)
         return out
 
     def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
         """See `LagrangianKernel.lagrangian`."""
-        return self._told(x, u, a)[0]
+        return self._lagrangian(x, u, a)[0]
 
     def momentum(self, x: States, u: States, a: Floats) -> Floats:
         """See `LagrangianKernel.momentum`."""
-        return self._told(x, u, a)[1]
+        return self._lagrangian(x, u, a)[1]
 
-    def _told(self, x: States, u: States, a: Floats) -> tuple[Floats, Floats]:
+    def _lagrangian(self, x: States, u: States, a: Floats) -> tuple[Floats, Floats]:
         value, momentum = np.empty(len(x)), np.empty((len(x), x.joints))
-        weights, coefficients = self._weights(x.joints), np.ascontiguousarray(a)
-        fused.tell_lagrangian(prepared(x), prepared(u), *weights, coefficients, value, momentum)
+        states = prepared(x), len(x), prepared(u), len(u), np.ascontiguousarray(a)
+        loop("universal_lagrangian")(*self._numbers(x.joints), *states, value, momentum)
         return value, momentum
+
+
+TILE = 32
+"""Centres that the loops of `centres.c` run over side by side."""
+
+PAIRS_A_BLOCK = 40
+"""Pairs that cost as much there as one of those that `threads` counts."""
+
+
+@dataclass(frozen=True)
+class Centres(Learned):
+    """Torques learned at centres that lie joint by joint, so that loops over them are fast.
+
+    Attributes:
+        centres: (C / L, N, 5, L) of each the sine and cosine of the position, or it and 1 where the
+            coordinate is linear, and qd, qdd and a.
+        numbers: joints, whether they are angles, α and w of `universal.c`.
+    """
+
+    centres: Floats
+    numbers: tuple[int, int, Floats, Floats]
+
+    @classmethod
+    def of(cls, u: States, a: Floats, numbers: tuple[int, int, Floats, Floats]) -> "Centres":
+        """Return what was learned at u (C, N) with coefficients a (C, N)."""
+        place = (np.sin(u.q), np.cos(u.q)) if numbers[1] else (u.q, np.ones_like(u.q))
+        parts = -(-len(u) // TILE)
+        centres = np.zeros((5, parts * TILE, u.joints))
+        centres[:, : len(u)] = *place, u.qd, u.qdd, a
+        lanes = centres.reshape(5, parts, TILE, u.joints)
+        return cls(np.ascontiguousarray(lanes.transpose(1, 3, 0, 2)), numbers)
+
+    def torque(self, x: States) -> Floats:
+        """See `Learned.torque`."""
+        out = np.empty(x.q.shape)
+        states, centres, parts = prepared(x), self.centres, len(self.centres)
+
+        def write(rows: slice) -> None:
+            part, to = states[rows], out[rows]
+            loop("centres_apply")(*self.numbers, part, len(part), centres, parts, to)
+
+        threads.over_rows(write, len(x), len(x) * parts * TILE / PAIRS_A_BLOCK)
+        return out
 
 
 class _Scalar(_Universal, IndependentKernel):
@@ -110,27 +182,26 @@ class _Scalar(_Universal, IndependentKernel):
     def cross(self, x: States, u: States, joint: int) -> Floats:
         """See `IndependentKernel.cross`."""
         out = np.empty((len(x), len(u)))
-        weights = self._weights(x.joints, joint)
-        fused.cross_diagonal(prepared(x), prepared(u), *weights, joint, out)
+        states = prepared(x), len(x), prepared(u), len(u)
+        loop("universal_diagonal")(*self._numbers(x.joints, joint), *states, joint, out)
         return out
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
-        """See `Kernel.apply`."""
-        out = np.empty((len(x), x.joints))
-        states = prepared(x), prepared(u)
+        """See `Kernel.apply`; no block is formed."""
+        out = np.empty(x.q.shape)
+        states = prepared(x), len(x), prepared(u), len(u)
+        coefficients = np.ascontiguousarray(a)
         for joint in range(x.joints):
-            torque, coefficients = np.empty(len(x)), np.ascontiguousarray(a[:, joint])
-            weights = self._weights(x.joints, joint)
-            fused.apply_diagonal(*states, *weights, joint, coefficients, torque)
-            out[:, joint] = torque
+            numbers = self._numbers(x.joints, joint)
+            loop("universal_diagonal_apply")(*numbers, *states, joint, coefficients, out)
         return out
 
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
-        out = np.empty((len(x), x.joints))
-        every = np.empty_like(out)
+        out, every = np.empty((2, len(x), x.joints))
         for joint in range(x.joints):
-            fused.variances(prepared(x), *self._weights(x.joints, joint), every)
+            numbers = self._numbers(x.joints, joint)
+            loop("universal_variance")(*numbers, prepared(x), len(x), every)
             out[:, joint] = every[:, joint]
         return out
 

@@ -55,3 +55,16 @@ class States:
     def without_velocity(self) -> "States":
         """The same positions and accelerations without velocity."""
         return States(self.q, np.zeros_like(self.q), self.qdd)
+
+
+def contiguous(x: States) -> tuple[Floats, Floats, Floats]:
+    """Return q, qd, qdd in the layout that the loops read."""
+    return tuple(np.ascontiguousarray(part, dtype=np.float64) for part in (x.q, x.qd, x.qdd))  # type: ignore[return-value]
+
+
+def prepared(x: States) -> Floats:
+    """Return (M, 5, N): q, qd, qdd, sin q and cos q of every state."""
+    out = np.empty((len(x), 5, x.joints))
+    out[:, 0], out[:, 1], out[:, 2] = x.q, x.qd, x.qdd
+    out[:, 3], out[:, 4] = np.sin(x.q), np.cos(x.q)
+    return out

@@ -1,11 +1,13 @@
-"""Work on pairs of states, shared by threads: the compiled loops let other threads run."""
+"""Work on pairs of states, shared by threads: the compiled loops hold no lock."""
 
-from collections.abc import Callable, Iterable
+import os
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
 from itertools import pairwise
 from typing import TypeVar
 
-import numba
 import numpy as np
 
 Result = TypeVar("Result")
@@ -15,9 +17,26 @@ FEWEST_PAIRS = 4000
 """Pairs of states from which on a second thread is worth its start."""
 
 
+_limit: ContextVar[int | None] = ContextVar("limit", default=None)
+
+
 def count() -> int:
-    """As many as Numba may use: the processors, or NUMBA_NUM_THREADS."""
-    return int(numba.get_num_threads())
+    """Return how many threads may work: as many as processors, OMP_NUM_THREADS, or the limit."""
+    limit = _limit.get()
+    if limit is None:
+        asked = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
+        limit = int(asked) if asked.isdigit() else len(os.sched_getaffinity(0))
+    return max(1, limit)
+
+
+@contextmanager
+def limited(threads: int) -> Iterator[None]:
+    """Let no more than so many threads work in the block."""
+    before = _limit.set(threads)
+    try:
+        yield
+    finally:
+        _limit.reset(before)
 
 
 def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> list[Result]:

@@ -41,7 +41,7 @@ def test_help_of_each_command_teaches(name: str) -> None:
 
 
 def test_help_loads_no_library() -> None:
-    heavy = ("numpy", "numba", "scipy", "rich", "rosbags", "pybullet", "rclpy")
+    heavy = ("numpy", "scipy", "rich", "rosbags", "pybullet", "rclpy")
     code = (
         "import sys\nfrom lagrangian_ff.cli.main import main\n"
         "try:\n    main(['identify', '--help'])\nexcept SystemExit:\n    pass\n"

@@ -4,7 +4,6 @@ import json
 import math
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from cli_examples import lagrangian_ff
@@ -130,24 +129,6 @@ def test_short_work_is_not_mentioned_in_a_log(
         progress(0.5, "half")
         progress(0.6, "more")
     assert capsys.readouterr().err == "reading ...\nreading: 0 s\n"
-
-
-def test_compiling_is_told_once_where_it_takes_long(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def compile_some() -> None:
-        for _ in range(2):
-            numba.njit(lambda x: x + 1.0)(1.0)
-
-    with progress_bar("learning"):
-        compile_some()
-    assert capsys.readouterr().err == ""
-    monkeypatch.setattr("lagrangian_ff.cli.common.progress.QUIET_SECONDS", -1.0)
-    with progress_bar("learning"):
-        compile_some()
-    assert capsys.readouterr().err == "compiling, the first time only ...\n"
-    compile_some()
-    assert capsys.readouterr().err == ""
 
 
 def test_a_terminal_gets_a_bar(

@@ -19,8 +19,13 @@ UNDERSTOOD = {"diagnosis", *IDENTIFIED}
 # A room may import those on the right, itself, and what is for all.
 ARROWS: dict[str, set[str]] = {
     "recording": set(),
-    "kernels": LOW,
-    "effects": {"kernels", *LOW},  # an effect is a function of the states that kernels compare
+    "loops": set(),
+    "kernels": {"loops", *LOW},
+    "effects": {
+        "kernels",
+        "loops",
+        *LOW,
+    },  # an effect is a function of the states that kernels compare
     "identification": MODEL,
     "diagnosis": IDENTIFIED,
     # Not the effects: the plant's physics must not share code with what is to find it.

@@ -5,12 +5,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from lagrangian_ff.cli.common.compiling import told_of_compiling
 from lagrangian_ff.progress import Progress
 
 QUIET_SECONDS = 2.0
 """Work shorter than this is not mentioned in a log."""
-COMPILING = "compiling, the first time only"
 
 
 @contextmanager
@@ -50,10 +48,7 @@ def _bar(title: str) -> Iterator[Progress]:
         def report(fraction: float, label: str) -> None:
             bars.update(task, completed=fraction, description=f"{title}: {label}")
 
-        with told_of_compiling(
-            QUIET_SECONDS, lambda: bars.update(task, description=f"{title}: {COMPILING}")
-        ):
-            yield report
+        yield report
 
 
 def _lines(title: str) -> Iterator[Progress]:
@@ -66,10 +61,6 @@ def _lines(title: str) -> Iterator[Progress]:
             told = True
             print(f"{title} ...", file=sys.stderr, flush=True)
 
-    def compiling() -> None:
-        print(f"{COMPILING} ...", file=sys.stderr, flush=True)
-
-    with told_of_compiling(QUIET_SECONDS, compiling):
-        yield report
+    yield report
     if told:
         print(f"{title}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)

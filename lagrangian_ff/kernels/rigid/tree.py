@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from lagrangian_ff.kernels.compiled import contiguous
-from lagrangian_ff.kernels.rigid.loops import write_regressor
-from lagrangian_ff.kernels.states import States
+from lagrangian_ff.kernels.states import States, contiguous
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -65,9 +64,10 @@ class Tree:
         out = np.zeros((len(x), x.joints, self.bodies, 10))
         tree = (
             self.parent, self.rotation, self.offset, self.axis, self.sliding, self.driver,
-            self.ratio, self.shift,
+            self.ratio, self.shift, np.asarray(self.gravity, dtype=np.float64),
         )  # fmt: skip
-        write_regressor(contiguous(x), tree, self.gravity, out)
+        sizes = x.joints, self.bodies, len(x)
+        loop("rigid_regressor")(*sizes, *contiguous(x), *map(np.ascontiguousarray, tree), out)
         return out.reshape(len(x), x.joints, -1)
 
     def momentum(self, x: States) -> Floats:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,19 @@ from lagrangian_ff.kernels.base import (
     Learned,
     largest,
 )
-from lagrangian_ff.kernels.compiled import Prepared, prepared
-from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured import contraction, lanes
-from lagrangian_ff.kernels.structured.factors import LINE
+from lagrangian_ff.kernels.states import States, prepared
 from lagrangian_ff.kernels.structured.slopes import slopes
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 Self = TypeVar("Self", bound="Structured")
 
 ROTOR_START = 1e-3
+
+COSINE, BELL, LINE = 0, 1, 2
+"""Forms of a joint's factor; see `structured.c`."""
+ALL, LOWER, DIAGONAL = 0, 1, 2
+"""Which pairs: each with each, each with those up to itself, or each with itself."""
 
 
 @dataclass(frozen=True)
@@ -97,13 +100,13 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def gram(self, x: States) -> Floats:
         """See `CoupledKernel.gram`."""
         out = np.empty((len(x), x.joints, len(x), x.joints))
-        self._fill(prepared(x), prepared(x), lanes.LOWER, out)
+        self._fill(prepared(x), prepared(x), LOWER, out)
         return out.reshape(len(x) * x.joints, -1)
 
     def cross(self, x: States, u: States) -> Floats:
         """See `CoupledKernel.cross`."""
         out = np.empty((len(x), x.joints, len(u), x.joints))
-        self._fill(prepared(x), prepared(u), lanes.ALL, out)
+        self._fill(prepared(x), prepared(u), ALL, out)
         return out.reshape(len(x) * x.joints, -1)
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
@@ -117,13 +120,14 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
         out = np.empty((len(x), x.joints, 1, x.joints))
-        self._write(prepared(x), prepared(x), (0, len(x)), lanes.DIAGONAL, out)
+        self._write(prepared(x), prepared(x), slice(0, len(x)), DIAGONAL, out)
         return np.ascontiguousarray(np.einsum("nmjm->nm", out))
 
     def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
         """See `LagrangianKernel.lagrangian`: kinetic energy ½ qd·p, and the potential part."""
         out, weights = np.empty(len(x)), np.ascontiguousarray(a)
-        lanes.write_potential(prepared(x), prepared(u), self._numbers(), weights, out)
+        states = prepared(x), len(x), prepared(u), len(u)
+        loop("structured_potential")(*self._numbers(), *states, weights, out)
         return out + 0.5 * np.sum(x.qd * self.momentum(x, u, a), axis=1)
 
     def momentum(self, x: States, u: States, a: Floats) -> Floats:
@@ -134,52 +138,47 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, Contracted]:
         """See `DifferentiableKernel.contract`: sums of what pieces of the kernel do."""
         pieces, sums = slopes(self)
-        whats = np.array([(one.kind, *one.joints, one.moved) for one in pieces])
+        whats = np.array([(one.kind, *one.joints, one.moved) for one in pieces], dtype=np.int64)
         inertias, shares = (
             np.array([getattr(one, name) for one in pieces]) for name in ("inertia", "share")
         )
-        states, a = prepared(x), vector.reshape(x.q.shape)
+        numbers, given = self._numbers(), (len(pieces), whats, inertias, shares, weights, vector)
+        states, many = prepared(x), threads.count()
 
         def contracted(first: int) -> tuple[Floats, Floats]:
             totals, products = np.zeros(len(pieces)), np.zeros((len(pieces), *x.q.T.shape))
-            rows, given = (first, threads.count()), (whats, inertias, shares)
-            contraction.contract(states, rows, self._numbers(), given, weights, a, totals, products)
+            rows = np.array([first, many])
+            loop("structured_contract")(*numbers, states, len(x), rows, *given, totals, products)
             return totals, products
 
-        found = threads.each(contracted, range(threads.count()), len(x) ** 2)
+        found = threads.each(contracted, range(many), len(x) ** 2)
         totals = np.sum([one[0] for one in found], axis=0)
         products = np.sum([one[1] for one in found], axis=0).transpose(0, 2, 1)
         flat = products.reshape(len(pieces), -1)
         return {name: Contracted(sums[name] @ totals, sums[name] @ flat) for name in sums}
 
-    def _fill(self, x: Prepared, u: Prepared, pairs: int, out: Floats) -> None:
-        """Write all rows, in as many threads as there may be."""
-        samples = len(x[0])
+    def _fill(self, x: Floats, u: Floats, pairs: int, out: Floats) -> None:
+        """Write the blocks of all rows, in as many threads as there may be."""
 
         def write(rows: slice) -> None:
-            self._write(x, u, (rows.start, rows.stop), pairs, out[rows])
+            self._write(x, u, rows, pairs, out[rows])
 
-        threads.over_rows(write, samples, samples * len(u[0]), lower=pairs == lanes.LOWER)
+        threads.over_rows(write, len(x), len(x) * len(u), lower=pairs == LOWER)
 
-    def _write(
-        self,
-        x: Prepared,
-        u: Prepared,
-        rows: tuple[int, int],
-        pairs: int,
-        out: Floats,
-    ) -> None:
-        """See `lanes.write_blocks`; out begins with the first of the rows."""
-        lanes.write_blocks(x, u, rows, rows[0], pairs, self._numbers(), out)
+    def _write(self, x: Floats, u: Floats, rows: slice, pairs: int, out: Floats) -> None:
+        """Write the blocks of some rows to out, which begins with the first of them."""
+        ends = np.array([rows.start, rows.stop])
+        loop("structured_blocks")(*self._numbers(), x, u, ends, len(u), pairs, out)
 
-    def _numbers(self) -> tuple[Any, ...]:
+    def _numbers(self) -> tuple[int, int, NDArray[np.int64], Floats]:
+        """Joints, whether serial, forms, and the (6, N) numbers of `Arm` in `structured.h`."""
         joints = len(self.inertia)
         links = np.zeros((2, joints))
         for held, value in zip(links, (self.link, self.potential), strict=True):
             held[joints - len(value) :] = value
-        form = np.where(self.prismatic > 0.0, LINE, self.form)
-        others = (self.wave, self.swing, self.rotor)
-        return self.serial, form, self.inertia, links[0], links[1], *others
+        form = np.where(self.prismatic > 0.0, LINE, self.form).astype(np.int64)
+        numbers = np.stack([self.inertia, *links, self.wave, self.swing, self.rotor])
+        return joints, int(self.serial), form, numbers
 
 
 @dataclass(frozen=True)
@@ -187,18 +186,18 @@ class BlockSum(Learned):
     """A sum over states: blocks, some rows at a time, times coefficients (M_u N,)."""
 
     kernel: Structured
-    u: Prepared
+    u: Floats
     a: Floats
 
     def torque(self, x: States) -> Floats:
         """See `Learned.torque`."""
         torque = np.empty((len(x), x.joints))
         chunk = max(1, CHUNK_ENTRIES // max(1, self.a.size * x.joints))
-        out = np.empty((min(chunk, len(x)), x.joints, len(self.u[0]), x.joints))
+        out = np.empty((min(chunk, len(x)), x.joints, len(self.u), x.joints))
         for first in range(0, len(x), chunk):
             part = x.take(slice(first, first + chunk))
             held = out[: len(part)]
-            self.kernel._fill(prepared(part), self.u, lanes.ALL, held)
+            self.kernel._fill(prepared(part), self.u, ALL, held)
             torque[first : first + chunk] = (held.reshape(-1, self.a.size) @ self.a).reshape(
                 -1, x.joints
             )

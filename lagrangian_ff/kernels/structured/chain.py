@@ -5,15 +5,14 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.kernels.base import Learned
 from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured.base import Structured
+from lagrangian_ff.kernels.structured.base import BELL, COSINE, Structured
 from lagrangian_ff.kernels.structured.collapse import MOST_JOINTS, collapsed
-from lagrangian_ff.kernels.structured.factors import BELL, COSINE
 
 Floats = NDArray[np.float64]
 
 
 class Chain(Structured):
-    """The rigid-body dynamics of every serial arm, and little else; see `serial`.
+    """The rigid-body dynamics of every serial arm, and little else; see `serial.c`.
 
     Cosine factors: inertia and gravity are the trigonometric polynomials that rigid bodies have.
     """

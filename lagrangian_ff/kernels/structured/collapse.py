@@ -1,4 +1,4 @@
-"""From the states a chain was learned from, and their weights, to its polynomial."""
+"""From the states a chain was learned from, and their weights, to its polynomial (polynomial.c)."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,15 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.kernels import threads
 from lagrangian_ff.kernels.base import Learned
-from lagrangian_ff.kernels.compiled import contiguous
-from lagrangian_ff.kernels.states import States
-from lagrangian_ff.kernels.structured import polynomial
+from lagrangian_ff.kernels.states import States, contiguous
 from lagrangian_ff.kernels.structured.base import Structured
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 Three = tuple[Floats, Floats, Floats]
 
+SHORT, LONG = 3, 5
+"""Functions of a joint of first and of second degree."""
 MOST_JOINTS = 7
 """With more, the polynomial has more coefficients than it is worth: five times for each joint."""
 CHUNK_STATES = 128
@@ -27,7 +28,7 @@ class Polynomial(Learned):
     """A learned chain, of no more to compute however many states it was learned from.
 
     Attributes:
-        mass, potential, rotor: see `polynomial.torques`.
+        mass, potential, rotor: the B_k one after the other, row by row; (3^N,); (N,).
     """
 
     mass: Floats
@@ -40,9 +41,9 @@ class Polynomial(Learned):
         states = contiguous(x)
 
         def write(rows: slice) -> None:
-            part = (values[rows] for values in states)
-            work = polynomial.workspace(x.joints)
-            polynomial.torques(*part, self.mass, self.potential, self.rotor, work, out[rows])
+            part, to = (values[rows] for values in states), out[rows]
+            numbers = self.mass, self.potential, self.rotor
+            loop("polynomial_torques")(x.joints, *part, len(to), *numbers, to)
 
         threads.over_rows(write, len(x), len(x) * self.mass.size / COEFFICIENTS_A_BLOCK)
         return out
@@ -56,8 +57,8 @@ def collapsed(kernel: Structured, u: States, a: Floats) -> Polynomial:
         u: (M, N) states.  a: (M, N) coefficients.
     """
     joints = u.joints
-    mass = [np.zeros(size) for size in polynomial.sizes(joints)]
-    potential = np.zeros(polynomial.SHORT**joints)
+    mass = [np.zeros(size) for size in _sizes(joints)]
+    potential = np.zeros(SHORT**joints)
     for first in range(0, len(u), CHUNK_STATES):
         part = slice(first, first + CHUNK_STATES)
         _add(u.take(part), a[part], mass, potential)
@@ -70,11 +71,16 @@ def collapsed(kernel: Structured, u: States, a: Floats) -> Polynomial:
     return Polynomial(flat, potential * _potential_weights(kernel), rotor)
 
 
+def _sizes(joints: int) -> list[tuple[int, int]]:
+    """Rows and columns of the coefficients for each k."""
+    return [((SHORT ** (k + 1) - 1) // 2, LONG ** (joints - 1 - k)) for k in range(joints)]
+
+
 def _add(u: States, a: Floats, mass: list[Floats], potential: Floats) -> None:
     """Add what the Euler-Lagrange operator makes of every product of functions, at u along a."""
     joints = u.joints
-    short = [_functions(u, a, n, polynomial.SHORT) for n in range(joints)]
-    long = [_functions(u, a, n, polynomial.LONG) for n in range(joints)]
+    short = [_functions(u, a, n, SHORT) for n in range(joints)]
+    long = [_functions(u, a, n, LONG) for n in range(joints)]
     one = _constant(len(u))
     tails = [one]
     for n in range(joints - 1, 0, -1):
@@ -159,7 +165,7 @@ def _tail_weights(kernel: Structured) -> list[Floats]:
 def _potential_weights(kernel: Structured) -> Floats:
     head: Floats = np.ones(1)
     weights: Floats = np.zeros(1)
-    constant: Floats = np.eye(polynomial.SHORT)[0]
+    constant: Floats = np.eye(SHORT)[0]
     for omega, height in zip(kernel.swing, kernel.potential, strict=True):
         head = _kron(head, _short(omega))
         weights = _kron(weights, constant)

@@ -1,11 +1,10 @@
 """Kernels of arms of any topology: energies, nothing known of the order of the joints."""
 
-from lagrangian_ff.kernels.structured.base import Structured
-from lagrangian_ff.kernels.structured.factors import BELL, COSINE
+from lagrangian_ff.kernels.structured.base import BELL, COSINE, Structured
 
 
 class Energy(Structured):
-    """Kinetic energy quadratic in velocity and a potential, both of all joints; see `product`.
+    """Kinetic energy quadratic in velocity and a potential, both of all joints; see `product.c`.
 
     Cosine factors: inertia and gravity are trigonometric polynomials in every joint.
     """

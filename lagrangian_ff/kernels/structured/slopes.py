@@ -16,12 +16,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels.structured.contraction import KINETIC, POTENTIAL, ROTOR, STAYS
-
 if TYPE_CHECKING:
     from lagrangian_ff.kernels.structured.base import Structured
 
 Floats = NDArray[np.float64]
+
+KINETIC, POTENTIAL, ROTOR = 0, 1, 2
+"""Of which part a piece is, and where its factors stand; a rotor's is qdd qdd' of one joint."""
+STAYS = -1
+"""Instead of the joint whose factor is moved, where none is."""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ class Doubt:
         self._scale = 1.0 / np.maximum(model.range.tau_max, 1e-9)
         self._last = np.zeros((1, len(model.joints)))
         middle = 0.5 * (model.range.q_low + model.range.q_high)[None]
-        self(middle, 0.0 * middle, 0.0 * middle)  # compiles what is compiled on first use
+        self(middle, 0.0 * middle, 0.0 * middle)  # what is made on first use is made now
 
     @classmethod
     def of(cls, model: Model) -> "Doubt | None":

@@ -10,7 +10,7 @@ from lagrangian_ff.identification import Model
 
 
 def load_model(file: str, joints: tuple[str, ...]) -> tuple[Model, NDArray[np.int64]]:
-    """Load and try it, so that everything compiled on first use is ready.
+    """Load a model and try it on one state.
 
     Args:
         file: a model file.

@@ -35,7 +35,7 @@ class OneAtATime:
         self.joints, self.range = model.joints, model.range
         self._pointwise = Pointwise(model)
         middle = 0.5 * (model.range.q_low + model.range.q_high)[None]
-        self.terms(middle, 0.0 * middle, 0.0 * middle)  # compiles what is compiled on first use
+        self.terms(middle, 0.0 * middle, 0.0 * middle)  # what is made on first use is made now
 
     def terms(self, q: Floats, qd: Floats, qdd: Floats) -> OneState:
         """The parts at one state, (1, N) each."""

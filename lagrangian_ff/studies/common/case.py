@@ -5,8 +5,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-import numba
 from threadpoolctl import threadpool_limits
+
+from lagrangian_ff.kernels import threads
 
 Line = dict[str, Any]
 """What is kept of a case, as JSON holds it: `case`, its findings, and `seconds`; or `failed`."""
@@ -42,10 +43,5 @@ def attempt(case: Case) -> Line:
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Let the block compute on one thread: cases fill the processors, not their parts."""
-    before = numba.get_num_threads()
-    numba.set_num_threads(1)
-    try:
-        with threadpool_limits(1):
-            yield
-    finally:
-        numba.set_num_threads(before)
+    with threads.limited(1), threadpool_limits(1):
+        yield

@@ -8,8 +8,7 @@ import sympy
 from numpy.typing import NDArray
 
 from lagrangian_ff.kernels import Chain, ChainRbf, Energy, EnergyRbf, States
-from lagrangian_ff.kernels.structured.base import Structured
-from lagrangian_ff.kernels.structured.factors import BELL, COSINE
+from lagrangian_ff.kernels.structured.base import BELL, COSINE, Structured
 
 Floats = NDArray[np.float64]
 Symbols = tuple[sympy.Symbol, ...]

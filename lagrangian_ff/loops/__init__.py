@@ -1,0 +1,10 @@
+"""Loops over pairs of states and over samples, in C: compiled at installation, never later.
+
+`loop("name")` is the function of that name in one of the C files, for NumPy arrays. To add one,
+write it, with `EXPORT` before it, and name its arguments in `library.py`; `make install` compiles
+it.
+"""
+
+from lagrangian_ff.loops.library import LoopsError, loop
+
+__all__ = ["LoopsError", "loop"]

@@ -1,0 +1,54 @@
+"""How the C loops are compiled: read by setup.py, which runs before the package is installed."""
+
+import hashlib
+import os
+import platform
+import shutil
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent
+SOURCES = sorted(path.name for path in FOLDER.glob("*.c"))
+HEADERS = sorted(path.name for path in FOLDER.glob("*.h"))
+FLAGS = [
+    "-O3", "-std=gnu11", "-fvisibility=hidden", "-fopenmp-simd", "-ffp-contract=fast",
+    "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra",
+]  # fmt: skip
+
+PLAIN = "plain"
+LEVELS = {"avx2": ["-march=x86-64-v3"], "avx512": ["-march=x86-64-v4"]}
+"""For processors of 2015 and later, and for large ones; `library.c` knows which this one is."""
+
+
+def variants() -> dict[str, list[str]]:
+    """Return the flags of each library that is built on this machine, by its name."""
+    faster = LEVELS if platform.machine().lower() in ("x86_64", "amd64") else {}
+    return {PLAIN: FLAGS, **{name: [*FLAGS, *flags] for name, flags in faster.items()}}
+
+
+def digest() -> str:
+    """Return a digest of the sources and of how they are compiled; empty where there are none."""
+    if not SOURCES:
+        return ""
+    found = hashlib.sha256(repr(variants()).encode())
+    for name in (*SOURCES, *HEADERS):
+        found.update((FOLDER / name).read_bytes())
+    return found.hexdigest()[:16]
+
+
+def choose_compiler() -> None:
+    """Let the environment name the compiler of the package `ziglang` where there is no other.
+
+    Raises:
+        SystemExit: there is none at all; it says what to install.
+    """
+    if os.environ.get("CC") or any(shutil.which(name) for name in ("cc", "gcc", "clang")):
+        return
+    if find_spec("ziglang") is None:
+        raise SystemExit(
+            "lagrangian_ff compiles its loops from C, and no C compiler was found. Install one"
+            " (Debian, Ubuntu: apt install gcc libc6-dev), or: pip install ziglang"
+        )
+    os.environ["CC"] = f"{sys.executable} -m ziglang cc"
+    os.environ["LDSHARED"] = f"{os.environ['CC']} -shared"
