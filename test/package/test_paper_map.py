@@ -61,7 +61,13 @@ def defined(node: ast.stmt) -> list[str]:
 @cache
 def names_of(file: Path) -> set[str]:
     """Return what a file defines, and its own name."""
-    return {file.name} | names_in(file.read_text(encoding="utf-8"))
+    text = file.read_text(encoding="utf-8")
+    found = (
+        set(re.findall(r"^EXPORT .*?(\w+)\(", text, re.M))
+        if file.suffix == ".c"
+        else names_in(text)
+    )
+    return {file.name} | found
 
 
 def numbers(label: str) -> list[str]:
