@@ -28,7 +28,7 @@ LOOPS = [
     Extension(
         f"{PACKAGE}.loops.{name}",
         sources=[f"{PACKAGE}/loops/{source}" for source in loops.SOURCES],
-        depends=[f"{PACKAGE}/loops/{header}" for header in loops.HEADERS],
+        depends=[f"{PACKAGE}/loops/{name}" for name in (*loops.HEADERS, "build.py")],
         define_macros=[("SOURCES", f'"{loops.digest()}"')],
         extra_compile_args=flags,
         libraries=["m"],

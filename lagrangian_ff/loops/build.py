@@ -17,7 +17,11 @@ FLAGS = [
 ]  # fmt: skip
 
 PLAIN = "plain"
-LEVELS = {"avx2": ["-march=x86-64-v3"], "avx512": ["-march=x86-64-v4"]}
+_AVX2 = ["-mavx2", "-mfma"]
+LEVELS = {
+    "avx2": _AVX2,
+    "avx512": [*_AVX2, *(f"-mavx512{part}" for part in ("f", "dq", "bw", "vl"))],
+}
 """For processors of 2015 and later, and for large ones; `library.c` knows which this one is."""
 
 
@@ -50,5 +54,7 @@ def choose_compiler() -> None:
             "lagrangian_ff compiles its loops from C, and no C compiler was found. Install one"
             " (Debian, Ubuntu: apt install gcc libc6-dev), or: pip install ziglang"
         )
-    os.environ["CC"] = f"{sys.executable} -m ziglang cc"
+    # Without a target it compiles for this very processor.
+    target = f"{platform.machine()}-linux-gnu"
+    os.environ["CC"] = f"{sys.executable} -m ziglang cc -target {target}"
     os.environ["LDSHARED"] = f"{os.environ['CC']} -shared"
