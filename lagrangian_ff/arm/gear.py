@@ -10,7 +10,7 @@ from scipy.linalg.lapack import dposv
 from lagrangian_ff.arm.description import JOINTS, Load
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
-from lagrangian_ff.arm.plant import ITERATIONS, SETTLED, Attached, Plant
+from lagrangian_ff.arm.plant import ITERATIONS, Attached, Plant, settled
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +57,15 @@ class GearedPlant(Plant):
         self._stiffness = np.array([gear.stiffness for gear in gears])
         self._damping = np.array([gear.damping for gear in gears])
         self._half = 0.5 * np.array([gear.play for gear in gears])
-        self._rotor = len(JOINTS) + np.arange(len(gears))
+        count = len(JOINTS)
+        self._rotor = count + np.arange(len(gears))
+        # Where the motor, friction and effects of each joint act: on the rotor where it is free.
+        self._seat = np.arange(count)
+        self._seat[self._joint] = self._rotor
+        # Rotor less link of each gear.
+        self._apart = np.zeros((len(gears), count + len(gears)))
+        self._apart[np.arange(len(gears)), self._rotor] = 1.0
+        self._apart[np.arange(len(gears)), self._joint] = -1.0
         super().__init__(parameters, loads, effects, attached)
 
     def reset(self, q: Floats) -> None:
@@ -80,64 +88,66 @@ class GearedPlant(Plant):
     def step(self, motor: Floats) -> None:
         """See Plant."""
         self._take_up()
-        count, joint, rotor = len(JOINTS), self._joint, self._rotor
-        # Where the motor, friction and effects of each joint act: on the rotor where it is free.
-        seat = np.arange(count)
-        seat[joint] = rotor
-        mass = self.body.mass_matrix(self.q)
-        bias = self.body.bias(self.q, self.qd)
-        inertia = np.zeros((count + len(joint),) * 2)
+        dt, count, rotor, seat, apart = self.dt, len(JOINTS), self._rotor, self._seat, self._apart
+        mass, bias = self._body.dynamics(self.q, self.qd)
+        inertia = np.zeros((apart.shape[1],) * 2)
         inertia[:count, :count] = mass
-        inertia[seat, seat] += self._armature
-        drive = np.zeros(len(inertia))
-        drive[:count] -= bias
-        drive[seat] += motor
-        start = np.concatenate([self.qd, self._rotor_qd[joint]])
+        diagonal = inertia.reshape(-1)[:: len(inertia) + 1]
+        diagonal[seat] += self._armature
+        start = np.concatenate([self.qd, self._rotor_qd[self._joint]])
+        # Momentum at the end of the step, but for friction, effects and gears.
+        momentum = inertia.dot(start)
+        momentum[:count] -= dt * bias
+        momentum[seat] += dt * motor
+        twist = self._twist
         guess = start + self._change
         for _ in range(ITERATIONS):
-            resisting, slope = self._resistance(guess[seat], motor)
-            torque, per_velocity = self._twist(guess)
-            force, system = np.zeros(len(inertia)), np.zeros_like(inertia)
-            force[seat] += resisting
-            force[rotor] += torque
-            force[joint] -= torque
-            system[seat, seat] += slope
-            system[rotor, rotor] += per_velocity
-            system[joint, joint] += per_velocity
-            system[rotor, joint] -= per_velocity
-            system[joint, rotor] -= per_velocity
-            right = drive - force + system @ (guess - start)
-            after = start + self.dt * dposv(inertia + self.dt * system, right)[1]
+            moving = guess[seat]
+            slope = self.friction.chord(moving)
+            resisting = slope * moving
+            if self._effects:
+                added, steeper = self._resistance(moving, motor)
+                resisting, slope = resisting + added, slope + steeper
+            rate = apart.dot(guess)
+            torque, per_velocity = self._spring(twist + dt * rate, rate)
+            system = inertia + apart.T.dot((dt * per_velocity)[:, None] * apart)
+            system.reshape(-1)[:: len(system) + 1][seat] += dt * slope
+            right = momentum + apart.T.dot(dt * (per_velocity * rate - torque))
+            right[seat] += dt * (slope * moving - resisting)
+            after = dposv(system, right)[1]
             change = after - guess
             guess = after
-            if np.abs(change).max() < SETTLED:
+            if settled(change):
                 break
         self._change = guess - start
         self.effect_torque = resisting + slope * change[seat]
-        self.qdd = self._change[:count] / self.dt
-        self.load_torque = bias + mass @ self.qdd
-        self.body.advance(self.load_torque)
-        self.q, self.qd = self.body.state()
-        rotor_q = self._rotor_q[joint] + self.dt * guess[rotor]
+        self.qdd = self._change[:count] / dt
+        self.load_torque = bias + mass.dot(self.qdd)
+        rotor_q = self._rotor_q[self._joint] + dt * guess[rotor]
+        self._move(guess[:count])
         self._rotor_q, self._rotor_qd = self.q.copy(), self.qd.copy()
-        self._rotor_q[joint], self._rotor_qd[joint] = rotor_q, guess[rotor]
+        self._rotor_q[self._joint], self._rotor_qd[self._joint] = rotor_q, guess[rotor]
         self._advance_effects(motor)
 
-    def _twist(self, velocity: Floats) -> tuple[Floats, Floats]:
-        """The torque from rotor to link after a step at this velocity, and its derivative."""
-        joint = self._joint
-        rate = velocity[self._rotor] - velocity[joint]
-        twist = self._rotor_q[joint] - self.q[joint] + self.dt * rate
-        beyond = twist - np.clip(twist, -self._half, self._half)
+    @property
+    def _twist(self) -> Floats:
+        """Rad by which each rotor is ahead of its link."""
+        return self._rotor_q[self._joint] - self.q[self._joint]
+
+    def _spring(self, twist: Floats, rate: Floats) -> tuple[Floats, Floats]:
+        """The torque from rotor to link at this twist, and its derivative by a step's velocity."""
+        beyond = self._beyond(twist)
         touching = (beyond != 0.0) | (self._half == 0.0)
         torque = self._stiffness * beyond + self._damping * rate * touching
         return torque, (self._stiffness * self.dt + self._damping) * touching
 
+    def _beyond(self, twist: Floats) -> Floats:
+        """The twist beyond the play."""
+        return twist - np.minimum(np.maximum(twist, -self._half), self._half)
+
     def energy(self) -> float:
         """J of links, rotors and springs, kinetic and potential, at the present state."""
-        mass = self.body.mass_matrix(self.q)
-        twist = self._rotor_q[self._joint] - self.q[self._joint]
-        beyond = twist - np.clip(twist, -self._half, self._half)
+        mass = self._body.mass_matrix(self.q)
         kinetic = 0.5 * (self.qd @ mass @ self.qd + self._armature @ self._rotor_qd**2)
-        spring = 0.5 * float(self._stiffness @ beyond**2)
+        spring = 0.5 * float(self._stiffness @ self._beyond(self._twist) ** 2)
         return float(kinetic) + spring + self.body.potential_energy()

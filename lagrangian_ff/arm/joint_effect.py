@@ -63,18 +63,11 @@ class Friction:
         self._per_velocity = 1.0 / np.asarray(parameters.coulomb_velocity)
         self._steepest = self._coulomb * self._per_velocity
 
-    def reset(self, q: Floats) -> None:
-        """Nothing to forget."""
-
-    def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """See JointEffect."""
+    def chord(self, qd: Floats) -> Floats:
+        """(6,) N·m·s/rad, the torque over the velocity qd, (6,) rad/s; its slope at rest."""
         # tanh(x) / x is one at zero, and beside it exact to rounding.
-        x = moment.qd * self._per_velocity + TINY
-        chord = self._viscous + self._steepest * (np.tanh(x) / x)
-        return chord * moment.qd, chord
-
-    def advance(self, moment: JointMoment) -> None:
-        """No state."""
+        x = qd * self._per_velocity + TINY
+        return self._viscous + self._steepest * (np.tanh(x) / x)
 
     def at(self, qd: Floats) -> Floats:
         """The torque at velocities (..., 6) rad/s, in N·m."""

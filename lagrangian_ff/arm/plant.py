@@ -1,6 +1,7 @@
 """The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
+from operator import lt
 from typing import NamedTuple
 
 import numpy as np
@@ -8,16 +9,21 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.description import JOINTS, Load
+from lagrangian_ff.arm.description import JOINTS, Load, limits
 from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
 
-DIAGONAL = slice(None, None, len(JOINTS) + 1)
 ITERATIONS = 8
 SETTLED = 1e-6  # rad/s
+
+
+def settled(change: Floats) -> bool:
+    """Whether no velocity changed by more than what ends the iteration."""
+    # Six numbers: half the time of np.abs(change).max().
+    return max(map(abs, change.tolist())) < SETTLED
 
 
 class Attached(NamedTuple):
@@ -35,9 +41,10 @@ class Attached(NamedTuple):
 class Plant:
     """The arm from motor torque to motion.
 
-    Each step solves (M + A) qdd + h + f = tau for qdd, A the reflected rotor inertia and f the
-    joint effects at the *new* velocity (backward Euler: stiff friction stays stable), and hands
-    PyBullet the torque h + M qdd that gives its links this acceleration.
+    Each step solves (M + A) qdd + h + f = tau for qdd, with mass matrix M and bias h by PyBullet, A
+    the reflected rotor inertia and f the joint effects at the *new* velocity (backward Euler: stiff
+    friction stays stable); the new velocity then moves the joints. Where one is at its stop,
+    PyBullet takes the step, under the torque h + M qdd.
 
     Args:
         parameters: rotors, friction and the rate of the integration.
@@ -67,10 +74,12 @@ class Plant:
         if attached is not None:
             self._bodies.append(Body(attached.loads, dt=self.dt))
         self._attached_at = np.inf if attached is None else attached.time
-        self.body = self._bodies[0]
+        self._body = self._bodies[0]
         self.friction = Friction(self.parameters)
-        self._effects: tuple[JointEffect, ...] = (self.friction, *effects)
+        self._effects = tuple(effects)
         self._armature = self.parameters.reflected_inertia
+        self._rotors = np.diag(self._armature)
+        self._stops = limits().lower.tolist(), limits().upper.tolist()
         self.reset(np.zeros(len(JOINTS)))
 
     def reset(self, q: Floats) -> None:
@@ -82,10 +91,15 @@ class Plant:
         self.effect_torque = np.zeros(len(JOINTS))
         self.added_torque = np.zeros(len(JOINTS))
         self.load_torque = np.zeros(len(JOINTS))
-        self.body = self._bodies[0]
-        self.body.set_state(self.q, self.qd)
+        self._body = self._bodies[0]
         for effect in self._effects:
             effect.reset(self.q)
+
+    @property
+    def body(self) -> Body:
+        """The links in PyBullet, in the present state."""
+        self._body.set_state(self.q, self.qd)
+        return self._body
 
     @property
     def encoder(self) -> Floats:
@@ -104,45 +118,65 @@ class Plant:
             motor: (6,) N·m through the gears.
         """
         self._take_up()
-        mass = self.body.mass_matrix(self.q)
-        bias = self.body.bias(self.q, self.qd)
-        inertia = mass.copy()
-        inertia.ravel()[DIAGONAL] += self._armature
-        drive = motor - bias
-        guess = self.qd + self.dt * self.qdd
-        for _ in range(ITERATIONS):
-            resisting, slope = self._resistance(guess, motor)
-            system = inertia.copy()
-            system.ravel()[DIAGONAL] += self.dt * slope
-            qdd = dposv(system, drive - resisting + slope * (guess - self.qd))[1]
-            qd = self.qd + self.dt * qdd
-            change = qd - guess
-            guess = qd
-            if np.abs(change).max() < SETTLED:
-                break
-        self.effect_torque = resisting + slope * change
-        self.load_torque = bias + mass @ qdd
-        self.qdd = qdd
-        self.body.advance(self.load_torque)
-        self.q, self.qd = self.body.state()
+        mass, bias = self._body.dynamics(self.q, self.qd)
+        inertia = mass + self._rotors
+        # (M + A) qd at the end of the step, but for friction and effects.
+        momentum = inertia.dot(self.qd) + self.dt * (motor - bias)
+        qd = self._settle(inertia, momentum, motor)
+        self.qdd = (qd - self.qd) / self.dt
+        self.load_torque = bias + mass.dot(self.qdd)
+        self.effect_torque = motor - self.load_torque - self._armature * self.qdd
+        self._move(qd)
         self._advance_effects(motor)
+
+    def _settle(self, inertia: Floats, momentum: Floats, motor: Floats) -> Floats:
+        """The velocity (6,) rad/s at the end of the step, at which the resisting torque acts."""
+        dt, friction = self.dt, self.friction
+        system = inertia.copy()
+        diagonal, own = system.reshape(-1)[:: len(system) + 1], inertia.diagonal()
+        right = momentum
+        guess = self.qd + dt * self.qdd
+        for _ in range(ITERATIONS):
+            slope = friction.chord(guess)
+            if self._effects:
+                added, steeper = self._resistance(guess, motor)
+                slope += steeper
+                right = momentum + dt * (steeper * guess - added)
+            np.add(own, dt * slope, out=diagonal)
+            before, guess = guess, dposv(system, right)[1]
+            if settled(guess - before):
+                break
+        return guess
 
     def _take_up(self) -> None:
         """Change to the body with the attached loads when its time has come."""
-        if self.time >= self._attached_at and self.body is not self._bodies[-1]:
-            self.body = self._bodies[-1]
-            self.body.set_state(self.q, self.qd)
+        if self.time >= self._attached_at:
+            self._body = self._bodies[-1]
+
+    def _move(self, qd: Floats) -> None:
+        """Let the links move at the new velocity, (6,) rad/s; stops by PyBullet."""
+        low, high = self._stops
+        at = self.q.tolist()
+        if all(map(lt, low, at)) and all(map(lt, at, high)):
+            self.q, self.qd = self.q + self.dt * qd, qd
+        else:
+            body = self.body
+            body.advance(self.load_torque)
+            self.q, self.qd = body.state()
 
     def _advance_effects(self, motor: Floats) -> None:
         """Let the clock and the states of the effects catch up with the motion."""
-        q, qd = self.encoder, self.rotor_velocity
-        if len(self._effects) > 1:
-            self.added_torque = self.effect_torque - self.friction.at(qd)
         self.time += self.dt
+        if not self._effects:
+            return
+        q, qd = self.encoder, self.rotor_velocity
+        self.added_torque = self.effect_torque - self.friction.at(qd)
+        moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
         for effect in self._effects:
-            effect.advance(JointMoment(self.time, self.dt, q, qd, motor, self.load_torque))
+            effect.advance(moment)
 
     def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
+        """Torque and slope of the effects besides friction, of which there is one at least."""
         moment = JointMoment(self.time, self.dt, self.encoder, qd, motor, self.load_torque)
         torque, slope = self._effects[0].torque(moment)
         for effect in self._effects[1:]:
@@ -152,7 +186,7 @@ class Plant:
 
     def energy(self) -> float:
         """J of links and rotors, kinetic and potential, at the present state."""
-        inertia = self.body.mass_matrix(self.q) + np.diag(self._armature)
+        inertia = self._body.mass_matrix(self.q) + self._rotors
         return float(0.5 * self.qd @ inertia @ self.qd) + self.body.potential_energy()
 
     def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:
@@ -184,7 +218,7 @@ class Plant:
                 raise ArmError(
                     f"true torque: {name} of {JOINTS[joint]} at sample {sample} is not finite"
                 )
-        torque = self.body.inverse_dynamics(*rows) + self._armature * rows[2]
+        torque = self._body.inverse_dynamics(*rows) + self._armature * rows[2]
         if friction:
             torque += self.friction.at(rows[1])
         return torque.reshape(shape)

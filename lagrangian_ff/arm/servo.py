@@ -1,6 +1,6 @@
 """The servo of the paper's arm: PI current loop within a PD position loop, and the sensors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from lagrangian_ff.arm.parameters import ArmParameters
 
 Floats = NDArray[np.float64]
+
+NOISES = 1000  # samples
 
 
 class CurrentLoop:
@@ -22,18 +24,27 @@ class CurrentLoop:
     """
 
     def __init__(self, parameters: ArmParameters) -> None:
-        self._constant = np.asarray(parameters.torque_constant)
-        self._ratio = np.asarray(parameters.gear_ratio)
         self._torque_per_ampere = parameters.torque_per_ampere
+        # Back-EMF in V·s/rad of the joint is the same number as torque in N·m/A.
         periods = parameters.current_rate // parameters.physics_rate
         period = 1.0 / parameters.current_rate
         windings = zip(parameters.resistance, parameters.inductance, strict=True)
         one = [one_period(*winding, parameters.current_bandwidth, period) for winding in windings]
         table = np.linalg.matrix_power(np.array(one), periods)
         # Rows: current and integrator afterwards, mean current; columns: what they follow from.
-        self._map = np.ascontiguousarray(table[:, (0, 1, 4), :4])
-        self._map[:, 2] *= parameters.physics_rate
-        self._input = np.zeros((len(one), 4, 1))
+        table = table[:, (0, 1, 4), :4]
+        table[:, 2] *= parameters.physics_rate
+        # All joints in one matrix, joint by joint within each quantity: one product a step.
+        count = len(one)
+        joints = np.eye(count)
+        self._map = np.einsum("jac,jk->ajck", table, joints).reshape(3 * count, 4 * count)
+        self._input = np.zeros(4 * count)
+        self._current, self._state, self._wanted, self._back = (
+            self._input[:count],
+            self._input[: 2 * count],
+            self._input[2 * count : 3 * count],
+            self._input[3 * count :],
+        )
 
     def reset(self) -> None:
         """No current, empty integrator."""
@@ -42,7 +53,7 @@ class CurrentLoop:
     @property
     def current(self) -> Floats:
         """(6,) A now."""
-        return self._input[:, 0, 0].copy()
+        return self._current.copy()
 
     def step(self, torque: Floats, qd: Floats) -> Floats:
         """Follow the torque asked for during one step of the integration.
@@ -53,11 +64,11 @@ class CurrentLoop:
         Returns:
             (6,) N·m the motors gave on average, at the joints.
         """
-        self._input[:, 2, 0] = torque / self._torque_per_ampere
-        self._input[:, 3, 0] = qd * self._ratio * self._constant
-        after = (self._map @ self._input)[:, :, 0]
-        self._input[:, :2, 0] = after[:, :2]
-        return after[:, 2] * self._torque_per_ampere
+        np.divide(torque, self._torque_per_ampere, out=self._wanted)
+        np.multiply(qd, self._torque_per_ampere, out=self._back)
+        after = self._map.dot(self._input)
+        self._state[:] = after[: len(self._state)]
+        return after[len(self._state) :] * self._torque_per_ampere
 
 
 def one_period(resistance: float, inductance: float, bandwidth: float, period: float) -> Floats:
@@ -143,6 +154,7 @@ class Sensors:
     def reset(self) -> None:
         """Begin again, with the same noise."""
         self._random = np.random.default_rng(self._seed)
+        self._noises: Iterator[Floats] = iter(())
         self._before: Floats | None = None
         self._ticks = 0
         for effect in self._effects:
@@ -156,8 +168,16 @@ class Sensors:
         before = position if self._before is None else self._before
         velocity = (position - before) * self._rate
         self._before = position
-        noise = self._noise * self._random.standard_normal(len(self._noise))
-        return position, velocity, (current + noise) * self._torque_per_ampere
+        return position, velocity, (current + self._next_noise()) * self._torque_per_ampere
+
+    def _next_noise(self) -> Floats:
+        """(6,) A; drawn for many samples at once, in the order of the samples."""
+        noise = next(self._noises, None)
+        if noise is None:
+            drawn = self._random.standard_normal((NOISES, len(self._noise)))
+            self._noises = iter(self._noise * drawn)
+            noise = next(self._noises)
+        return noise
 
     def _falsified(self, q: Floats, current: Floats) -> tuple[Floats, Floats]:
         effort = current * self._torque_per_ampere
