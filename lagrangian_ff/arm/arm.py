@@ -46,6 +46,7 @@ class Arm:
         attached: loads that take the place of `loads` at a later time.
 
     Attributes:
+        torques: (4, 6) N·m, the four below.
         motor_torque: (6,) N·m of the motors through the gears, mean of the last tick.
         effect_torque: (6,) N·m that friction and effects took of it, mean of the last tick.
         added_torque: (6,) N·m of it that went to the effects besides friction.
@@ -95,10 +96,7 @@ class Arm:
             )
         self._ticks = 0
         self._feedback = np.zeros(len(JOINTS))
-        self.motor_torque = np.zeros(len(JOINTS))
-        self.effect_torque = np.zeros(len(JOINTS))
-        self.added_torque = np.zeros(len(JOINTS))
-        self.load_torque = np.zeros(len(JOINTS))
+        self._keep_torques(np.zeros((4, len(JOINTS))))
         self.saturated = np.zeros(len(JOINTS), dtype=bool)
         self.plant.reset(q)
         for part in (self._current, self._position, self._sensors):
@@ -135,18 +133,18 @@ class Arm:
         command = np.minimum(np.maximum(wanted, -self._limit), self._limit)
         self.saturated = command != wanted
         plant = self.plant
-        sums = motor, effect, added, load = np.zeros((4, len(JOINTS)))
+        sums = np.zeros_like(plant.torques)
         for _ in range(self._substeps):
-            torque = self._current.step(command, plant.rotor_velocity)
-            plant.step(torque)
-            motor += torque
-            effect += plant.effect_torque
-            added += plant.added_torque
-            load += plant.load_torque
+            plant.step(self._current.step(command, plant.rotor_velocity))
+            sums += plant.torques
         sums /= self._substeps
-        self.motor_torque, self.effect_torque, self.added_torque, self.load_torque = sums
+        self._keep_torques(sums)
         self._ticks += 1
         return sample
+
+    def _keep_torques(self, torques: Floats) -> None:
+        self.torques = torques
+        self.motor_torque, self.effect_torque, self.added_torque, self.load_torque = torques
 
     def _checked(self, what: str, values: Floats) -> Floats:
         array = np.asarray(values, dtype=np.float64)

@@ -2,9 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Mapping
-from itertools import chain
-from struct import Struct
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 import numpy as np
@@ -16,7 +14,6 @@ from lagrangian_ff.arm.description import JOINTS, URDF, Load, on_links, robot_de
 Floats = NDArray[np.float64]
 
 GRAVITY = 9.81  # m/s², down along z of the base
-_MATRIX = Struct(f"{len(JOINTS) ** 2}d")
 
 
 class Body:
@@ -103,27 +100,25 @@ class Body:
         )
         pybullet.stepSimulation(**self._args)
 
-    def dynamics(self, q: Floats, qd: Floats) -> tuple[Floats, Floats]:
-        """Mass matrix (6, 6) kg·m² and bias (6,) N·m at q and qd, (6,) each.
+    def dynamics(
+        self, q: list[float], qd: list[float]
+    ) -> tuple[Sequence[Sequence[float]], Sequence[float]]:
+        """The rows of the mass matrix in kg·m² and the bias in N·m, of q rad and qd rad/s.
 
         The bias is the gravity, Coriolis and centrifugal torque.
         """
-        at = q.tolist()
-        rows = pybullet.calculateMassMatrix(self.id, at, physicsClientId=self.client)
-        bias = pybullet.calculateInverseDynamics(
-            self.id, at, qd.tolist(), self._rest, physicsClientId=self.client
-        )
-        # A third of the time of np.array(rows), which counts at every step.
-        packed = _MATRIX.pack(*chain.from_iterable(rows))
-        return np.frombuffer(packed).reshape(len(JOINTS), -1), np.array(bias)
+        body, client = self.id, self.client
+        mass = pybullet.calculateMassMatrix(body, q, physicsClientId=client)
+        bias = pybullet.calculateInverseDynamics(body, q, qd, self._rest, physicsClientId=client)
+        return mass, bias
 
     def mass_matrix(self, q: Floats) -> Floats:
         """(6, 6) kg·m² of the links at q (6,)."""
-        return self.dynamics(q, np.zeros_like(q))[0]
+        return np.array(self.dynamics(q.tolist(), self._rest)[0])
 
     def bias(self, q: Floats, qd: Floats) -> Floats:
         """Gravity, Coriolis and centrifugal torque (6,) N·m at q and qd, (6,) each."""
-        return self.dynamics(q, qd)[1]
+        return np.array(self.dynamics(q.tolist(), qd.tolist())[1])
 
     def inverse_dynamics(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """The torques (M, 6) N·m of the links alone in states (M, 6)."""

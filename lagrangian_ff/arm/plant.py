@@ -1,29 +1,45 @@
 """The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
-from operator import lt
+from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv
 
 from lagrangian_ff.arm.body import Body
 from lagrangian_ff.arm.description import JOINTS, Load, limits
 from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.errors import ArmError
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 
 ITERATIONS = 8
 SETTLED = 1e-6  # rad/s
 
-
-def settled(change: Floats) -> bool:
-    """Whether no velocity changed by more than what ends the iteration."""
-    # Six numbers: half the time of np.abs(change).max().
-    return max(map(abs, change.tolist())) < SETTLED
+PER_JOINT = "f8", len(JOINTS)
+TORQUES = "motor", "effect", "added_torque", "load"
+MOTION = "q", "rotor_q", "qd"
+RESULTS = *TORQUES, *MOTION, "rotor_qd", "qdd"
+NUMBERS = np.dtype(
+    [
+        ("dt", "f8"),
+        ("tolerance", "f8"),
+        *((name, *PER_JOINT) for name in ("lower", "upper", "armature", "viscous", "steepest")),
+        *((name, *PER_JOINT) for name in ("per_velocity", "stiffness", "damping", "half_play")),
+        *((name, *PER_JOINT) for name in ("added", "slope", "guess", "rotor_guess")),
+        ("unsettled", "f8"),
+        ("change", *PER_JOINT),
+        ("rotor_change", *PER_JOINT),
+        ("at_stop", "f8"),
+        ("mass", "f8", (len(JOINTS), len(JOINTS))),
+        *((name, *PER_JOINT) for name in ("bias", *RESULTS)),
+    ]
+)
+"""What `loops/arm.c` works on."""
+_GIVEN = Struct(f"{len(JOINTS) * (len(JOINTS) + 2)}d")  # mass, bias and motor
 
 
 class Attached(NamedTuple):
@@ -56,6 +72,8 @@ class Plant:
         time: s since the reset.
         q: (6,) rad.  qd: (6,) rad/s.
         qdd: (6,) rad/s² of the last step.
+        motion: (3, 6) positions of links and rotors, rad, velocities of the links, rad/s.
+        torques: (4, 6) N·m of the motors, and the three below, in the last step.
         effect_torque: (6,) N·m that friction and effects took from the motors in the last step.
         added_torque: (6,) N·m of it that went to the effects besides friction.
         load_torque: (6,) N·m that went into the links in the last step.
@@ -78,22 +96,48 @@ class Plant:
         self.friction = Friction(self.parameters)
         self._effects = tuple(effects)
         self._armature = self.parameters.reflected_inertia
-        self._rotors = np.diag(self._armature)
-        self._stops = limits().lower.tolist(), limits().upper.tolist()
+        self._lay_out()
         self.reset(np.zeros(len(JOINTS)))
 
     def reset(self, q: Floats) -> None:
         """Put the arm at rest at q, (6,) rad."""
         self.time = 0.0
-        self.q = np.array(q, dtype=np.float64)
-        self.qd = np.zeros(len(JOINTS))
-        self.qdd = np.zeros(len(JOINTS))
-        self.effect_torque = np.zeros(len(JOINTS))
-        self.added_torque = np.zeros(len(JOINTS))
-        self.load_torque = np.zeros(len(JOINTS))
+        self._numbers["change"] = self._numbers["rotor_change"] = 0.0
+        self._results[:] = 0.0
+        self._numbers["q"] = self._numbers["rotor_q"] = q
+        self._read()
         self._body = self._bodies[0]
         for effect in self._effects:
             effect.reset(self.q)
+
+    def _lay_out(self) -> None:
+        """Put down the numbers that the loops in C work on, and where they are."""
+        numbers = self._numbers = np.zeros((), NUMBERS)
+        numbers["dt"], numbers["tolerance"] = self.dt, SETTLED
+        numbers["lower"], numbers["upper"], *_ = limits()
+        numbers["armature"] = self._armature
+        for name, values in self.friction.numbers.items():
+            numbers[name] = values
+        flat = numbers.reshape(1).view(np.float64)
+        self._results = flat[-len(RESULTS) * len(JOINTS) :].reshape(len(RESULTS), -1)
+        self._given = flat[-(len(JOINTS) + 1 + len(RESULTS)) * len(JOINTS) :].data.cast("B")
+        self._guess, self._unsettled = numbers["rotor_guess"], numbers["unsettled"]
+        self._added, self._slope = numbers["added"], numbers["slope"]
+        self._at_stop = numbers["at_stop"]
+        self._address = numbers.ctypes.data
+        self._step, self._guess_first, self._settle, self._move = (
+            loop(name) for name in ("arm_step", "arm_guess", "arm_settle", "arm_move")
+        )
+
+    def _read(self) -> None:
+        """Take over what came of the step; the arrays are new ones."""
+        results = self._results.copy()
+        torques, motion = len(TORQUES), len(MOTION)
+        self.torques, self.motion = results[:torques], results[torques:][:motion]
+        (
+            _, self.effect_torque, self.added_torque, self.load_torque,
+            self.q, self._rotor_q, self.qd, self._rotor_qd, self.qdd,
+        ) = results  # fmt: skip
 
     @property
     def body(self) -> Body:
@@ -104,12 +148,12 @@ class Plant:
     @property
     def encoder(self) -> Floats:
         """(6,) rad of the motors through their gears, which is where the encoders sit."""
-        return self.q
+        return self._rotor_q
 
     @property
     def rotor_velocity(self) -> Floats:
         """(6,) rad/s of the motors through their gears."""
-        return self.qd
+        return self._rotor_qd
 
     def step(self, motor: Floats) -> None:
         """Let the motors act for one step of the integration.
@@ -118,66 +162,54 @@ class Plant:
             motor: (6,) N·m through the gears.
         """
         self._take_up()
-        mass, bias = self._body.dynamics(self.q, self.qd)
-        inertia = mass + self._rotors
-        # (M + A) qd at the end of the step, but for friction and effects.
-        momentum = inertia.dot(self.qd) + self.dt * (motor - bias)
-        qd = self._settle(inertia, momentum, motor)
-        self.qdd = (qd - self.qd) / self.dt
-        self.load_torque = bias + mass.dot(self.qdd)
-        self.effect_torque = motor - self.load_torque - self._armature * self.qdd
-        self._move(qd)
-        self._advance_effects(motor)
+        (a, b, c, d, e, f), bias = self._body.dynamics(self.q.tolist(), self.qd.tolist())
+        # In one go: to make arrays of them takes ten times as long.
+        _GIVEN.pack_into(self._given, 0, *a, *b, *c, *d, *e, *f, *bias, *motor.tolist())
+        if self._effects:
+            self._step_with_effects(motor)
+        else:
+            self._step(self._address, ITERATIONS)
+        if self._at_stop:
+            self._stop()
+        self.time += self.dt
+        self._read()
+        if self._effects:
+            self._advance_effects(motor)
 
-    def _settle(self, inertia: Floats, momentum: Floats, motor: Floats) -> Floats:
-        """The velocity (6,) rad/s at the end of the step, at which the resisting torque acts."""
-        dt, friction = self.dt, self.friction
-        system = inertia.copy()
-        diagonal, own = system.reshape(-1)[:: len(system) + 1], inertia.diagonal()
-        right = momentum
-        guess = self.qd + dt * self.qdd
+    def _step_with_effects(self, motor: Floats) -> None:
+        """Ask the effects anew for every guess of the velocity."""
+        self._guess_first(self._address)
         for _ in range(ITERATIONS):
-            slope = friction.chord(guess)
-            if self._effects:
-                added, steeper = self._resistance(guess, motor)
-                slope += steeper
-                right = momentum + dt * (steeper * guess - added)
-            np.add(own, dt * slope, out=diagonal)
-            before, guess = guess, dposv(system, right)[1]
-            if settled(guess - before):
+            self._added[:], self._slope[:] = self._resistance(self._guess.copy(), motor)
+            self._settle(self._address, 1)
+            if self._unsettled.item() < SETTLED:
                 break
-        return guess
+        self._move(self._address, 1)
 
     def _take_up(self) -> None:
         """Change to the body with the attached loads when its time has come."""
         if self.time >= self._attached_at:
             self._body = self._bodies[-1]
 
-    def _move(self, qd: Floats) -> None:
-        """Let the links move at the new velocity, (6,) rad/s; stops by PyBullet."""
-        low, high = self._stops
-        at = self.q.tolist()
-        if all(map(lt, low, at)) and all(map(lt, at, high)):
-            self.q, self.qd = self.q + self.dt * qd, qd
-        else:
-            body = self.body
-            body.advance(self.load_torque)
-            self.q, self.qd = body.state()
+    def _stop(self) -> None:
+        """Let PyBullet move the links in this step, as it has stops."""
+        body, numbers = self.body, self._numbers
+        body.advance(numbers["load"])
+        numbers["q"], numbers["qd"] = body.state()
+        rigid = numbers["stiffness"] == 0.0
+        numbers["rotor_q"][rigid] = numbers["q"][rigid]
+        numbers["rotor_qd"][rigid] = numbers["qd"][rigid]
 
     def _advance_effects(self, motor: Floats) -> None:
-        """Let the clock and the states of the effects catch up with the motion."""
-        self.time += self.dt
-        if not self._effects:
-            return
-        q, qd = self.encoder, self.rotor_velocity
-        self.added_torque = self.effect_torque - self.friction.at(qd)
+        """Let the states of the effects catch up with the motion."""
+        q, qd = self._rotor_q, self._rotor_qd
         moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
         for effect in self._effects:
             effect.advance(moment)
 
     def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
         """Torque and slope of the effects besides friction, of which there is one at least."""
-        moment = JointMoment(self.time, self.dt, self.encoder, qd, motor, self.load_torque)
+        moment = JointMoment(self.time, self.dt, self._rotor_q, qd, motor, self.load_torque)
         torque, slope = self._effects[0].torque(moment)
         for effect in self._effects[1:]:
             more, steeper = effect.torque(moment)
@@ -186,7 +218,7 @@ class Plant:
 
     def energy(self) -> float:
         """J of links and rotors, kinetic and potential, at the present state."""
-        inertia = self._body.mass_matrix(self.q) + self._rotors
+        inertia = self._body.mass_matrix(self.q) + np.diag(self._armature)
         return float(0.5 * self.qd @ inertia @ self.qd) + self.body.potential_energy()
 
     def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:

@@ -6,11 +6,23 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.arm.description import JOINTS
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 
 NOISES = 1000  # samples
+NUMBERS = np.dtype(
+    [
+        ("map", "f8", (len(JOINTS), 3, 4)),
+        *(
+            (name, "f8", len(JOINTS))
+            for name in ("per_ampere", "current", "integrator", "wanted", "qd", "mean")
+        ),
+    ]
+)
+"""What `arm_currents` in loops/arm.c works on."""
 
 
 class CurrentLoop:
@@ -24,8 +36,6 @@ class CurrentLoop:
     """
 
     def __init__(self, parameters: ArmParameters) -> None:
-        self._torque_per_ampere = parameters.torque_per_ampere
-        # Back-EMF in V·s/rad of the joint is the same number as torque in N·m/A.
         periods = parameters.current_rate // parameters.physics_rate
         period = 1.0 / parameters.current_rate
         windings = zip(parameters.resistance, parameters.inductance, strict=True)
@@ -34,21 +44,17 @@ class CurrentLoop:
         # Rows: current and integrator afterwards, mean current; columns: what they follow from.
         table = table[:, (0, 1, 4), :4]
         table[:, 2] *= parameters.physics_rate
-        # All joints in one matrix, joint by joint within each quantity: one product a step.
-        count = len(one)
-        joints = np.eye(count)
-        self._map = np.einsum("jac,jk->ajck", table, joints).reshape(3 * count, 4 * count)
-        self._input = np.zeros(4 * count)
-        self._current, self._state, self._wanted, self._back = (
-            self._input[:count],
-            self._input[: 2 * count],
-            self._input[2 * count : 3 * count],
-            self._input[3 * count :],
-        )
+        self._numbers = np.zeros((), NUMBERS)
+        self._numbers["map"] = table
+        # Torque in N·m/A is back-EMF in V·s/rad, both of the joint.
+        self._numbers["per_ampere"] = parameters.torque_per_ampere
+        self._wanted, self._qd = self._numbers["wanted"], self._numbers["qd"]
+        self._current, self._mean = self._numbers["current"], self._numbers["mean"]
+        self._step, self._address = loop("arm_currents"), self._numbers.ctypes.data
 
     def reset(self) -> None:
         """No current, empty integrator."""
-        self._input[:] = 0.0
+        self._numbers["current"] = self._numbers["integrator"] = 0.0
 
     @property
     def current(self) -> Floats:
@@ -64,11 +70,9 @@ class CurrentLoop:
         Returns:
             (6,) N·m the motors gave on average, at the joints.
         """
-        np.divide(torque, self._torque_per_ampere, out=self._wanted)
-        np.multiply(qd, self._torque_per_ampere, out=self._back)
-        after = self._map.dot(self._input)
-        self._state[:] = after[: len(self._state)]
-        return after[len(self._state) :] * self._torque_per_ampere
+        self._wanted[:], self._qd[:] = torque, qd
+        self._step(self._address)
+        return self._mean.copy()
 
 
 def one_period(resistance: float, inductance: float, bandwidth: float, period: float) -> Floats:
@@ -164,7 +168,7 @@ class Sensors:
         """Measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m at the joints."""
         if self._effects:
             q, current = self._falsified(q, current)
-        position = np.round(q / self._step) * self._step
+        position = np.rint(q / self._step) * self._step
         before = position if self._before is None else self._before
         velocity = (position - before) * self._rate
         self._before = position

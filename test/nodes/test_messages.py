@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-pytest.importorskip("rclpy")
-
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
