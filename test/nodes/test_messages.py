@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
