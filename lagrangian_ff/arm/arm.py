@@ -133,7 +133,7 @@ class Arm:
         command = np.minimum(np.maximum(wanted, -self._limit), self._limit)
         self.saturated = command != wanted
         plant = self.plant
-        sums = np.zeros_like(plant.torques)
+        sums = np.zeros(plant.torques.shape)
         for _ in range(self._substeps):
             plant.step(self._current.step(command, plant.rotor_velocity))
             sums += plant.torques

@@ -42,6 +42,19 @@ NUMBERS = np.dtype(
 _GIVEN = Struct(f"{len(JOINTS) * (len(JOINTS) + 2)}d")  # mass, bias and motor
 
 
+_TORQUES, _MOTION = len(TORQUES), len(TORQUES) + len(MOTION)
+
+
+def _result(name: str) -> property:
+    """Read one result of the last step; most are not asked for at every step."""
+    row = RESULTS.index(name)
+
+    def read(plant: "Plant") -> Floats:
+        return plant._now[row]
+
+    return property(read)
+
+
 class Attached(NamedTuple):
     """Loads that an arm takes up while it moves.
 
@@ -131,13 +144,17 @@ class Plant:
 
     def _read(self) -> None:
         """Take over what came of the step; the arrays are new ones."""
-        results = self._results.copy()
-        torques, motion = len(TORQUES), len(MOTION)
-        self.torques, self.motion = results[:torques], results[torques:][:motion]
-        (
-            _, self.effect_torque, self.added_torque, self.load_torque,
-            self.q, self._rotor_q, self.qd, self._rotor_qd, self.qdd,
-        ) = results  # fmt: skip
+        self._now = self._results.copy()
+        self.torques, self.motion = self._now[:_TORQUES], self._now[_TORQUES:_MOTION]
+
+    q = _result("q")
+    qd = _result("qd")
+    qdd = _result("qdd")
+    effect_torque = _result("effect")
+    added_torque = _result("added_torque")
+    load_torque = _result("load")
+    _rotor_q = _result("rotor_q")
+    _rotor_qd = _result("rotor_qd")
 
     @property
     def body(self) -> Body:
@@ -178,9 +195,16 @@ class Plant:
 
     def _step_with_effects(self, motor: Floats) -> None:
         """Ask the effects anew for every guess of the velocity."""
+        q, load = self._rotor_q, self.load_torque
+        first, *further = self._effects
         self._guess_first(self._address)
         for _ in range(ITERATIONS):
-            self._added[:], self._slope[:] = self._resistance(self._guess.copy(), motor)
+            moment = JointMoment(self.time, self.dt, q, self._guess.copy(), motor, load)
+            self._added[:], self._slope[:] = first.torque(moment)
+            for effect in further:
+                torque, slope = effect.torque(moment)
+                self._added += torque
+                self._slope += slope
             self._settle(self._address, 1)
             if self._unsettled.item() < SETTLED:
                 break
@@ -206,15 +230,6 @@ class Plant:
         moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
         for effect in self._effects:
             effect.advance(moment)
-
-    def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
-        """Torque and slope of the effects besides friction, of which there is one at least."""
-        moment = JointMoment(self.time, self.dt, self._rotor_q, qd, motor, self.load_torque)
-        torque, slope = self._effects[0].torque(moment)
-        for effect in self._effects[1:]:
-            more, steeper = effect.torque(moment)
-            torque, slope = torque + more, slope + steeper
-        return torque, slope
 
     def energy(self) -> float:
         """J of links and rotors, kinetic and potential, at the present state."""

@@ -165,8 +165,8 @@ class OneJoint(ABC):
 
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
         """See JointEffect."""
-        joint, count = self.joint, len(JOINTS)
-        torque, slope = np.zeros(count), np.zeros(count)
+        torque, slope = np.zeros(len(JOINTS)), np.zeros(len(JOINTS))
+        joint = self.joint
         torque[joint], slope[joint] = self.law(float(moment.qd[joint]), moment)
         return torque, slope
 
