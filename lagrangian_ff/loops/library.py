@@ -74,7 +74,7 @@ _ARGUMENTS = {
     "arm_step": "Ai",
 }
 """A letter for each argument, in the order of the C function: i an int, d a double, D and I arrays
-of doubles and of 64-bit integers."""
+of doubles and of 64-bit integers, A an address of numbers laid out as the C file says."""
 
 _ALLOCATING = (
     "structured_blocks", "structured_potential", "structured_contract", "centres_apply",
