@@ -1,4 +1,4 @@
-"""The simulated arm: PyBullet integrates its links, this room adds drives, servo and motions.
+"""The simulated arm: links with the dynamics of PyBullet; drives, servo, sensors and motions.
 
 Names are imported when first asked for, so that a trajectory can be read without PyBullet.
 """

@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 import numpy as np
@@ -17,7 +17,7 @@ GRAVITY = 9.81  # m/s², down along z of the base
 
 
 class Body:
-    """Rigid links and frictionless joints, as PyBullet integrates them.
+    """Rigid links and frictionless joints, as PyBullet computes them.
 
     A world of its own without a window (p.DIRECT); close it, or use it in a `with` block.
 
@@ -100,17 +100,25 @@ class Body:
         )
         pybullet.stepSimulation(**self._args)
 
+    def dynamics(
+        self, q: list[float], qd: list[float]
+    ) -> tuple[Sequence[Sequence[float]], Sequence[float]]:
+        """The rows of the mass matrix in kg·m² and the bias in N·m, of q rad and qd rad/s.
+
+        The bias is the gravity, Coriolis and centrifugal torque.
+        """
+        body, client = self.id, self.client
+        mass = pybullet.calculateMassMatrix(body, q, physicsClientId=client)
+        bias = pybullet.calculateInverseDynamics(body, q, qd, self._rest, physicsClientId=client)
+        return mass, bias
+
     def mass_matrix(self, q: Floats) -> Floats:
         """(6, 6) kg·m² of the links at q (6,)."""
-        return np.array(pybullet.calculateMassMatrix(self.id, q.tolist(), **self._args))
+        return np.array(self.dynamics(q.tolist(), self._rest)[0])
 
     def bias(self, q: Floats, qd: Floats) -> Floats:
         """Gravity, Coriolis and centrifugal torque (6,) N·m at q and qd, (6,) each."""
-        return np.array(
-            pybullet.calculateInverseDynamics(
-                self.id, q.tolist(), qd.tolist(), self._rest, **self._args
-            )
-        )
+        return np.array(self.dynamics(q.tolist(), qd.tolist())[1])
 
     def inverse_dynamics(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """The torques (M, 6) N·m of the links alone in states (M, 6)."""

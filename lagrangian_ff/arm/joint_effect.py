@@ -9,8 +9,6 @@ from lagrangian_ff.arm.parameters import ArmParameters
 
 Floats = NDArray[np.float64]
 
-TINY = 1e-300
-
 
 class JointMoment(NamedTuple):
     """What an effect may know about the joints, (6,) each, on the link's side of the gear.
@@ -61,20 +59,15 @@ class Friction:
         self._viscous = np.asarray(parameters.viscous)
         self._coulomb = np.asarray(parameters.coulomb)
         self._per_velocity = 1.0 / np.asarray(parameters.coulomb_velocity)
-        self._steepest = self._coulomb * self._per_velocity
 
-    def reset(self, q: Floats) -> None:
-        """Nothing to forget."""
-
-    def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """See JointEffect."""
-        # tanh(x) / x is one at zero, and beside it exact to rounding.
-        x = moment.qd * self._per_velocity + TINY
-        chord = self._viscous + self._steepest * (np.tanh(x) / x)
-        return chord * moment.qd, chord
-
-    def advance(self, moment: JointMoment) -> None:
-        """No state."""
+    @property
+    def numbers(self) -> dict[str, Floats]:
+        """(6,) of each number that the loops in C know friction by."""
+        return {
+            "viscous": self._viscous,
+            "steepest": self._coulomb * self._per_velocity,
+            "per_velocity": self._per_velocity,
+        }
 
     def at(self, qd: Floats) -> Floats:
         """The torque at velocities (..., 6) rad/s, in N·m."""

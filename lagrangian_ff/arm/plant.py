@@ -1,23 +1,58 @@
 """The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
+from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv
 
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.description import JOINTS, Load
+from lagrangian_ff.arm.description import JOINTS, Load, limits
 from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.errors import ArmError
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
 
-DIAGONAL = slice(None, None, len(JOINTS) + 1)
 ITERATIONS = 8
 SETTLED = 1e-6  # rad/s
+
+PER_JOINT = "f8", len(JOINTS)
+TORQUES = "motor", "effect", "added_torque", "load"
+MOTION = "q", "rotor_q", "qd"
+RESULTS = *TORQUES, *MOTION, "rotor_qd", "qdd"
+NUMBERS = np.dtype(
+    [
+        ("dt", "f8"),
+        ("tolerance", "f8"),
+        *((name, *PER_JOINT) for name in ("lower", "upper", "armature", "viscous", "steepest")),
+        *((name, *PER_JOINT) for name in ("per_velocity", "stiffness", "damping", "half_play")),
+        *((name, *PER_JOINT) for name in ("added", "slope", "guess", "rotor_guess")),
+        ("unsettled", "f8"),
+        ("change", *PER_JOINT),
+        ("rotor_change", *PER_JOINT),
+        ("at_stop", "f8"),
+        ("mass", "f8", (len(JOINTS), len(JOINTS))),
+        *((name, *PER_JOINT) for name in ("bias", *RESULTS)),
+    ]
+)
+"""What `loops/arm.c` works on."""
+_GIVEN = Struct(f"{len(JOINTS) * (len(JOINTS) + 2)}d")  # mass, bias and motor
+
+
+_TORQUES, _MOTION = len(TORQUES), len(TORQUES) + len(MOTION)
+
+
+def _result(name: str) -> property:
+    """Read one result of the last step; most are not asked for at every step."""
+    row = RESULTS.index(name)
+
+    def read(plant: "Plant") -> Floats:
+        return plant._now[row]
+
+    return property(read)
 
 
 class Attached(NamedTuple):
@@ -35,9 +70,10 @@ class Attached(NamedTuple):
 class Plant:
     """The arm from motor torque to motion.
 
-    Each step solves (M + A) qdd + h + f = tau for qdd, A the reflected rotor inertia and f the
-    joint effects at the *new* velocity (backward Euler: stiff friction stays stable), and hands
-    PyBullet the torque h + M qdd that gives its links this acceleration.
+    Each step solves (M + A) qdd + h + f = tau for qdd, with mass matrix M and bias h by PyBullet, A
+    the reflected rotor inertia and f the joint effects at the *new* velocity (backward Euler: stiff
+    friction stays stable); the new velocity then moves the joints. Where one is at its stop,
+    PyBullet takes the step, under the torque h + M qdd.
 
     Args:
         parameters: rotors, friction and the rate of the integration.
@@ -49,6 +85,8 @@ class Plant:
         time: s since the reset.
         q: (6,) rad.  qd: (6,) rad/s.
         qdd: (6,) rad/s² of the last step.
+        motion: (3, 6) positions of links and rotors, rad, velocities of the links, rad/s.
+        torques: (4, 6) N·m of the motors, and the three below, in the last step.
         effect_torque: (6,) N·m that friction and effects took from the motors in the last step.
         added_torque: (6,) N·m of it that went to the effects besides friction.
         load_torque: (6,) N·m that went into the links in the last step.
@@ -67,35 +105,72 @@ class Plant:
         if attached is not None:
             self._bodies.append(Body(attached.loads, dt=self.dt))
         self._attached_at = np.inf if attached is None else attached.time
-        self.body = self._bodies[0]
+        self._body = self._bodies[0]
         self.friction = Friction(self.parameters)
-        self._effects: tuple[JointEffect, ...] = (self.friction, *effects)
+        self._effects = tuple(effects)
         self._armature = self.parameters.reflected_inertia
+        self._lay_out()
         self.reset(np.zeros(len(JOINTS)))
 
     def reset(self, q: Floats) -> None:
         """Put the arm at rest at q, (6,) rad."""
         self.time = 0.0
-        self.q = np.array(q, dtype=np.float64)
-        self.qd = np.zeros(len(JOINTS))
-        self.qdd = np.zeros(len(JOINTS))
-        self.effect_torque = np.zeros(len(JOINTS))
-        self.added_torque = np.zeros(len(JOINTS))
-        self.load_torque = np.zeros(len(JOINTS))
-        self.body = self._bodies[0]
-        self.body.set_state(self.q, self.qd)
+        self._numbers["change"] = self._numbers["rotor_change"] = 0.0
+        self._results[:] = 0.0
+        self._numbers["q"] = self._numbers["rotor_q"] = q
+        self._read()
+        self._body = self._bodies[0]
         for effect in self._effects:
             effect.reset(self.q)
+
+    def _lay_out(self) -> None:
+        """Put down the numbers that the loops in C work on, and where they are."""
+        numbers = self._numbers = np.zeros((), NUMBERS)
+        numbers["dt"], numbers["tolerance"] = self.dt, SETTLED
+        numbers["lower"], numbers["upper"], *_ = limits()
+        numbers["armature"] = self._armature
+        for name, values in self.friction.numbers.items():
+            numbers[name] = values
+        flat = numbers.reshape(1).view(np.float64)
+        self._results = flat[-len(RESULTS) * len(JOINTS) :].reshape(len(RESULTS), -1)
+        self._given = flat[-(len(JOINTS) + 1 + len(RESULTS)) * len(JOINTS) :].data.cast("B")
+        self._guess, self._unsettled = numbers["rotor_guess"], numbers["unsettled"]
+        self._added, self._slope = numbers["added"], numbers["slope"]
+        self._at_stop = numbers["at_stop"]
+        self._address = numbers.ctypes.data
+        self._step, self._guess_first, self._settle, self._move = (
+            loop(name) for name in ("arm_step", "arm_guess", "arm_settle", "arm_move")
+        )
+
+    def _read(self) -> None:
+        """Take over what came of the step; the arrays are new ones."""
+        self._now = self._results.copy()
+        self.torques, self.motion = self._now[:_TORQUES], self._now[_TORQUES:_MOTION]
+
+    q = _result("q")
+    qd = _result("qd")
+    qdd = _result("qdd")
+    effect_torque = _result("effect")
+    added_torque = _result("added_torque")
+    load_torque = _result("load")
+    _rotor_q = _result("rotor_q")
+    _rotor_qd = _result("rotor_qd")
+
+    @property
+    def body(self) -> Body:
+        """The links in PyBullet, in the present state."""
+        self._body.set_state(self.q, self.qd)
+        return self._body
 
     @property
     def encoder(self) -> Floats:
         """(6,) rad of the motors through their gears, which is where the encoders sit."""
-        return self.q
+        return self._rotor_q
 
     @property
     def rotor_velocity(self) -> Floats:
         """(6,) rad/s of the motors through their gears."""
-        return self.qd
+        return self._rotor_qd
 
     def step(self, motor: Floats) -> None:
         """Let the motors act for one step of the integration.
@@ -104,55 +179,61 @@ class Plant:
             motor: (6,) N·m through the gears.
         """
         self._take_up()
-        mass = self.body.mass_matrix(self.q)
-        bias = self.body.bias(self.q, self.qd)
-        inertia = mass.copy()
-        inertia.ravel()[DIAGONAL] += self._armature
-        drive = motor - bias
-        guess = self.qd + self.dt * self.qdd
+        (a, b, c, d, e, f), bias = self._body.dynamics(self.q.tolist(), self.qd.tolist())
+        # In one go: to make arrays of them takes ten times as long.
+        _GIVEN.pack_into(self._given, 0, *a, *b, *c, *d, *e, *f, *bias, *motor.tolist())
+        if self._effects:
+            self._step_with_effects(motor)
+        else:
+            self._step(self._address, ITERATIONS)
+        if self._at_stop:
+            self._stop()
+        self.time += self.dt
+        self._read()
+        if self._effects:
+            self._advance_effects(motor)
+
+    def _step_with_effects(self, motor: Floats) -> None:
+        """Ask the effects anew for every guess of the velocity."""
+        q, load = self._rotor_q, self.load_torque
+        first, *further = self._effects
+        self._guess_first(self._address)
         for _ in range(ITERATIONS):
-            resisting, slope = self._resistance(guess, motor)
-            system = inertia.copy()
-            system.ravel()[DIAGONAL] += self.dt * slope
-            qdd = dposv(system, drive - resisting + slope * (guess - self.qd))[1]
-            qd = self.qd + self.dt * qdd
-            change = qd - guess
-            guess = qd
-            if np.abs(change).max() < SETTLED:
+            moment = JointMoment(self.time, self.dt, q, self._guess.copy(), motor, load)
+            self._added[:], self._slope[:] = first.torque(moment)
+            for effect in further:
+                torque, slope = effect.torque(moment)
+                self._added += torque
+                self._slope += slope
+            self._settle(self._address, 1)
+            if self._unsettled.item() < SETTLED:
                 break
-        self.effect_torque = resisting + slope * change
-        self.load_torque = bias + mass @ qdd
-        self.qdd = qdd
-        self.body.advance(self.load_torque)
-        self.q, self.qd = self.body.state()
-        self._advance_effects(motor)
+        self._move(self._address, 1)
 
     def _take_up(self) -> None:
         """Change to the body with the attached loads when its time has come."""
-        if self.time >= self._attached_at and self.body is not self._bodies[-1]:
-            self.body = self._bodies[-1]
-            self.body.set_state(self.q, self.qd)
+        if self.time >= self._attached_at:
+            self._body = self._bodies[-1]
+
+    def _stop(self) -> None:
+        """Let PyBullet move the links in this step, as it has stops."""
+        body, numbers = self.body, self._numbers
+        body.advance(numbers["load"])
+        numbers["q"], numbers["qd"] = body.state()
+        rigid = numbers["stiffness"] == 0.0
+        numbers["rotor_q"][rigid] = numbers["q"][rigid]
+        numbers["rotor_qd"][rigid] = numbers["qd"][rigid]
 
     def _advance_effects(self, motor: Floats) -> None:
-        """Let the clock and the states of the effects catch up with the motion."""
-        q, qd = self.encoder, self.rotor_velocity
-        if len(self._effects) > 1:
-            self.added_torque = self.effect_torque - self.friction.at(qd)
-        self.time += self.dt
+        """Let the states of the effects catch up with the motion."""
+        q, qd = self._rotor_q, self._rotor_qd
+        moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
         for effect in self._effects:
-            effect.advance(JointMoment(self.time, self.dt, q, qd, motor, self.load_torque))
-
-    def _resistance(self, qd: Floats, motor: Floats) -> tuple[Floats, Floats]:
-        moment = JointMoment(self.time, self.dt, self.encoder, qd, motor, self.load_torque)
-        torque, slope = self._effects[0].torque(moment)
-        for effect in self._effects[1:]:
-            more, steeper = effect.torque(moment)
-            torque, slope = torque + more, slope + steeper
-        return torque, slope
+            effect.advance(moment)
 
     def energy(self) -> float:
         """J of links and rotors, kinetic and potential, at the present state."""
-        inertia = self.body.mass_matrix(self.q) + np.diag(self._armature)
+        inertia = self._body.mass_matrix(self.q) + np.diag(self._armature)
         return float(0.5 * self.qd @ inertia @ self.qd) + self.body.potential_energy()
 
     def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:
@@ -184,7 +265,7 @@ class Plant:
                 raise ArmError(
                     f"true torque: {name} of {JOINTS[joint]} at sample {sample} is not finite"
                 )
-        torque = self.body.inverse_dynamics(*rows) + self._armature * rows[2]
+        torque = self._body.inverse_dynamics(*rows) + self._armature * rows[2]
         if friction:
             torque += self.friction.at(rows[1])
         return torque.reshape(shape)

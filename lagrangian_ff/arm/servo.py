@@ -1,14 +1,28 @@
 """The servo of the paper's arm: PI current loop within a PD position loop, and the sensors."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.arm.description import JOINTS
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
+
+NOISES = 1000  # samples
+NUMBERS = np.dtype(
+    [
+        ("map", "f8", (len(JOINTS), 3, 4)),
+        *(
+            (name, "f8", len(JOINTS))
+            for name in ("per_ampere", "current", "integrator", "wanted", "qd", "mean")
+        ),
+    ]
+)
+"""What `arm_currents` in loops/arm.c works on."""
 
 
 class CurrentLoop:
@@ -22,27 +36,30 @@ class CurrentLoop:
     """
 
     def __init__(self, parameters: ArmParameters) -> None:
-        self._constant = np.asarray(parameters.torque_constant)
-        self._ratio = np.asarray(parameters.gear_ratio)
-        self._torque_per_ampere = parameters.torque_per_ampere
         periods = parameters.current_rate // parameters.physics_rate
         period = 1.0 / parameters.current_rate
         windings = zip(parameters.resistance, parameters.inductance, strict=True)
         one = [one_period(*winding, parameters.current_bandwidth, period) for winding in windings]
         table = np.linalg.matrix_power(np.array(one), periods)
         # Rows: current and integrator afterwards, mean current; columns: what they follow from.
-        self._map = np.ascontiguousarray(table[:, (0, 1, 4), :4])
-        self._map[:, 2] *= parameters.physics_rate
-        self._input = np.zeros((len(one), 4, 1))
+        table = table[:, (0, 1, 4), :4]
+        table[:, 2] *= parameters.physics_rate
+        self._numbers = np.zeros((), NUMBERS)
+        self._numbers["map"] = table
+        # Torque in N·m/A is back-EMF in V·s/rad, both of the joint.
+        self._numbers["per_ampere"] = parameters.torque_per_ampere
+        self._wanted, self._qd = self._numbers["wanted"], self._numbers["qd"]
+        self._current, self._mean = self._numbers["current"], self._numbers["mean"]
+        self._step, self._address = loop("arm_currents"), self._numbers.ctypes.data
 
     def reset(self) -> None:
         """No current, empty integrator."""
-        self._input[:] = 0.0
+        self._numbers["current"] = self._numbers["integrator"] = 0.0
 
     @property
     def current(self) -> Floats:
         """(6,) A now."""
-        return self._input[:, 0, 0].copy()
+        return self._current.copy()
 
     def step(self, torque: Floats, qd: Floats) -> Floats:
         """Follow the torque asked for during one step of the integration.
@@ -53,11 +70,9 @@ class CurrentLoop:
         Returns:
             (6,) N·m the motors gave on average, at the joints.
         """
-        self._input[:, 2, 0] = torque / self._torque_per_ampere
-        self._input[:, 3, 0] = qd * self._ratio * self._constant
-        after = (self._map @ self._input)[:, :, 0]
-        self._input[:, :2, 0] = after[:, :2]
-        return after[:, 2] * self._torque_per_ampere
+        self._wanted[:], self._qd[:] = torque, qd
+        self._step(self._address)
+        return self._mean.copy()
 
 
 def one_period(resistance: float, inductance: float, bandwidth: float, period: float) -> Floats:
@@ -143,6 +158,7 @@ class Sensors:
     def reset(self) -> None:
         """Begin again, with the same noise."""
         self._random = np.random.default_rng(self._seed)
+        self._noises: Iterator[Floats] = iter(())
         self._before: Floats | None = None
         self._ticks = 0
         for effect in self._effects:
@@ -152,12 +168,20 @@ class Sensors:
         """Measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m at the joints."""
         if self._effects:
             q, current = self._falsified(q, current)
-        position = np.round(q / self._step) * self._step
+        position = np.rint(q / self._step) * self._step
         before = position if self._before is None else self._before
         velocity = (position - before) * self._rate
         self._before = position
-        noise = self._noise * self._random.standard_normal(len(self._noise))
-        return position, velocity, (current + noise) * self._torque_per_ampere
+        return position, velocity, (current + self._next_noise()) * self._torque_per_ampere
+
+    def _next_noise(self) -> Floats:
+        """(6,) A; drawn for many samples at once, in the order of the samples."""
+        noise = next(self._noises, None)
+        if noise is None:
+            drawn = self._random.standard_normal((NOISES, len(self._noise)))
+            self._noises = iter(self._noise * drawn)
+            noise = next(self._noises)
+        return noise
 
     def _falsified(self, q: Floats, current: Floats) -> tuple[Floats, Floats]:
         effort = current * self._torque_per_ampere

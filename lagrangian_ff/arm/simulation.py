@@ -178,27 +178,15 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
     still = np.zeros(len(JOINTS))
     for _ in range(settling):
         arm.step(reference.q[0], still, torque[0])
-    kept = {
-        name: np.empty(reference.q.shape)
-        for name in (
-            *("measured", "rate", "effort", "position", "velocity", "encoder"),
-            *("motor", "effect", "added", "load"),
-        )
-    }
-    saturated = np.zeros(reference.q.shape, dtype=bool)
+    shape = reference.q.shape
+    measured, motion, torques = np.empty((3, *shape)), np.empty((3, *shape)), np.empty((4, *shape))
+    saturated = np.zeros(shape, dtype=bool)
     report = max(1, count // 100)
     for k in range(count):
-        kept["position"][k] = arm.plant.q
-        kept["velocity"][k] = arm.plant.qd
-        kept["encoder"][k] = arm.plant.encoder
+        motion[:, k] = arm.plant.motion
         sample = arm.step(reference.q[k], reference.qd[k], torque[k])
-        kept["measured"][k] = sample.position
-        kept["rate"][k] = sample.velocity
-        kept["effort"][k] = sample.effort
-        kept["motor"][k] = arm.motor_torque
-        kept["effect"][k] = arm.effect_torque
-        kept["added"][k] = arm.added_torque
-        kept["load"][k] = arm.load_torque
+        measured[0, k], measured[1, k], measured[2, k] = sample[1:]
+        torques[:, k] = arm.torques
         saturated[k] = arm.saturated
         if k % report == 0:
             progress(k / count, "driving the arm")
@@ -206,21 +194,21 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
     recording = Recording(
         joints=JOINTS,
         time=reference.time,
-        position=kept["measured"],
-        velocity=kept["rate"],
-        effort=kept["effort"],
+        position=measured[0],
+        velocity=measured[1],
+        effort=measured[2],
         source="simulated arm",
     )
     return Run(
         recording=recording,
         reference=reference,
         feedforward=torque,
-        position=kept["position"],
-        velocity=kept["velocity"],
-        encoder=kept["encoder"],
-        motor_torque=kept["motor"],
-        effect_torque=kept["effect"],
-        added_torque=kept["added"],
-        load_torque=kept["load"],
+        position=motion[0],
+        velocity=motion[2],
+        encoder=motion[1],
+        motor_torque=torques[0],
+        effect_torque=torques[1],
+        added_torque=torques[2],
+        load_torque=torques[3],
         saturated=saturated,
     )

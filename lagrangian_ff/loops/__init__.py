@@ -1,4 +1,4 @@
-"""Loops over pairs of states and over samples, in C: compiled at installation, never later.
+"""Loops over states, samples and the steps of the arm, in C: compiled at installation, never later.
 
 `loop("name")` is the function of that name in one of the C files, for NumPy arrays. To add one,
 write it, with `EXPORT` before it, and name its arguments in `library.py`; `make install` compiles

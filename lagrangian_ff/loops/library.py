@@ -43,6 +43,7 @@ class _Integers(_Array):
 
 _KINDS: dict[str, Any] = {
     "i": ctypes.c_int,
+    "A": ctypes.c_void_p,
     "d": ctypes.c_double,
     "D": _Doubles,
     "I": _Integers,
@@ -66,9 +67,14 @@ _ARGUMENTS = {
     "memory_stop": "iDIDdD",
     "memory_loose": "iDDdddD",
     "exponentials": "iDD",
+    "arm_currents": "A",
+    "arm_guess": "A",
+    "arm_settle": "Ai",
+    "arm_move": "Ai",
+    "arm_step": "Ai",
 }
 """A letter for each argument, in the order of the C function: i an int, d a double, D and I arrays
-of doubles and of 64-bit integers."""
+of doubles and of 64-bit integers, A an address of numbers laid out as the C file says."""
 
 _ALLOCATING = (
     "structured_blocks", "structured_potential", "structured_contract", "centres_apply",

@@ -178,7 +178,8 @@ class ArmNode(ClosingNode):
             self._states.publish(
                 self._state_maker.fill(now, sample.position, sample.velocity, sample.effort)
             )
-            self._references.publish(self._reference_maker.fill(now, q, qd, torque))
+            if self._references.get_subscription_count():
+                self._references.publish(self._reference_maker.fill(now, q, qd, torque))
             self._squared_error += (q - sample.position) ** 2
             self._ticks += 1
             self._saturated += bool(self._arm.saturated.any())

@@ -11,12 +11,15 @@ from lagrangian_ff.arm import (
     HOME,
     PAPER_LOADS,
     ArmParameters,
+    Gear,
     JointMoment,
     Plant,
     exciting_trajectory,
     limits,
     true_torque,
 )
+from lagrangian_ff.arm.body import Body
+from lagrangian_ff.arm.gear import GearedPlant
 from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
@@ -78,6 +81,30 @@ def test_motor_torque_agrees_with_pybullets_inverse_dynamics_along_the_motion(
         largest = max(largest, float(np.abs(motor).max()))
     assert largest > 30.0
     assert worst < 1e-9 * largest
+
+
+def test_a_step_moves_the_links_as_pybullets_own_step_does(plant: Plant) -> None:
+    with Body() as body:
+        for k, (_, q, qd) in enumerate(followed(plant, 1.0)):
+            if k % 20:
+                continue
+            body.set_state(q, qd)
+            body.advance(plant.load_torque)
+            np.testing.assert_allclose((plant.q, plant.qd), body.state(), rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("gears", [[], [Gear(4, 2000.0, 5.0)]])
+def test_a_joint_rests_at_its_stop_however_it_is_pushed(gears: list[Gear]) -> None:
+    plant = GearedPlant(gears=gears)
+    home, stop = np.array(HOME), limits().upper[4]
+    plant.reset(home)
+    torque = plant.true_torque(home, STILL, STILL)
+    torque[4] += 20.0
+    for _ in range(2000):
+        plant.step(torque + 200.0 * (home - plant.q) * (np.arange(6) != 4) - 20.0 * plant.qd)
+    assert plant.q[4] == pytest.approx(stop, abs=2e-3)
+    assert abs(plant.qd[4]) < 1e-6
+    plant.close()
 
 
 def test_without_friction_and_motors_the_arm_swings_and_keeps_its_energy() -> None:

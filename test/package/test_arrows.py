@@ -29,7 +29,7 @@ ARROWS: dict[str, set[str]] = {
     "identification": MODEL,
     "diagnosis": IDENTIFIED,
     # Not the effects: the plant's physics must not share code with what is to find it.
-    "arm": LOW,
+    "arm": {"loops", *LOW},
     "report": UNDERSTOOD,
     "nodes": {"arm", "report", *UNDERSTOOD},
     "studies": {"arm", "report", *UNDERSTOOD},

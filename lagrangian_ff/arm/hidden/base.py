@@ -165,8 +165,9 @@ class OneJoint(ABC):
 
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
         """See JointEffect."""
-        torque, slope = np.zeros(len(moment.qd)), np.zeros(len(moment.qd))
-        torque[self.joint], slope[self.joint] = self.law(float(moment.qd[self.joint]), moment)
+        torque, slope = np.zeros(len(JOINTS)), np.zeros(len(JOINTS))
+        joint = self.joint
+        torque[joint], slope[joint] = self.law(float(moment.qd[joint]), moment)
         return torque, slope
 
     def advance(self, moment: JointMoment) -> None:  # noqa: B027 - most have no state
