@@ -1,5 +1,6 @@
 """Package description for pip and for colcon (ament_python)."""
 
+from copy import copy
 from glob import glob
 from pathlib import Path
 from runpy import run_path
@@ -22,6 +23,12 @@ class BuildLoops(build_ext):
         self.parallel = True
         loops.choose_compiler()
         super().run()
+
+    def build_extension(self, ext: Extension) -> None:
+        """Compile one library in a folder of its own: all have the same sources."""
+        own = copy(self)
+        own.compiler, own.build_temp = copy(self.compiler), f"{self.build_temp}/{ext.name}"
+        super(BuildLoops, own).build_extension(ext)
 
 
 LOOPS = [
