@@ -64,7 +64,7 @@ setup(
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={"": ["py.typed", "*.urdf", "*.css", "*.js", "*.html"]},
+    package_data={"": ["py.typed", "*.pyi", "*.urdf", "*.css", "*.js", "*.html"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

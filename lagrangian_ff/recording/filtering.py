@@ -31,10 +31,10 @@ class Butterworth:
     bandwidth: float
     rate: float
 
-    def gain(self, frequency: Floats) -> Floats:
-        """Return the gain squared at frequencies in Hz, up to half the rate."""
+    def gain(self, count: int) -> Floats:
+        """Return the gain squared of the waves that so many samples hold."""
         # The bilinear transform bends frequencies; at the bandwidth it is exact.
-        bent = np.tan(np.pi * np.minimum(frequency / self.rate, 0.5 - 1e-9))
+        bent = np.tan(np.pi * np.minimum(np.fft.rfftfreq(count), 0.5 - 1e-9))
         ratio = bent / np.tan(np.pi * self.bandwidth / self.rate)
         return np.asarray(1.0 / (1.0 + ratio ** (2 * self.order)))
 
@@ -50,7 +50,7 @@ class Butterworth:
         # A wave that repeats has no step where it begins anew; the low-pass leaves a line as it is.
         line = np.linspace(padded[0], padded[-1], len(padded))
         waves = np.fft.rfft(padded - line)
-        waves *= self.gain(np.fft.rfftfreq(len(padded), 1.0 / self.rate))
+        waves *= self.gain(len(padded))
         filtered = np.fft.irfft(waves, len(padded)) + line
         return np.asarray(filtered[padding : padding + len(values)])
 
