@@ -58,10 +58,11 @@ def smooth(x: Floats, values: Floats, pieces: int) -> Floats:
     v = 1.0 - u
     # The four B-splines that are not zero in a piece, six times as high.
     basis = np.stack([v**3, 3 * u**3 - 6 * u**2 + 4, 3 * v**3 - 6 * v**2 + 4, u**3])
-    band, right = np.zeros((4, pieces + 3)), np.zeros(pieces + 3)
+    normal, right = np.zeros((pieces + 3, pieces + 3)), np.zeros(pieces + 3)
     for i in range(4):
         right += np.bincount(piece + i, basis[i] * values, pieces + 3)
-        for j in range(i + 1):
-            band[i - j] += np.bincount(piece + j, basis[i] * basis[j], pieces + 3)
-    weights = scipy.linalg.solveh_banded(band, right, lower=True)
+        for j in range(4):
+            together = np.bincount(piece, basis[i] * basis[j], pieces)
+            normal[np.arange(pieces) + i, np.arange(pieces) + j] += together
+    weights = np.linalg.solve(normal, right)
     return np.asarray(sum(basis[i] * weights[piece + i] for i in range(4)))
