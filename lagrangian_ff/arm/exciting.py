@@ -1,8 +1,8 @@
 """Motions through the whole workspace at ten speeds, to identify the arm from (section IV-B)."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline
 
 from lagrangian_ff.arm.collision import Surroundings
 from lagrangian_ff.arm.description import HOME, JOINTS, PAPER_LOADS, limits
@@ -118,7 +118,7 @@ def _times(vias: Floats, duration: float) -> Floats:
 def _sampled(times: Floats, vias: Floats) -> Trajectory:
     still = np.zeros(len(JOINTS))
     rest = [(1, still), (2, still)]
-    spline: BSpline = make_interp_spline(times, vias, k=5, bc_type=(rest, rest))
+    spline = scipy.interpolate.make_interp_spline(times, vias, k=5, bc_type=(rest, rest))
     time = np.arange(round(times[-1] / GRID) + 1) * GRID
     return Trajectory(time, spline(time), spline(time, 1), spline(time, 2))
 

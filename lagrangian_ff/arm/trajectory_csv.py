@@ -4,8 +4,8 @@ import csv
 from pathlib import Path
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.errors import ArmError
@@ -109,7 +109,7 @@ def _fill(path: str | Path, time: Floats, fields: dict[str, Floats | None]) -> t
         return (f"{path}: one point without velocity or acceleration: taken as rest",)
     still = np.zeros(q.shape[1])
     rest = [(1, still), (2, still)]
-    spline = make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+    spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
     for field, order in (("qd", 1), ("qdd", 2)):
         if field in missing:
             fields[field] = spline(time, order)

@@ -24,6 +24,7 @@ class Comparison:
         score: the error per joint.
         outside: the share of samples outside the range the model was identified on.
         interval: the 90 % intervals at some of the samples, where they were asked for.
+        load: (M, N) N·m, the model's rigid-body torque; None where it was not kept.
     """
 
     motion: Motion
@@ -31,6 +32,7 @@ class Comparison:
     score: Score
     outside: float
     interval: Interval | None = None
+    load: Floats | None = None
 
     @property
     def residual(self) -> Floats:
@@ -70,9 +72,10 @@ def compare(
     """
     model.require_joints(motion.joints, motion.source)
     motion = motion.select(model.joints)
-    predicted = model.predict(
+    inputs = model.inputs(
         motion.q, motion.qd, motion.qdd, progress, time=motion.time, segment=motion.segment
     )
+    predicted = model.torque(inputs)
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
     return Comparison(
         motion,
@@ -80,6 +83,7 @@ def compare(
         Score.of(model.joints, motion.tau, predicted),
         float(np.mean(np.any(excess > margin, axis=1))),
         quick_interval(model, motion, predicted) if intervals else None,
+        inputs.load,
     )
 
 

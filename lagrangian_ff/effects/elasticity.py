@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from lagrangian_ff.effects.base import Floats, Parameter, Shape
 from lagrangian_ff.effects.gear import OF, Gear
@@ -58,7 +58,7 @@ class Elasticity(Gear):
         k = 2.0 / step  # s = k (z - 1) / (z + 1), the bilinear transform
         above = np.array([loss * k + w * w, 2.0 * w * w, w * w - loss * k])
         below = above + k * k * np.array([1.0, -2.0, 1.0])
-        return np.asarray(part[0] + lfilter(above, below, part - part[0]))
+        return np.asarray(part[0] + scipy.signal.lfilter(above, below, part - part[0]))
 
     def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
         """See `Gear.tried`."""

@@ -197,10 +197,15 @@ class Model:
             ModelError: the arrays are not of this model's joints.
         """
         x = self.inputs(q, qd, qdd, progress, time=time, segment=segment)
+        out = self.torque(x)
+        return out if np.ndim(q) > 1 else out[0]
+
+    def torque(self, x: Inputs) -> Floats:
+        """(M, N) N·m of a motion that `inputs` has made ready."""
         out = x.load - self.basis.constant(len(self.joints), self.coefficients)
         for torque in self.basis.torque(x, self.coefficients).values():
             out += torque
-        return out if np.ndim(q) > 1 else out[0]
+        return out
 
     def inputs(
         self,

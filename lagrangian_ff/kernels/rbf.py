@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, TypeVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.distance import cdist
 
 from lagrangian_ff.kernels.base import Hyperparameter, IndependentKernel, largest, of_joint
 from lagrangian_ff.kernels.states import States
@@ -62,7 +62,9 @@ class Rbf(IndependentKernel):
 
     def cross(self, x: States, u: States, joint: int) -> Floats:
         """See `IndependentKernel.cross`."""
-        squared = cdist(self._features(x, joint), self._features(u, joint), "sqeuclidean")
+        squared = scipy.spatial.distance.cdist(
+            self._features(x, joint), self._features(u, joint), "sqeuclidean"
+        )
         return np.exp(-squared / (2.0 * of_joint(self.sigma, joint)))
 
     def variance(self, x: States) -> Floats:

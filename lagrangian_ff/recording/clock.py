@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_lsq_spline
-from scipy.ndimage import median_filter
 
 from lagrangian_ff.recording.publishers import publishers
 from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.splines import smooth
 from lagrangian_ff.recording.stamps import order
 
 Floats = NDArray[np.float64]
@@ -79,17 +78,20 @@ def steady_clock(time: Floats, period: float) -> Steadied:
 def _fit(time: Floats, period: float) -> Floats:
     index = np.arange(len(time), dtype=np.float64)
     # Lost samples lift all later stamps, so that they show behind a median; late ones do not.
-    lasting = median_filter(time - period * index, _WINDOW, mode="nearest")
+    lasting = _median(time - period * index)
     index += np.concatenate([[0.0], np.cumsum(np.round(np.diff(lasting) / period))])
-    lasting = median_filter(time - period * index, _WINDOW, mode="nearest")
+    lasting = _median(time - period * index)
     pieces = min(int((time[-1] - time[0]) / _DRIFT), len(time) // _RUN)
     if pieces < 2:
         drift = np.polynomial.Polynomial.fit(index, lasting, 1)(index)
     else:
-        inner = np.linspace(index[0], index[-1], pieces + 1)[1:-1]
-        knots = np.concatenate([[index[0]] * 4, inner, [index[-1]] * 4])
-        drift = make_lsq_spline(index, lasting, knots, k=3)(index)
+        drift = smooth(index, lasting, pieces)
     return np.asarray(period * index + drift)
+
+
+def _median(values: Floats) -> Floats:
+    padded = np.pad(values, _WINDOW // 2, mode="edge")
+    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(padded, _WINDOW), axis=1))
 
 
 def follows_stamps(clock: Steadied, position: Floats, period: float) -> bool:

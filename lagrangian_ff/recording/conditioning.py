@@ -11,20 +11,14 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from lagrangian_ff.errors import RecordingError
-from lagrangian_ff.recording.filtering import (
-    REACH,
-    butterworth,
-    derivatives,
-    settling,
-    zero_phase,
-)
+from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 from lagrangian_ff.recording.inspection import find_clipping
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
+from lagrangian_ff.recording.splines import interpolate
 from lagrangian_ff.recording.usable import require_known, require_usable
 from lagrangian_ff.recording.words import counted
 
@@ -151,14 +145,14 @@ class _Filters:
     """The low-pass on its clock, and how much of a segment it spoils.
 
     Attributes:
-        sections: second-order sections of the low-pass.
+        butterworth: the low-pass itself.
         period: s, of the clock.
         spoilt: samples cut off at each end.
         padding: samples by which a segment is extended while it is filtered.
         rate: Hz, of the result; None keeps the clock.
     """
 
-    sections: Floats
+    butterworth: Butterworth
     period: float
     spoilt: int
     padding: int
@@ -185,7 +179,7 @@ class _Filters:
             f"{spoilt * period:.3f} s cut off at both ends of each segment"
         )
         return _Filters(
-            sections=butterworth(settings.order, bandwidth, 1 / period),
+            butterworth=Butterworth(settings.order, bandwidth, 1 / period),
             period=period,
             spoilt=spoilt,
             padding=ceil(settled / period),
@@ -200,11 +194,11 @@ class _Filters:
 
     def low_pass(self, values: Floats, ticks: Floats) -> Floats:
         """Filtered (K,), at the output times."""
-        return self._output(zero_phase(self.sections, values, self.padding), ticks)
+        return self._output(self.butterworth.zero_phase(values, self.padding), ticks)
 
     def motion(self, position: Floats, ticks: Floats) -> tuple[Floats, Floats, Floats]:
         """Position, velocity and acceleration at the output times."""
-        q = zero_phase(self.sections, position, self.padding)
+        q = self.butterworth.zero_phase(position, self.padding)
         qd, qdd = (np.pad(values, REACH) for values in derivatives(q, self.period))
         return self._output(q, ticks), self._output(qd, ticks), self._output(qdd, ticks)
 
@@ -224,7 +218,7 @@ class _Filters:
         if self._same_clock():
             return values[kept]
         # What is left below the bandwidth varies slowly from tick to tick: a spline follows it.
-        return np.asarray(CubicSpline(ticks[kept], values[kept])(self.output_times(ticks)))
+        return interpolate(ticks[kept], values[kept], self.output_times(ticks))
 
 
 def _clocks(

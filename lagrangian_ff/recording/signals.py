@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from lagrangian_ff.recording.clock import ON_THE_TICK, retime
 from lagrangian_ff.recording.inspection import find_missing
 from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.splines import interpolate
 from lagrangian_ff.recording.stamps import order, usual_period, without_resets
 from lagrangian_ff.recording.words import counted
 
@@ -56,7 +56,7 @@ class Sampling:
             tolerance = ON_THE_TICK * self.period
             if np.abs(time[first:last] - ticks).max() <= tolerance:
                 return values[first:last]
-        return np.asarray(CubicSpline(time, values)(ticks))
+        return interpolate(time, values, ticks)
 
     def _matching(self, time: Floats, ticks: Floats) -> tuple[int, int]:
         half = self.period / 2

@@ -7,18 +7,6 @@ pictures and scripts are inside. `pages` holds the pages of compare, diagnose an
 makes a page lists the sections it shall have, once.
 """
 
-from lagrangian_ff.report.page import write_page
-from lagrangian_ff.report.pages.compare import compare_page
-from lagrangian_ff.report.pages.diagnose import diagnose_page
-from lagrangian_ff.report.pages.history import history_page
-from lagrangian_ff.report.section import Section
-from lagrangian_ff.report.tracking import Tracking
+from lagrangian_ff.lazy import attach
 
-__all__ = [
-    "Section",
-    "Tracking",
-    "compare_page",
-    "diagnose_page",
-    "history_page",
-    "write_page",
-]
+__getattr__, __all__ = attach(__name__, __file__)

@@ -37,7 +37,6 @@ def write_page(
 
     Raises:
         OSError: the file cannot be written.
-        PlotlyMissingError: a section has interactive figures, and nothing is there to draw them.
     """
     path = Path(path)
     style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")

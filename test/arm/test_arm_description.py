@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from lagrangian_ff.arm import HOME, JOINTS, ArmParameters, Load, limits, robot_description
+from lagrangian_ff.arm import HOME, ArmParameters, Load, limits, robot_description
 from lagrangian_ff.arm.description import URDF, on_links
 from lagrangian_ff.errors import ArmError
 
@@ -105,13 +105,3 @@ def test_trajectories_are_read_without_pybullet() -> None:
         "sys.exit('pybullet' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_the_room_exports_what_it_lists_and_nothing_else() -> None:
-    import lagrangian_ff.arm as room
-
-    for name in room.__all__:
-        assert getattr(room, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
-        room.no_such_name  # noqa: B018
-    assert len(JOINTS) == 6

@@ -36,7 +36,7 @@ ARROWS: dict[str, set[str]] = {
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
     "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},
 }
-FOR_ALL = {"errors", "progress", "record_json", "words", "__version__", ""}
+FOR_ALL = {"errors", "lazy", "progress", "record_json", "words", "__version__", ""}
 ROS = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python", "launch"}
 
 

@@ -22,7 +22,7 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 # Where the name to import, the name on the package index and the rosdep key differ.
 ROSDEP = {"pybullet": "python3-pybullet-pip", "rosbags": "python3-rosbags-pip"}
-WITHOUT_ROSDEP = {"joblib", "lz4", "mcap", "plotly", "threadpoolctl", "zstandard"}
+WITHOUT_ROSDEP = {"joblib", "lz4", "mcap", "threadpoolctl", "zstandard"}
 DISTRIBUTION = {
     "sklearn": "scikit-learn",
     "pinocchio": "pin",

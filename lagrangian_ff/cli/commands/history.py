@@ -41,18 +41,21 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_outputs(arguments)
     load_own_effects(arguments, console)
-    from lagrangian_ff.diagnosis import history
     from lagrangian_ff.identification import Model
 
-    found = history(Model.load(arguments.model))
-    record = {**found, "model": str(arguments.model), "model_name": found["model"]}
+    model = Model.load(arguments.model)
+    record = {
+        "model": str(arguments.model),
+        "model_name": model.name,
+        "steps": [dict(step) for step in model.steps],
+    }
     if arguments.report is not None:
         from lagrangian_ff.report import history_page
 
         with whole(arguments.report) as path:
             history_page(path, record)
     write_record(arguments.json, record)
-    console.say(f"{arguments.model}: {found['model']}")
+    console.say(f"{arguments.model}: {model.name}")
     say_history(record, console)
     if arguments.report is not None:
         console.say(["", f"saved: {arguments.report}"])

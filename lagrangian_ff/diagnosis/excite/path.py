@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from lagrangian_ff.diagnosis.excite.limits import Limits
 
@@ -127,7 +127,7 @@ class Path:
             q = shape(np.arange(count + 1) / count)
             still = np.zeros(q.shape[1])
             rest = [(1, still), (2, still)]
-            spline = make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+            spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
             qd, qdd = spline(time, 1), spline(time, 2)
             excess = self._excess(qd, qdd)
             if excess <= 1.0:

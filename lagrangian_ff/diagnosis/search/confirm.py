@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import wilcoxon
 
 from lagrangian_ff.diagnosis.ground import Ground, lay
 from lagrangian_ff.diagnosis.ground.ground import Extra
@@ -147,7 +147,7 @@ def _trial(ground: Ground, z: Floats) -> Trial:
     if len(gains) < FEWEST_GROUPS:
         reason = "the unseen motion is too short, or hardly shows the effect, to confirm it"
         return Trial(hoped, gains, ratio, 1.0, reason)
-    p_value = float(wilcoxon(gains, alternative="greater").pvalue)
+    p_value = float(scipy.stats.wilcoxon(gains, alternative="greater").pvalue)
     share = float(np.mean(gains > 0.0))
     reason = ""
     if share < SHARE or p_value > LEVEL:

@@ -6,7 +6,7 @@ was chosen for the candidate, either would seem to gain much more than it does.
 """
 
 import numpy as np
-from scipy.stats import multivariate_normal
+import scipy
 
 from lagrangian_ff.diagnosis.ground import Ground, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
@@ -35,5 +35,5 @@ def worth_of(score: Score, ground: Ground, without: float) -> float:
     own = slice(ground.basis.size, ground.basis.size + scaled.shape[1])
     # The restricted evidence is that of any size: times the prior's density about the one found.
     covariance = np.eye(scaled.shape[1]) + system.amplitude * system.covariance[own, own]
-    density = multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
+    density = scipy.stats.multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
     return float(system.log_evidence + density - without) / score.inflation

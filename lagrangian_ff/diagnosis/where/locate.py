@@ -150,9 +150,10 @@ def locate(
         progress: told the share done.
     """
     motion = comparison.motion
-    load = model.inputs(
-        motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment
-    ).load
+    load = comparison.load
+    if load is None:
+        states = motion.q, motion.qd, motion.qdd
+        load = model.inputs(*states, time=motion.time, segment=motion.segment).load
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd)).max(axis=1)
     course = Course(motion, comparison.residual, load, excess)
     bins: list[Bins] = []

@@ -127,8 +127,15 @@ def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None
 
 
 def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
-    """(S, K) amplitudes of a cos(k q) + b sin(k q) in (S, M) residuals without mean."""
-    angle = np.exp(1j * order[:, None] * q)
+    """(S, K) amplitudes of a cos(k q) + b sin(k q) in (S, M) residuals without mean.
+
+    The orders are evenly spaced, so that each wave is the one before, turned on.
+    """
+    angle = np.empty((len(order), len(q)), dtype=np.complex128)
+    angle[0] = np.exp(1j * order[0] * q)
+    turn = np.exp(1j * (order[-1] - order[0]) / max(1, len(order) - 1) * q)
+    for k in range(1, len(order)):
+        np.multiply(angle[k - 1], turn, out=angle[k])
     angle -= angle.mean(axis=1, keepdims=True)
     c, s = angle.real.copy(), angle.imag.copy()
     cc, ss, cs = (c * c).sum(axis=1), (s * s).sum(axis=1), (c * s).sum(axis=1)

@@ -166,7 +166,8 @@ class _Search:
             region = _measured(self.course, self.joint, conditions, self.seed)
             if region is None:
                 break
-            chance = np.max([one.by_chance(error, self.shuffles) for one in scans], axis=0)
+            shuffled = error[self.shuffles.order]
+            chance = np.max([one.by_chance(shuffled) for one in scans], axis=0)
             if found.strength <= float(np.quantile(chance, 1.0 - level)):
                 break
             regions.append(region)

@@ -63,6 +63,6 @@ class Shuffles:
         edges = np.arange(0, count, size)
         for s in range(repeats):
             turned = np.roll(np.arange(count), int(rng.integers(size)))
-            blocks = np.split(turned, edges[1:])
+            blocks = [turned[first : first + size] for first in edges]
             order[s] = np.concatenate([blocks[k] for k in rng.permutation(len(blocks))])
         return cls(order)

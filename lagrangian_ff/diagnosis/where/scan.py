@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from lagrangian_ff.diagnosis.where.bins import divide
 from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, Coordinate
 from lagrangian_ff.diagnosis.where.course import Course
-from lagrangian_ff.diagnosis.where.resampling import Shuffles
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -112,9 +111,8 @@ class Scan:
         time = np.bincount(place, minlength=size) / len(code)
         repeats = len(error)
         offset = (np.arange(repeats) * size)[:, None]
-        energy = np.bincount(
-            (place + offset).ravel(), error[:, kept].ravel(), minlength=repeats * size
-        )
+        counted = error if kept.all() else error[:, kept]
+        energy = np.bincount((place + offset).ravel(), counted.ravel(), minlength=repeats * size)
         energy = energy.reshape(repeats, size) / np.maximum(error.sum(axis=1), 1e-300)[:, None]
         left = self.axes[0].members
         right = self.axes[1].members if len(self.axes) == 2 else np.ones((1, 1))
@@ -129,15 +127,16 @@ class Scan:
         ends = tuple(axis.ends(int(k)) for axis, k in zip(self.axes, place, strict=False))
         return Found(float(strength[place]), ends)
 
-    def by_chance(self, error: Floats, shuffles: Shuffles) -> Floats:
-        """(S,) the strength of the best region where the error is not tied to the motion."""
-        return self.strength(error[shuffles.order]).max(axis=(1, 2))
+    def by_chance(self, shuffled: Floats) -> Floats:
+        """(S,) the strength of the best region for (S, M) errors not tied to the motion."""
+        return self.strength(shuffled).max(axis=(1, 2))
 
 
 def divergence(share: Floats, time: Floats) -> Floats:
     """The divergence of Bernoulli(share) from Bernoulli(time)."""
     usable = (time >= LEAST_TIME) & (time <= MOST_TIME)
-    t = np.where(usable, time, 0.5)
-    e = np.clip(share, 1e-12, 1.0 - 1e-12)
-    found = e * np.log(e / t) + (1.0 - e) * np.log((1.0 - e) / (1.0 - t))
-    return np.where(usable & (e > t), found, 0.0)
+    found = np.zeros(np.broadcast_shapes(np.shape(share), np.shape(time)))
+    t, e = time[usable], np.clip(share[..., usable], 1e-12, 1.0 - 1e-12)
+    told = e * np.log(e / t) + (1.0 - e) * np.log((1.0 - e) / (1.0 - t))
+    found[..., usable] = np.where(e > t, told, 0.0)
+    return found

@@ -1,8 +1,9 @@
 """Making a model's certainty as large as its errors on blocks left out: one factor a joint."""
 
+from statistics import NormalDist
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.certainty.intervals import LEVEL
@@ -39,4 +40,5 @@ def factors(residual: Floats, deviation: Floats, independent: int) -> Floats:
     """
     level = min(1.0, LEVEL * (independent + 1) / independent)
     ratio = np.abs(residual) / deviation
-    return np.asarray(np.nanquantile(ratio, level, axis=0) / norm.ppf(0.5 + LEVEL / 2.0))
+    usual = NormalDist().inv_cdf(0.5 + LEVEL / 2.0)
+    return np.asarray(np.nanquantile(ratio, level, axis=0) / usual)

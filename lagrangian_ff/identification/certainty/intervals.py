@@ -1,8 +1,8 @@
 """Intervals of the effects' parameters that hold although residuals are correlated in time."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from lagrangian_ff.identification.samples import groups
 from lagrangian_ff.identification.solving.fit import Fit
@@ -31,10 +31,10 @@ def reach(fitted: Fit, block: Ints) -> Floats:
     own = fitted.deviations
     blocks = groups(block)
     if len(blocks) < 3 or not len(own):
-        return np.asarray(own * student.ppf(0.5 + LEVEL / 2.0, df=max(1, len(blocks) - 1)))
+        return np.asarray(own * scipy.special.stdtrit(max(1, len(blocks) - 1), 0.5 + LEVEL / 2.0))
     changed = fitted.changed(blocks)
     count = len(blocks)
     spread = changed - changed.mean(axis=0)
     jackknife = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
-    factor = student.ppf(0.5 + LEVEL / 2.0, df=count - 1)
+    factor = scipy.special.stdtrit(count - 1, 0.5 + LEVEL / 2.0)
     return np.asarray(np.maximum(own, jackknife) * factor)

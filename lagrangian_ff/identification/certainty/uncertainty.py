@@ -13,10 +13,10 @@ see `low_rank`.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import norm
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
@@ -188,7 +188,7 @@ class Uncertainty:
         if not 0.0 < level < 1.0:
             raise ModelError(f"level is {level}, expected above 0 and below 1, as in 0.9")
         variance = self.variance(q, qd, qdd, progress, time=time, segment=segment, at=at)
-        return np.asarray(float(norm.ppf(0.5 + level / 2.0)) * np.sqrt(variance))
+        return np.asarray(NormalDist().inv_cdf(0.5 + level / 2.0) * np.sqrt(variance))
 
     def unknown(
         self,

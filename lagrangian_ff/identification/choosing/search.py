@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import ModelError
@@ -257,7 +257,7 @@ def _simplex(
     low = np.array([axis.low for axis in axes])
     high = np.array([axis.high for axis in axes])
     corners = np.vstack([point, point + np.diag(step)])
-    found = minimize(
+    found = scipy.optimize.minimize(
         objective,
         point,
         method="Nelder-Mead",

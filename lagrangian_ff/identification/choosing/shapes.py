@@ -4,9 +4,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
-from scipy.optimize import minimize
 
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
@@ -121,7 +121,7 @@ def tuned(
     start = np.clip(present, low, high)  # models of other versions may have it outside
     simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
     bounds = list(zip(low, high, strict=True))
-    found = minimize(
+    found = scipy.optimize.minimize(
         cost, start, method="Nelder-Mead", bounds=bounds,
         options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
                  "xatol": 0.01, "fatol": 1e-5},

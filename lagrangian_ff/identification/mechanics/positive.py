@@ -16,9 +16,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
-from scipy.optimize import nnls
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
@@ -158,7 +158,7 @@ def _multipliers(covariance: Floats, missing: Floats) -> Floats:
     jitter = JITTER * float(np.trace(covariance)) / len(covariance)
     lower = np.linalg.cholesky(covariance + jitter * np.eye(len(covariance)))
     target = solve_triangular(lower, missing, lower=True, check_finite=False)
-    return np.asarray(nnls(lower.T, target, maxiter=100 * len(missing))[0])
+    return np.asarray(scipy.optimize.nnls(lower.T, target, maxiter=100 * len(missing))[0])
 
 
 def _along(block: Floats, v: Floats) -> Floats:

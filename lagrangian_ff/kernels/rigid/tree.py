@@ -11,8 +11,8 @@ Hollerbach 1986)
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from lagrangian_ff.kernels.states import States, contiguous
 from lagrangian_ff.loops import loop
@@ -89,7 +89,9 @@ class Tree:
                 position += self.ratio[body] * q[:, driver]
             slides = bool(self.sliding[body] > 0.0)
             moved = self.rotation[body] @ self.axis[body] * (position * slides)[:, None]
-            own = Rotation.from_rotvec(self.axis[body] * (position * (not slides))[:, None])
+            own = scipy.spatial.transform.Rotation.from_rotvec(
+                self.axis[body] * (position * (not slides))[:, None]
+            )
             turn, place = self.rotation[body] @ own.as_matrix(), self.offset[body] + moved
             if parent >= 0:
                 place = places[parent] + np.einsum("mij,mj->mi", turns[parent], place)

@@ -6,8 +6,8 @@ from functools import cached_property
 from itertools import chain
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, make_interp_spline
 
 from lagrangian_ff.nodes.common.errors import RefusedReference
 
@@ -147,14 +147,14 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
         qdd = zeros if qdd is None else qdd
     elif qd is None:
         rest = [(1, np.zeros(q.shape[1])), (2, np.zeros(q.shape[1]))]
-        spline = make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+        spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
         qd = spline(time, 1)
         filled.append("velocities by a spline through the positions")
         if qdd is None:
             qdd = spline(time, 2)
             filled.append("accelerations by a spline through the positions")
     elif qdd is None:
-        qdd = CubicSpline(time, qd)(time, 1)
+        qdd = scipy.interpolate.CubicSpline(time, qd)(time, 1)
         filled.append("accelerations by a spline through the velocities")
     return Reference(tuple(joints), time, q, qd, qdd, tuple(filled))
 

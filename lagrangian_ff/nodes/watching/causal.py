@@ -9,7 +9,6 @@ from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter
 
 from lagrangian_ff.recording.filtering import settling
 
@@ -36,7 +35,8 @@ class CausalFilter:
     """
 
     def __init__(self, order: int, bandwidth: float) -> None:
-        _, once = butter(order, 1.0, analog=True, output="ba")
+        angles = np.pi * (np.arange(1, 2 * order, 2) + order) / (2 * order)
+        once = np.poly(np.exp(1j * angles)).real  # the poles lie on a half circle
         twice = np.convolve(once, once)
         size = len(twice) - 1
         self._scale = 2.0 * np.pi * bandwidth

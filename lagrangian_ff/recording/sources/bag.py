@@ -14,8 +14,6 @@ from typing import Protocol
 
 import numpy as np
 import zstandard
-from ruamel.yaml import YAML
-from ruamel.yaml.error import YAMLError
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
@@ -98,6 +96,9 @@ def _files(path: Path, notes: list[str]) -> list[Path]:
 
 
 def _promised(metadata: Path) -> list[str]:
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
     try:
         content = YAML(typ="safe").load(metadata.read_text(encoding="utf-8", errors="replace"))
         names = content["rosbag2_bagfile_information"]["relative_file_paths"]

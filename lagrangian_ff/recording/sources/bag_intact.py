@@ -3,10 +3,12 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-
-from rosbags.rosbag2 import Reader
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.recording.sources.sqlite_salvage import shortfall
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Reader
 
 
 class UnreadableError(Exception):
@@ -26,17 +28,23 @@ class IntactFile:
         self._path = path
         if path.suffix == ".db3" and (damage := shortfall(path)):
             raise UnreadableError(damage)
-        with _translated(), Reader(path) as reader:
+        with _translated(), _opened(path) as reader:
             self.topics = _counted(reader)
 
     def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
         """Time received in ns and serialized message, in order of arrival."""
-        with _translated(), Reader(self._path) as reader:
+        with _translated(), _opened(self._path) as reader:
             connections = [c for c in reader.connections if c.topic == topic]
             if not connections:
                 return
             for _, received, data in reader.messages(connections):
                 yield received, bytes(data)
+
+
+def _opened(path: Path) -> "Reader":
+    from rosbags.rosbag2 import Reader  # slow to import, and only bags need it
+
+    return Reader(path)
 
 
 @contextmanager
@@ -49,7 +57,7 @@ def _translated() -> Iterator[None]:
         raise UnreadableError(str(error) or type(error).__name__) from error
 
 
-def _counted(reader: Reader) -> dict[str, tuple[str, int]]:
+def _counted(reader: "Reader") -> dict[str, tuple[str, int]]:
     topics: dict[str, tuple[str, int]] = {}
     for connection in reader.connections:
         _, before = topics.get(connection.topic, ("", 0))

@@ -9,6 +9,7 @@ from typing import Any
 
 from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK, faded
 from lagrangian_ff.report.html import escape
+from lagrangian_ff.report.interactive.script import packed
 
 Trace = dict[str, Any]
 
@@ -117,12 +118,12 @@ def embed(plot: Plot, alternative: str, caption: str = "") -> str:
     data = json.dumps(
         {"data": _plain(plot.data), "layout": _plain(plot.full_layout())},
         ensure_ascii=False, separators=(",", ":"), allow_nan=False,
-    ).replace("</", "<\\/")  # fmt: skip
+    )  # fmt: skip
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     return (
         f'<figure><div {MARK} role="img" aria-label="{escape(alternative)}" '
         f'style="height:{plot.height}px"></div>'
-        f'<script type="application/json">{data}</script>{below}</figure>'
+        f'<script type="text/plain">{packed(data)}</script>{below}</figure>'
     )
 
 

@@ -25,7 +25,6 @@ def compare_page(path: str | PathLike[str], record: Mapping[str, Any]) -> Path:
 
     Raises:
         OSError: the file cannot be written.
-        PlotlyMissingError: plotly is not installed.
     """
     return write_page(
         path,

@@ -27,7 +27,6 @@ def diagnose_page(path: str | PathLike[str], record: Mapping[str, Any]) -> Path:
 
     Raises:
         OSError: the file cannot be written.
-        PlotlyMissingError: plotly is not installed.
     """
     title, summary = split(record["verdict"])
     sources = ", ".join(map(str, record.get("sources") or []))

@@ -21,7 +21,6 @@ def history_page(path: str | PathLike[str], record: Mapping[str, Any]) -> Path:
 
     Raises:
         OSError: the file cannot be written.
-        PlotlyMissingError: plotly is not installed.
     """
     made = (make(record) for make in SECTIONS)
     return write_page(

@@ -1,7 +1,5 @@
 """Parts of a page: each file turns findings into one `Section`."""
 
-from lagrangian_ff.report.sections.effects import effects_section
-from lagrangian_ff.report.sections.torque import torque_section
-from lagrangian_ff.report.sections.tracking import tracking_section
+from lagrangian_ff.lazy import attach
 
-__all__ = ["effects_section", "torque_section", "tracking_section"]
+__getattr__, __all__ = attach(__name__, __file__)

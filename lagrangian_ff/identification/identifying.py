@@ -17,8 +17,8 @@ from lagrangian_ff.identification.choosing.choose import choose_all
 from lagrangian_ff.identification.choosing.robustly import choose_robustly, trust_beyond
 from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.extend import extend, step_record
-from lagrangian_ff.identification.kept import kept
+from lagrangian_ff.identification.extending import extend, step_record
+from lagrangian_ff.identification.keeping import kept
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.sizing import sizes
