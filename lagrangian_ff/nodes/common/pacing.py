@@ -3,6 +3,17 @@
 import threading
 import time
 from collections.abc import Callable
+from typing import Protocol
+
+
+class Pacing(Protocol):
+    """Tells when to work."""
+
+    def wait(self) -> range:
+        """Wait, not for long; the indices of the instants that are due, which may be none."""
+
+
+BACK = 1_000_000_000  # ns; a clock that goes back by more was set back
 
 
 class Pacer:
@@ -65,6 +76,34 @@ class Pacer:
         return due
 
 
+class FollowingPacer:
+    """The instants k·period of a clock that somebody else keeps, such as a simulation.
+
+    The newest instant alone counts. A clock that is set back goes on from there.
+
+    Args:
+        period: s between two instants.
+        clock: its ns.
+        rest: waits for the clock to move, for some ms at most.
+    """
+
+    def __init__(self, period: float, clock: Callable[[], int], rest: Callable[[], object]) -> None:
+        self._period = round(period * 1e9)
+        self._set_back = BACK // self._period
+        self._clock = clock
+        self._rest = rest
+        self._last = clock() // self._period
+
+    def wait(self) -> range:
+        """Rest once; the index of the instant that has come, nothing while the clock stands."""
+        self._rest()
+        index = self._clock() // self._period
+        if self._last - self._set_back <= index <= self._last:
+            return range(0)
+        self._last = index
+        return range(index, index + 1)
+
+
 class RateMeter:
     """How many events a second came since the rate was last asked for."""
 
@@ -94,7 +133,7 @@ class PacedThread:
 
     def __init__(
         self,
-        pacer: Pacer,
+        pacer: Pacing,
         work: Callable[[range], None],
         failed: Callable[[Exception], None],
         name: str,
@@ -110,7 +149,8 @@ class PacedThread:
         while not self._stop.is_set():
             due = self._pacer.wait()
             try:
-                self._work(due)
+                if due:
+                    self._work(due)
             except Exception as error:
                 self._failed(error)
 
