@@ -9,13 +9,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import get_context
 from multiprocessing.pool import AsyncResult
+from typing import TYPE_CHECKING
 
-from lagrangian_ff.arm import Trajectory, simulate
 from lagrangian_ff.report import Tracking
+
+if TYPE_CHECKING:
+    from lagrangian_ff.arm import Trajectory
 
 
 @contextmanager
-def bound_of(trajectories: list[Trajectory], seed: int) -> Iterator["AsyncResult[list[Tracking]]"]:
+def bound_of(
+    trajectories: "list[Trajectory]", seed: int
+) -> Iterator["AsyncResult[list[Tracking]]"]:
     """Begin to track the trajectories; leaving the context ends it.
 
     Args:
@@ -27,8 +32,10 @@ def bound_of(trajectories: list[Trajectory], seed: int) -> Iterator["AsyncResult
         yield pool.starmap_async(track, [(trajectory, seed) for trajectory in trajectories])
 
 
-def track(trajectory: Trajectory, seed: int) -> Tracking:
+def track(trajectory: "Trajectory", seed: int) -> Tracking:
     """The tracking error of the arm fed with its true torques."""
+    from lagrangian_ff.arm import simulate  # PyBullet, which talks when it is imported
+
     run = simulate(trajectory, "true", seed=seed)
     return Tracking("bound", run.recording.joints, run.reference.time, run.tracking_error)
 

@@ -37,7 +37,7 @@ class Options:
     samples: int = 1000
     train: float = 1.0
     through: str = "stream"
-    clock_speed: float = 1.5
+    clock_speed: float = 2.0
     domain: int | None = None
 
     def __post_init__(self) -> None:

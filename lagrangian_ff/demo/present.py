@@ -70,6 +70,7 @@ def record_of(findings: Findings) -> dict[str, Any]:
         "memory": findings.memory,
         "stream": findings.stream,
         "clock_speed": findings.clock,
+        "processors_of_others": findings.others,
         "busy": findings.busy,
     }
 

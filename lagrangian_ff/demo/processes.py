@@ -63,6 +63,11 @@ class NodeProcess:
         self.peak = 0
 
     @property
+    def number(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    @property
     def alive(self) -> bool:
         """Whether it still runs."""
         return self._process.poll() is None
@@ -144,6 +149,10 @@ class Nodes:
         """Bytes of memory each held at most."""
         self._peaks |= {process.name: process.measure() for process in self._running}
         return dict(self._peaks)
+
+    def numbers(self) -> list[int]:
+        """Of the processes that were not ended."""
+        return [process.number for process in self._running]
 
     def tails(self) -> str:
         """The end of every log."""

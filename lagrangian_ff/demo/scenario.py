@@ -23,6 +23,7 @@ from lagrangian_ff.demo.conductor import Conductor
 from lagrangian_ff.demo.errors import DemoError, LostRunError
 from lagrangian_ff.demo.findings import Findings
 from lagrangian_ff.demo.folder import Folder
+from lagrangian_ff.demo.load import OtherWork, processor_seconds
 from lagrangian_ff.demo.options import Options
 from lagrangian_ff.demo.processes import Nodes
 from lagrangian_ff.demo.stages import Stages
@@ -99,8 +100,10 @@ class Scenario:
                     self._record()
                     self._identify()
                     self._load()
+                    others = OtherWork(lambda: processor_seconds(self._nodes.numbers()))
                     self._track(friction=False)
                     self._track(friction=True)
+                    self.findings.others = others.processors()
                     self.findings.stream = self._conductor.status(STREAM)
                     self._nodes.end()
                     self._judge(bound)

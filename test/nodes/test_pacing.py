@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
+from lagrangian_ff.nodes.common.pacing import FollowingPacer, PacedThread, Pacer, RateMeter
 
 PERIOD = 2_000_000
 
@@ -63,6 +63,34 @@ def test_a_punctual_clock_is_never_late() -> None:
     assert [pacer.wait()[0] for _ in range(100)] == list(range(1, 101))
     assert clock.now == 100 * PERIOD
     assert pacer.late == pacer.skipped == 0
+
+
+@given(st.lists(st.integers(0, 9_000_000), max_size=40))
+def test_following_works_off_each_instant_of_another_clock_once(steps: list[int]) -> None:
+    clock = SleepyClock([])
+    waiting = list(steps)
+
+    def rest() -> None:
+        clock.now += waiting.pop(0)
+
+    pacer = FollowingPacer(0.002, clock, rest)
+    for _ in steps:
+        before = clock.now // PERIOD
+        due = pacer.wait()
+        after = clock.now // PERIOD
+        assert list(due) == ([after] if after > before else [])
+
+
+def test_following_goes_on_from_where_a_clock_is_set_back_to() -> None:
+    clock = SleepyClock([])
+    instants = iter([10, 11, 10, 12, 2000, 3, 3, 4])
+
+    def rest() -> None:
+        clock.now = next(instants) * PERIOD
+
+    pacer = FollowingPacer(0.002, clock, rest)
+    worked = [list(pacer.wait()) for _ in range(8)]
+    assert worked == [[10], [11], [], [12], [2000], [3], [], [4]]
 
 
 def test_the_thread_goes_on_after_a_failure_and_ends_when_told() -> None:

@@ -68,7 +68,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     option(
         "clock_speed", "FACTOR",
-        "times real time that the arm's clock goes where the machine can keep up (default: 1.5)",
+        "times real time that the arm's clock goes where the machine can keep up (default: 2)",
     )  # fmt: skip
     option("domain", "N", "ROS domain to use (default: one that nobody uses)")
 
