@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import Trajectory
-from lagrangian_ff.demo.arm_link import LEAD, ArmLink, Drive, message_of
+from lagrangian_ff.demo.arm_link import LEAD, RATE, ArmLink, Drive, message_of
 from lagrangian_ff.demo.bound import bound_of
 from lagrangian_ff.demo.capture import Track, recording_of
 from lagrangian_ff.demo.conductor import Conductor
@@ -51,6 +51,7 @@ FEEDFORWARD = (
 # The arm's time is its own, and the stream answers each of its joint states: so that tracking shows
 # the model, and not what else the machine does.
 WAIT = 1.0  # s for an answer
+TICK = 1.0 / RATE
 OWN_CLOCK = {
     "publish_clock": True,
     "wait_for_command": WAIT,
@@ -142,6 +143,8 @@ class Scenario:
                 "use_sim_time": True,
                 # The arm reads a whole trajectory before it starts.
                 "start_delay": LEAD,
+                # A torque acts a tick after the joint state that it answers.
+                "lead_time": TICK,
                 # Where the unseen motion is faster than what was learned from, the torque is sent
                 # all the same: the arm is simulated, and what the model knows there is to be seen.
                 "out_of_range": "allow",
