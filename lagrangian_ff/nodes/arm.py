@@ -92,13 +92,13 @@ class ArmNode(ClosingNode):
         self._diagnostics = Diagnostics(
             self, "simulated arm", {"plant": self._plant_status}, self._complaints.flush
         )
-        tick = self._arm.parameters.tick
-        self._period = round(tick * 1e9)
-        self._time = time.time_ns()
         self._told = self.create_publisher(Clock, "/clock", CLOCK) if self._own_clock else None
-        self._pacer, self._speed = Pacer(tick), 0.0
-        self._loop: PacedThread | None = None
+        tick = self._arm.parameters.tick
+        # Time that is lost is caught up; of a clock of its own it never was.
+        self._pacer = Pacer(tick, most=CATCH_UP, skip=self._own_clock)
+        self._period, self._time = self._pacer.period, time.time_ns()
         self._settings.watch(self._parameters_changed)
+        self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
         self.get_logger().info(
             f"the arm stands at its initial position, {1.0 / tick:g} Hz, feedforward from: "
             f"{self._source}"
@@ -157,20 +157,8 @@ class ArmNode(ClosingNode):
         self._timeout: float = self._settings.value("command_timeout")
         waits = self._own_clock and self._source == "stream"
         self._patience: float = self._settings.value("wait_for_command") if waits else 0.0
-        speed = self._settings.value("clock_speed") if self._own_clock else 1.0
-        if speed != self._speed:
-            self._run_at(speed)
-
-    def _run_at(self, speed: float) -> None:
-        """Let the clock go at this many times real time; 0 stops it."""
-        if self._loop is not None:
-            self._loop.stop()
-        self._loop, self._speed = None, speed
-        if speed > 0.0:
-            period = self._arm.parameters.tick / speed
-            # Time that is lost is caught up, or with a clock of its own never was.
-            self._pacer = Pacer(period, most=CATCH_UP, skip=self._own_clock)
-            self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
+        if self._own_clock:
+            self._pacer.speed = self._settings.value("clock_speed")
 
     def _on_command(self, message: Float64MultiArray) -> None:
         command = np.array(message.data)
@@ -267,7 +255,7 @@ class ArmNode(ClosingNode):
         saturated, self._saturated = self._saturated, 0
         factor = rate * self._arm.parameters.tick
         level, message = Level.OK, "moving" if self._follower.moving(self._time) else "standing"
-        if self._speed == 0.0:
+        if self._pacer.speed == 0.0:
             message = "its clock stands still"
         elif self._pacer.behind > FAR_BEHIND and not self._own_clock:
             level, message = Level.WARN, f"{self._pacer.behind:.2f} s behind the clock"
@@ -293,7 +281,7 @@ class ArmNode(ClosingNode):
 
     def close(self) -> None:
         """Stop the clock of the plant."""
-        self._run_at(0.0)
+        self._loop.stop()
         self._arm.close()
 
 

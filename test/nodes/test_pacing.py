@@ -93,6 +93,27 @@ def test_following_goes_on_from_where_a_clock_is_set_back_to() -> None:
     assert worked == [[10], [11], [], [12], [2000], [3], [], [4]]
 
 
+def test_the_speed_may_be_changed_and_instants_stopped() -> None:
+    clock = SleepyClock([])
+    pacer = Pacer(0.002, clock=clock, sleep=clock.sleep)
+
+    def took(count: int) -> int:
+        before = clock.now
+        assert all(len(pacer.wait()) == 1 for _ in range(count))
+        return clock.now - before
+
+    assert took(100) == 100 * PERIOD
+    pacer.speed = 2.0
+    assert took(100) == 50 * PERIOD
+    pacer.speed = 0.0
+    assert not any(len(pacer.wait()) for _ in range(100))
+    assert clock.now > 150 * PERIOD
+    assert pacer.behind == 0.0
+    pacer.speed = 0.5
+    assert took(100) == 200 * PERIOD
+    assert pacer.late == pacer.skipped == 0
+
+
 def test_the_thread_goes_on_after_a_failure_and_ends_when_told() -> None:
     done = threading.Event()
     failures: list[Exception] = []

@@ -13,6 +13,7 @@ class Pacing(Protocol):
         """Wait, not for long; the indices of the instants that are due, which may be none."""
 
 
+STOPPED = 0.01  # s between looks whether instants go on
 BACK = 1_000_000_000  # ns; a clock that goes back by more was set back
 
 
@@ -28,7 +29,8 @@ class Pacer:
         sleep: s to wait.
 
     Attributes:
-        start: ns of instant 0.
+        speed: times real time that the instants go; 0 stops them. May be set at any time.
+        start: ns of instant 0, or of the last change of speed.
         late: instants worked off at least one period after their time.
         skipped: instants left out.
     """
@@ -41,8 +43,9 @@ class Pacer:
         clock: Callable[[], int] = time.monotonic_ns,
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
-        self.period = round(period * 1e9)
+        self.period = self._unhurried = round(period * 1e9)
         self.start = clock()
+        self.speed = self._speed = 1.0
         self.late = 0
         self.skipped = 0
         self._most = most
@@ -58,10 +61,18 @@ class Pacer:
     @property
     def behind(self) -> float:
         """s since the oldest instant that waits to be worked off; 0 where none does."""
+        if self._speed == 0.0:
+            return 0.0
         return max(0, self._clock() - self.instant(self._next)) / 1e9
 
     def wait(self) -> range:
-        """Sleep until the next instant; the indices of the instants that are due, never none."""
+        """Sleep until the next instant; the indices of the instants that are due, none only while
+        they are stopped."""
+        if self.speed != self._speed:
+            self._change_to(self.speed)
+        if self._speed == 0.0:
+            self._sleep(STOPPED)
+            return range(0)
         remaining = self.instant(self._next) - self._clock()
         if remaining > 0:
             self._sleep(remaining / 1e9)
@@ -74,6 +85,12 @@ class Pacer:
         self.late += min(now - due[0], len(due))
         self._next = due[-1] + 1
         return due
+
+    def _change_to(self, speed: float) -> None:
+        self._speed = speed
+        if speed > 0.0:
+            self.period = round(self._unhurried / speed)
+            self.start, self._next = self._clock(), 1
 
 
 class FollowingPacer:
