@@ -187,7 +187,8 @@ class FeedforwardLink:
         now = self._time.now()
         output = self._stream.tick(now, self._time.steady())
         self._commands.publish(command(output.tau[self._columns]))
-        if output.q is not None and output.qd is not None:
+        listened = self._stamped.get_subscription_count() > 0
+        if listened and output.q is not None and output.qd is not None:
             at = now + round(self._stream.settings.lead * 1e9)
             self._stamped.publish(self._maker.fill(at, output.q, output.qd, output.tau))
         faded = self._monitor.note(output)
