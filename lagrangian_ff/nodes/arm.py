@@ -225,11 +225,11 @@ class ArmNode(ClosingNode):
                 self._state_maker.fill(now, sample.position, sample.velocity, sample.effort)
             )
             self._references.publish(self._reference_maker.fill(now, q, qd, torque))
-            if self._told is not None and now // self._period % CLOCK_EVERY == 0:
-                self._told.publish(Clock(clock=stamp(now)))
             self._squared_error += (q - sample.position) ** 2
             self._ticks += 1
             self._saturated += bool(self._arm.saturated.any())
+            if self._told is not None and now // self._period % CLOCK_EVERY == 0:
+                self._told.publish(Clock(clock=stamp(now)))
         self._meter.add(len(due))
 
     def _feedforward(self, q: Floats, qd: Floats, qdd: Floats, effort: Floats) -> Floats:
