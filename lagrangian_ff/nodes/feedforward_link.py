@@ -223,6 +223,8 @@ class FeedforwardLink:
             **self._references.values(),
             **self._complaints.counts,
         }
+        if self._time.simulated and self._time.now() == 0:
+            return Status(Level.WARN, "use_sim_time is set, but nobody publishes /clock", more)
         # Simulated seconds may be longer or shorter than the monitor's.
         rate = 0.0 if self._time.simulated else self._parameters.value("rate")
         return self._monitor.status(rate, more)

@@ -167,6 +167,10 @@ def test_under_simulated_time_each_joint_state_is_answered_once(bench: Bench, fo
     stamped = bench.collect(JointState, "/simulated/feedforward/feedforward")
     send = bench.publisher(JointTrajectory, "/simulated/feedforward/reference")
     bench.until(lambda: states.get_subscription_count() > 0, "a reader of joint states")
+    status = "simulated/feedforward: stream"
+    bench.until(
+        lambda: status in bench.statuses and "/clock" in bench.statuses[status].message, "a word"
+    )
     now = 5 * 10**9
 
     def tick() -> None:
