@@ -5,23 +5,25 @@ It needs no ROS, so it is simulated in a process of its own while the arm moves.
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from multiprocessing import get_context
-from multiprocessing.pool import AsyncResult
+from multiprocessing import TimeoutError, get_context
 from typing import TYPE_CHECKING
 
+from lagrangian_ff.demo.errors import DemoError
 from lagrangian_ff.report import Tracking
 
 if TYPE_CHECKING:
     from lagrangian_ff.arm import Trajectory
 
+PATIENCE = 300.0  # s
+
 
 @contextmanager
-def bound_of(
-    trajectories: "list[Trajectory]", seed: int
-) -> Iterator["AsyncResult[list[Tracking]]"]:
-    """Begin to track the trajectories; leaving the context ends it.
+def bound_of(trajectories: "list[Trajectory]", seed: int) -> Iterator[Callable[[], list[Tracking]]]:
+    """Begin to track the trajectories; what is yielded waits for the end and gives the errors.
+
+    Leaving the context ends it.
 
     Args:
         trajectories: where the arm should be.
@@ -29,7 +31,15 @@ def bound_of(
     """
     # A fork would take ROS's threads with it.
     with get_context("spawn").Pool(1, _leave_the_terminal) as pool:
-        yield pool.starmap_async(track, [(trajectory, seed) for trajectory in trajectories])
+        pending = pool.starmap_async(track, [(trajectory, seed) for trajectory in trajectories])
+
+        def found() -> list[Tracking]:
+            try:
+                return pending.get(PATIENCE)
+            except TimeoutError:
+                raise DemoError("the bound was not simulated; is there memory left?") from None
+
+        yield found
 
 
 def track(trajectory: "Trajectory", seed: int) -> Tracking:

@@ -5,7 +5,6 @@ import sys
 from collections.abc import Callable
 from contextlib import closing
 from functools import partial
-from multiprocessing.pool import AsyncResult
 from pathlib import Path
 
 from lifecycle_msgs.srv import ChangeState
@@ -187,7 +186,6 @@ class Scenario:
 
             self._conductor.until(identified, "the model", SLOWEST_IDENTIFICATION)
             self._conductor.trigger("/identify/save")
-            self._nodes.end("identify")
 
     def _load(self) -> None:
         with self._stages.stage("load", "feedforward loads the model"):
@@ -208,8 +206,9 @@ class Scenario:
             conductor.until(
                 lambda: self._references.get_subscription_count() > 0, "feedforward's topics"
             )
-            self._arm.feed(self._options.through)
-            self._arm.run_clock(self._options.clock_speed)
+        self._nodes.end("identify")
+        self._arm.feed(self._options.through)
+        self._arm.run_clock(self._options.clock_speed)
 
     def _track(self, *, friction: bool) -> None:
         run = "all" if friction else "without_friction"
@@ -226,24 +225,24 @@ class Scenario:
         self._references.publish(message_of(trajectory, 0))
         return drive
 
-    def _run(self, name: str, run: str, send: Callable[[], Drive], tell: Progress) -> Track:
+    def _run(
+        self, name: str, run: str, send: Callable[[], Drive], tell: Progress, tries: int = TRIES
+    ) -> Track:
         """One run of the arm, done again where joint states were lost; what was measured.
 
         Raises:
-            DemoError: none of the tries was whole.
+            LostRunError: none of the tries was whole.
         """
-        for tries in range(1, TRIES + 1):
-            drive = send()
-            try:
-                self._wait(drive, tell)
-                found, measured = drive.result(run)
-            except LostRunError:
-                if tries == TRIES:
-                    raise
-                continue
-            self.findings.keep(name, run, found, drive.speed)
-            return measured
-        raise AssertionError
+        drive = send()
+        try:
+            self._wait(drive, tell)
+            found, measured = drive.result(run)
+        except LostRunError:
+            if tries == 1:
+                raise
+            return self._run(name, run, send, tell, tries - 1)
+        self.findings.keep(name, run, found, drive.speed)
+        return measured
 
     def _wait(self, drive: Drive, tell: Progress) -> None:
         longest = max(self._options.duration, self._options.unseen_duration)
@@ -258,7 +257,7 @@ class Scenario:
         end = self._arm.reported() + round(STILL * 1e9)
         self._conductor.until(lambda: self._arm.reported() >= end, "a moment of rest")
 
-    def _judge(self, bound: "AsyncResult[list[Tracking]]") -> None:
+    def _judge(self, bound: Callable[[], list[Tracking]]) -> None:
         """Hold the model against the motion it never saw, and tracking against its bound."""
         with self._stages.stage("judge", "the model is held against the motion it never saw"):
             model = Model.load(self._folder.model)
@@ -266,7 +265,7 @@ class Scenario:
             write_bag(self._folder.unseen, recording)
             self.findings.identification = dict(model.record)
             self.findings.comparison = compare(model, condition(recording), intervals=True)
-            for name, found in zip(self._motions.named(), bound.get(), strict=True):
+            for name, found in zip(self._motions.named(), bound(), strict=True):
                 self.findings.keep(name, "bound", found)
 
 
