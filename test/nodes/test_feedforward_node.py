@@ -151,50 +151,6 @@ def test_a_reference_is_annotated_and_streamed_in_time(node: Feedforward, model:
     np.testing.assert_allclose(node.tau, rest[::-1], atol=1e-6)
 
 
-def test_under_simulated_time_each_joint_state_is_answered_once(bench: Bench, folder: Path) -> None:
-    reliable = "qos_overrides./simulated/joint_states.subscription.reliability"
-    # Whoever publishes no /clock still stamps joint states, and time stands while none come.
-    states = bench.node.create_publisher(JointState, "/simulated/joint_states", RELIABLE)
-    process = bench.start(
-        "feedforward",
-        namespace="simulated",
-        params={
-            "model_file": str(folder / "model.npz"), "use_sim_time": True, reliable: "reliable",
-            **QUICK,
-        },
-    )  # fmt: skip
-    commands = bench.collect(Float64MultiArray, "/simulated/feedforward/commands", RELIABLE)
-    stamped = bench.collect(JointState, "/simulated/feedforward/feedforward")
-    send = bench.publisher(JointTrajectory, "/simulated/feedforward/reference")
-    bench.until(lambda: states.get_subscription_count() > 0, "a reader of joint states")
-    status = "simulated/feedforward: stream"
-    bench.until(
-        lambda: status in bench.statuses and "/clock" in bench.statuses[status].message, "a word"
-    )
-    now = 5 * 10**9
-
-    def tick() -> None:
-        nonlocal now
-        now += 2_000_000
-        message = JointState(name=["a", "b"], position=[0.4, 0.4])
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 10**9)
-        states.publish(message)
-        before = len(commands)
-        bench.until(lambda: len(commands) > before, "the answer")
-
-    tick()
-    send.publish(reference([0.0, 0.1], [[0.4, 0.4], [0.4, 0.4]]))
-    bench.spin(0.1)
-    commands.clear()
-    for _ in range(250):
-        tick()
-    bench.spin(0.1)
-    assert len(commands) == 250
-    assert commands[-1][1].data[0] == pytest.approx(8.0 * math.cos(0.4), rel=0.002)
-    assert nanoseconds(stamped[-1][1].header) == now
-    assert process.alive
-
-
 def test_terms_and_scale_are_switched_at_run_time(node: Feedforward) -> None:
     node.hold()
     assert node.bench.set_parameter("feedforward", "terms.gravity", False).successful
