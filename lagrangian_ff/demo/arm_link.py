@@ -15,8 +15,9 @@ from lagrangian_ff.report import Tracking
 RELIABLE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
 )
+BEFORE = 0.5  # s of the arm in which it comes to rest before anything is asked of it
 LEAD = 2.0  # s of the arm between sending a reference and its start, in which it is read
-AFTER = 0.3  # s that are kept after the end of a trajectory
+AFTER = 0.5  # s that are kept after the end of a trajectory
 RATE = 500.0  # Hz of joint states
 
 
@@ -34,28 +35,36 @@ class ArmLink:
         self._conductor = conductor
         node, topic = conductor.node, f"{self.name}/joint_trajectory"
         self._measured = Tape(node, "/joint_states")
+        self._until = round(BEFORE * 1e9)
         self._starts: list[int] = []
         self._direct = node.create_publisher(JointTrajectory, topic, RELIABLE)
         node.create_subscription(JointTrajectory, topic, self._on_trajectory, RELIABLE)
 
     def ready(self) -> bool:
-        """Whether it reports its joints and hears our references."""
-        return self._measured.latest() > 0 and self._direct.get_subscription_count() >= 2
+        """Whether we can hear each other."""
+        return (
+            self._conductor.node.count_publishers("/joint_states") > 0
+            and self._direct.get_subscription_count() >= 2
+        )
 
     def feed(self, source: str) -> None:
         """Where its feedforward comes from: none, stream, trajectory or true."""
         self._conductor.set_parameters(self.name, {"feedforward_source": source})
 
-    def run_clock(self, speed: float) -> None:
-        """How fast its clock may go, in times real time; 0 stops it."""
-        self._conductor.set_parameters(self.name, {"clock_speed": speed})
+    def run_clock(self, until: float = 0.0) -> None:
+        """Let its clock go on until this time in s; 0 for ever."""
+        self._conductor.set_parameters(self.name, {"clock_until": until})
 
     def send(self, trajectory: Trajectory) -> "Drive":
-        """Send a trajectory straight to the arm."""
-        message = message_of(trajectory, 0)
+        """Send a trajectory straight to the arm, whose clock stands still soon after its end.
+
+        So what happens meanwhile takes no time of the arm's, and recordings are always the same.
+        """
         drive = self.listen(trajectory)
-        message.header.stamp = stamp(self.reported() + round(LEAD * 1e9))
-        self._direct.publish(message)
+        start = self._until + round(LEAD * 1e9)
+        self._until = start + round((trajectory.duration + AFTER) * 1e9)
+        self._direct.publish(message_of(trajectory, start))
+        self.run_clock(self._until / 1e9)
         return drive
 
     def listen(self, trajectory: Trajectory) -> "Drive":

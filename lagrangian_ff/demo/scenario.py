@@ -2,6 +2,7 @@
 
 import os
 import sys
+import time
 from collections.abc import Callable
 from contextlib import closing
 from functools import partial
@@ -15,7 +16,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import Trajectory
-from lagrangian_ff.demo.arm_link import LEAD, RATE, ArmLink, Drive, message_of
+from lagrangian_ff.demo.arm_link import BEFORE, LEAD, RATE, ArmLink, Drive, message_of
 from lagrangian_ff.demo.bound import bound_of
 from lagrangian_ff.demo.capture import Track, recording_of
 from lagrangian_ff.demo.conductor import Conductor
@@ -35,7 +36,7 @@ from lagrangian_ff.report import Tracking
 
 IDENTIFICATION = "identify: identification"
 STREAM, MODEL = "feedforward: stream", "feedforward: model"
-STILL = 0.5  # s of rest that are recorded before and after the motion
+SETTLING = 0.3  # s in which messages under way arrive
 SLOWEST_IDENTIFICATION = 600.0  # s
 SLOWEST_CLOCK = 0.1  # times real time; an arm that is slower has stopped
 TRIES = 3  # of a run of which joint states were lost
@@ -118,6 +119,7 @@ class Scenario:
                 "feedforward_source": "none",
                 "seed": options.seed,
                 "clock_speed": options.clock_speed,
+                "clock_until": BEFORE,
                 **OWN_CLOCK,
             },
         )
@@ -156,10 +158,10 @@ class Scenario:
         trajectory = self._motions.training
         doing = f"the arm moves for {trajectory.duration:.0f} s and is recorded"
         with self._stages.stage("record", doing) as tell:
+            self._settle()
             self._conductor.trigger("/identify/start")
-            self._rest()
             self._run("training", "none", lambda: self._arm.send(trajectory), tell)
-            self._rest()
+            self._settle()
             self._conductor.trigger("/identify/stop")
 
     def _identify(self) -> None:
@@ -173,8 +175,6 @@ class Scenario:
             self._conductor.trigger("/identify/identify")
             self._start_feedforward()
             self._unseen = self._run("unseen", "none", lambda: self._arm.send(trajectory), tell)
-            # It has nothing to do until there is a model: the machine is all for that.
-            self._arm.run_clock(0.0)
 
             def identified() -> str:
                 failure = self._conductor.complaint(IDENTIFICATION)
@@ -208,7 +208,7 @@ class Scenario:
             )
         self._nodes.end("identify")
         self._arm.feed(self._options.through)
-        self._arm.run_clock(self._options.clock_speed)
+        self._arm.run_clock()
 
     def _track(self, *, friction: bool) -> None:
         run = "all" if friction else "without_friction"
@@ -253,9 +253,10 @@ class Scenario:
             meanwhile=lambda: tell(drive.fraction, ""),
         )
 
-    def _rest(self) -> None:
-        end = self._arm.reported() + round(STILL * 1e9)
-        self._conductor.until(lambda: self._arm.reported() >= end, "a moment of rest")
+    def _settle(self) -> None:
+        """Let the last joint states arrive everywhere; the arm's clock stands still."""
+        end = time.monotonic() + SETTLING
+        self._conductor.until(lambda: time.monotonic() >= end, "a moment of rest")
 
     def _judge(self, bound: Callable[[], list[Tracking]]) -> None:
         """Hold the model against the motion it never saw, and tracking against its bound."""

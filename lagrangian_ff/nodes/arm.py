@@ -46,6 +46,7 @@ CHECK_STEP = 0.01  # s between the samples of a reference that are checked again
 FAR_BEHIND = 0.1  # s
 CATCH_UP = 10  # ticks at once, then commands are looked at again
 CLOCK_EVERY = 5  # ticks
+STANDING = 0.01  # s between looks whether the clock may go on
 
 
 class ArmNode(ClosingNode):
@@ -96,7 +97,8 @@ class ArmNode(ClosingNode):
         tick = self._arm.parameters.tick
         # Time that is lost is caught up; of a clock of its own it never was.
         self._pacer = Pacer(tick, most=CATCH_UP, skip=self._own_clock)
-        self._period, self._time = self._pacer.period, time.time_ns()
+        self._period, self._until = self._pacer.period, np.inf
+        self._time = 0 if self._own_clock else time.time_ns()
         self._settings.watch(self._parameters_changed)
         self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
         self.get_logger().info(
@@ -118,13 +120,18 @@ class ArmNode(ClosingNode):
         )  # fmt: skip
         declare(
             "publish_clock", False,
-            "whether the arm's time is its own, told on /clock: it slows down where the machine "
-            "cannot keep up", read_only=True,
+            "whether the arm's time is its own, from 0 on, told on /clock: it slows down where the "
+            "machine cannot keep up", read_only=True,
         )  # fmt: skip
         declare(
             "clock_speed", 1.0,
             "times real time that its own clock goes at most; 0 = it stands still",
             low=0.0, high=100.0,
+        )  # fmt: skip
+        declare(
+            "clock_until", 0.0,
+            "s of its own clock at which it stands still; 0 = it goes on and on",
+            low=0.0, high=1e9,
         )  # fmt: skip
         declare(
             "wait_for_command", 0.0,
@@ -158,6 +165,7 @@ class ArmNode(ClosingNode):
         waits = self._own_clock and self._source == "stream"
         self._patience: float = self._settings.value("wait_for_command") if waits else 0.0
         if self._own_clock:
+            self._until = self._settings.value("clock_until") * 1e9 or np.inf
             self._pacer.speed = self._settings.value("clock_speed")
 
     def _on_command(self, message: Float64MultiArray) -> None:
@@ -215,6 +223,9 @@ class ArmNode(ClosingNode):
 
     def _step(self, due: range) -> None:
         for _ in due:
+            if self._time >= self._until:
+                time.sleep(STANDING)
+                return
             self._await_command()
             self._time += self._period
             now = self._time
@@ -255,7 +266,7 @@ class ArmNode(ClosingNode):
         saturated, self._saturated = self._saturated, 0
         factor = rate * self._arm.parameters.tick
         level, message = Level.OK, "moving" if self._follower.moving(self._time) else "standing"
-        if self._pacer.speed == 0.0:
+        if self._pacer.speed == 0.0 or self._time >= self._until:
             message = "its clock stands still"
         elif self._pacer.behind > FAR_BEHIND and not self._own_clock:
             level, message = Level.WARN, f"{self._pacer.behind:.2f} s behind the clock"

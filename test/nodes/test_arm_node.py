@@ -146,6 +146,12 @@ def test_an_arm_with_its_own_clock_tells_it_and_stops_when_told(
     assert bench.set_parameter("clocked/arm", "clock_speed", 2.0).successful
     bench.until(lambda: stamp(newest(states)) > stood + 10**8, "the clock going on")
     assert {PERIOD} == set(np.diff([stamp(message) for _, message in states]))
+    until = stamp(newest(states)) + 3 * 10**9
+    assert bench.set_parameter("clocked/arm", "clock_until", until / 1e9).successful
+    bench.until(lambda: stamp(newest(states)) >= until, "the time at which it stands still")
+    bench.spin(0.3)
+    assert stamp(newest(states)) - until < PERIOD
+    assert bench.set_parameter("clocked/arm", "clock_until", 0.0).successful
 
 
 def test_each_joint_state_is_answered_before_the_next_tick(bench: Bench, clocked: Process) -> None:
