@@ -3,7 +3,8 @@
     ros2 launch lagrangian_ff demo.launch.py model_file:=model.npz
 
 Send the reference to feedforward/reference: it comes out of feedforward/joint_trajectory with
-effort filled in and its start stamped, and goes from there to the arm.
+effort filled in and its start stamped, and goes from there to the arm. Time is the arm's own, on
+/clock: where the machine is busy it goes more slowly. Further nodes take it with use_sim_time.
 """
 
 from launch import LaunchContext, LaunchDescription
@@ -13,6 +14,7 @@ from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 
 PACKAGE = "lagrangian_ff"
+WAIT = 1.0  # s
 
 
 def config(name: str) -> PathJoinSubstitution:
@@ -26,14 +28,22 @@ def nodes(context: LaunchContext) -> list[Node]:
         name: LaunchConfiguration(name).perform(context)
         for name in ("params_file", "namespace", "use_sim_time", "model_file", "record")
     }
-    time = {"use_sim_time": given["use_sim_time"].lower() == "true"}
+    simulated = given["use_sim_time"].lower() == "true"
+    time = {"use_sim_time": simulated}
+    # The arm waits for the torque of every tick, so that none may be lost on the way.
+    own_time = {"publish_clock": simulated, "wait_for_command": WAIT}
+    prefix = f"/{given['namespace']}" if given["namespace"] else ""
+    reliable = {
+        f"qos_overrides.{prefix}/{topic}.subscription.reliability": "reliable"
+        for topic in ("joint_states", "feedforward/commands")
+    }
     common = {"package": PACKAGE, "namespace": given["namespace"], "output": "screen"}
     # An empty argument leaves what the parameter file says.
     model = {"model_file": given["model_file"]} if given["model_file"] else {}
     arm = Node(
         executable="arm",
         name="arm",
-        parameters=[config("arm.yaml"), time],
+        parameters=[config("arm.yaml"), own_time, reliable],
         remappings=[
             ("~/joint_trajectory", "feedforward/joint_trajectory"),
             ("~/commands", "feedforward/commands"),
@@ -43,7 +53,7 @@ def nodes(context: LaunchContext) -> list[Node]:
     feedforward = Node(
         executable="feedforward",
         name="feedforward",
-        parameters=[given["params_file"], {**time, **model}],
+        parameters=[given["params_file"], {**time, **model}, reliable],
         **common,
     )
     if given["record"].lower() != "true":
@@ -51,7 +61,7 @@ def nodes(context: LaunchContext) -> list[Node]:
     recorder = Node(
         executable="identify",
         name="identify",
-        parameters=[config("identify.yaml"), time],
+        parameters=[config("identify.yaml"), time, reliable],
         **common,
     )
     return [arm, feedforward, recorder]
@@ -71,9 +81,9 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument(
                 "use_sim_time",
-                default_value="false",
-                description="whether the nodes take their time from /clock; the arm does not "
-                "publish one and is paced by the wall clock",
+                default_value="true",
+                description="whether time is the arm's own, on /clock, which waits for the "
+                "feedforward; if not, all go by the system's clock",
             ),
             DeclareLaunchArgument(
                 "model_file",

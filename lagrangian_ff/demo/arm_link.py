@@ -1,6 +1,6 @@
-"""One arm seen from the conductor: it is sent references, and what it reports is kept."""
+"""The arm seen from the conductor: it is sent references, and what it reports is kept."""
 
-from dataclasses import dataclass
+import time
 
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -8,81 +8,70 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from lagrangian_ff.arm import Trajectory
 from lagrangian_ff.demo.capture import Tape, Track, tracking
 from lagrangian_ff.demo.conductor import Conductor
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.demo.errors import LostRunError
 from lagrangian_ff.nodes.common.messages import nanoseconds, stamp
 from lagrangian_ff.report import Tracking
 
 RELIABLE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
 )
-LEAD = 2.0  # s between sending a reference and its start: a busy arm reads it in that time
-AFTER = 0.3  # s that are kept after the end of a trajectory
+BEFORE = 0.5  # s of the arm in which it comes to rest before anything is asked of it
+LEAD = 2.0  # s of the arm between sending a reference and its start, in which it is read
+AFTER = 0.5  # s that are kept after the end of a trajectory
 RATE = 500.0  # Hz of joint states
 
 
-@dataclass(frozen=True)
-class Pace:
-    """How well an arm kept up with the clock during a run.
-
-    Attributes:
-        late: ticks that came at least one period late.
-        behind: s it was behind at most.
-    """
-
-    late: int
-    behind: float
-
-
 class ArmLink:
-    """The topics of one arm node.
+    """The topics and parameters of the arm node.
 
     Args:
         conductor: talks for us.
-        namespace: of the arm; empty for none.
-        reference_topic: where references for this arm are sent.
     """
 
-    def __init__(self, conductor: Conductor, namespace: str = "") -> None:
-        self._conductor = conductor
-        self._prefix = f"/{namespace}" if namespace else ""
-        self._status = f"{self._prefix}/arm: plant".lstrip("/")
-        node = conductor.node
-        self._measured, self._reference = (
-            Tape(conductor.node, f"{self._prefix}/{topic}")
-            for topic in ("joint_states", "arm/reference_state")
-        )
-        self._topic = f"{self._prefix}/arm/joint_trajectory"
-        self._starts: list[int] = []
-        self._direct = node.create_publisher(JointTrajectory, self._topic, RELIABLE)
-        node.create_subscription(JointTrajectory, self._topic, self._on_trajectory, RELIABLE)
+    name = "/arm"
+    _status = "arm: plant"
 
-    @property
-    def name(self) -> str:
-        """Fully qualified name of the node."""
-        return f"{self._prefix}/arm"
+    def __init__(self, conductor: Conductor) -> None:
+        self._conductor = conductor
+        node, topic = conductor.node, f"{self.name}/joint_trajectory"
+        self._measured = Tape(node, "/joint_states")
+        self._until = round(BEFORE * 1e9)
+        self._starts: list[int] = []
+        self._direct = node.create_publisher(JointTrajectory, topic, RELIABLE)
+        node.create_subscription(JointTrajectory, topic, self._on_trajectory, RELIABLE)
 
     def ready(self) -> bool:
-        """Whether it reports its joints and hears our references."""
-        return self._measured.latest() > 0 and self._direct.get_subscription_count() >= 2
+        """Whether we can hear each other."""
+        return (
+            self._conductor.node.count_publishers("/joint_states") > 0
+            and self._direct.get_subscription_count() >= 2
+        )
 
     def feed(self, source: str) -> None:
         """Where its feedforward comes from: none, stream, trajectory or true."""
         self._conductor.set_parameters(self.name, {"feedforward_source": source})
 
+    def run_clock(self, until: float = 0.0) -> None:
+        """Let its clock go on until this time in s; 0 for ever."""
+        self._conductor.set_parameters(self.name, {"clock_until": until})
+
     def send(self, trajectory: Trajectory) -> "Drive":
-        """Send a trajectory straight to the arm."""
-        message = message_of(trajectory, 0)
+        """Send a trajectory straight to the arm, whose clock stands still soon after its end.
+
+        So what happens meanwhile takes no time of the arm's, and recordings are always the same.
+        """
         drive = self.listen(trajectory)
-        message.header.stamp = stamp(self._conductor.now() + round(LEAD * 1e9))
-        self._direct.publish(message)
+        start = self._until + round(LEAD * 1e9)
+        self._until = start + round((trajectory.duration + AFTER) * 1e9)
+        self._direct.publish(message_of(trajectory, start))
+        self.run_clock(self._until / 1e9)
         return drive
 
     def listen(self, trajectory: Trajectory) -> "Drive":
         """The run of a trajectory that somebody is about to send to the arm."""
-        for tape in (self._measured, self._reference):
-            tape.clear()
+        self._measured.clear()
         self._starts.clear()
-        return Drive(self, trajectory, len(self._conductor.history.get(self._status, [])))
+        return Drive(self, trajectory)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         self._starts.append(nanoseconds(message.header.stamp))
@@ -101,30 +90,27 @@ class ArmLink:
         return self._conductor.status(self._status).get("last refusal", "")
 
     def reported(self) -> int:
-        """Ns of the last joint state and reference that came."""
-        return min(self._measured.latest(), self._reference.latest())
+        """The arm's time: ns of the last joint state that came, 0 before the first."""
+        return self._measured.latest()
 
-    def tracks(self) -> tuple[Track, Track]:
-        """What was measured and what it should have been."""
-        return self._measured.track(), self._reference.track()
-
-    def pace(self, since: int) -> Pace:
-        """How it kept up with the clock since this entry of its diagnostics."""
-        history = self._conductor.history.get(self._status, [])[max(0, since - 1) :]
-        if not history:
-            return Pace(0, 0.0)
-        late = int(history[-1]["late ticks"]) - int(history[0]["late ticks"])
-        return Pace(late, max(float(values["behind the clock [s]"]) for values in history))
+    def track(self) -> Track:
+        """What was measured since `listen`."""
+        return self._measured.track()
 
 
 class Drive:
-    """One run of an arm along a trajectory, from being sent until it is over."""
+    """One run of the arm along a trajectory, from being sent until it is over.
 
-    def __init__(self, link: ArmLink, trajectory: Trajectory, since: int) -> None:
+    Attributes:
+        speed: times real time that the arm's clock went, from the start of the motion.
+    """
+
+    def __init__(self, link: ArmLink, trajectory: Trajectory) -> None:
         self._link = link
         self._trajectory = trajectory
-        self._since = since
         self._refused = link.refused()
+        self._began: tuple[int, float] | None = None
+        self.speed = 0.0
 
     @property
     def fraction(self) -> float:
@@ -138,25 +124,32 @@ class Drive:
         """Whether the arm has come to the end and a little further.
 
         Raises:
-            DemoError: the arm refused the trajectory.
+            LostRunError: the arm refused the trajectory.
         """
         if self._link.refused() > self._refused:
-            raise DemoError(
-                f"{self._link.name} refused the motion: {self._link.refusal()}. Where the "
-                "machine was busy, run the demo again with nothing beside it"
-            )
-        end = self._link.start + round((self._trajectory.duration + AFTER) * 1e9)
-        return bool(self._link.start) and self._link.reported() >= end
+            raise LostRunError(f"{self._link.name} refused the motion: {self._link.refusal()}")
+        start, now, real = self._link.start, self._link.reported(), time.monotonic()
+        if not start or now < start:
+            return False
+        if self._began is None:
+            self._began = now, real
+        self.speed = (now - self._began[0]) / 1e9 / max(real - self._began[1], 1e-9)
+        return now >= self._end
 
-    def result(self, label: str) -> tuple[Tracking, Track, Pace]:
-        """The tracking error, what was measured meanwhile, and how the arm kept up."""
-        measured, reference = self._link.tracks()
-        duration = self._trajectory.duration
-        found = tracking(label, measured, reference, self._link.start, duration, RATE)
-        end = self._link.start + round((duration + AFTER) * 1e9)
+    @property
+    def _end(self) -> int:
+        return self._link.start + round((self._trajectory.duration + AFTER) * 1e9)
+
+    def result(self, label: str) -> tuple[Tracking, Track]:
+        """The tracking error, and what was measured.
+
+        Raises:
+            LostRunError: too many samples are missing.
+        """
+        measured, start = self._link.track(), self._link.start
+        found = tracking(label, measured, self._trajectory, start, RATE)
         # The filter of the conditioning settles while the arm still stands.
-        inside = measured.between(self._link.start - round(AFTER * 1e9), end)
-        return found, inside, self._link.pace(self._since)
+        return found, measured.between(start - round(AFTER * 1e9), self._end)
 
 
 def message_of(trajectory: Trajectory, start: int) -> JointTrajectory:

@@ -1,4 +1,4 @@
-"""What an arm said of itself along a trajectory: measured states and the reference beside them."""
+"""What an arm said of itself along a trajectory."""
 
 from array import array
 from dataclasses import dataclass
@@ -9,7 +9,8 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.arm import Trajectory
+from lagrangian_ff.demo.errors import LostRunError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.recording import Recording
@@ -21,7 +22,7 @@ Ints = NDArray[np.int64]
 EVERYTHING = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=5000, reliability=ReliabilityPolicy.RELIABLE
 )
-LEAST = 0.7  # share of the samples without which a run is not judged
+LEAST = 0.99  # share of the samples without which a run is not judged
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,8 @@ class Track:
 class Tape:
     """Keeps the joint states of a topic as they come.
 
-    An executor takes half a millisecond for each message, too much for 2000 a second beside the
-    arms themselves: so messages are fetched many at once, serialised.
+    An executor takes half a millisecond for each message, too much for 1000 a second beside the
+    arm itself: so messages are fetched many at once, serialised.
 
     Args:
         node: in whose name to listen.
@@ -70,14 +71,18 @@ class Tape:
         self._subscription = PolledSubscription(node, JointState, topic, EVERYTHING, raw=True)
         self._messages: list[bytes] = []
         self._reader = JointStateReader()
+        self._latest = 0
 
     def latest(self) -> int:
         """Fetch what came; the stamp of the last message in ns, 0 before the first."""
-        self._messages.extend(data for data, _ in self._subscription.take())
-        return self._reader.read(self._messages[-1]).stamp if self._messages else 0
+        came = [data for data, _ in self._subscription.take()]
+        if came:
+            self._messages += came
+            self._latest = self._reader.read(came[-1]).stamp
+        return self._latest
 
     def clear(self) -> None:
-        """Forget all that came so far."""
+        """Forget all that came so far, but the stamp of the last."""
         self.latest()
         self._messages.clear()
 
@@ -85,10 +90,10 @@ class Tape:
         """All messages as arrays, in the order of their stamps, each stamp once.
 
         Raises:
-            DemoError: there are none.
+            LostRunError: there are none.
         """
         if not self._messages:
-            raise DemoError("no joint states came from the arm")
+            raise LostRunError("no joint states came from the arm")
         stamps = array("q")
         values: dict[str, list[Floats]] = {"position": [], "velocity": [], "effort": []}
         joints: tuple[str, ...] = ()
@@ -103,36 +108,29 @@ class Tape:
 
 
 def tracking(
-    label: str, measured: Track, reference: Track, start: int, duration: float, rate: float
+    label: str, measured: Track, trajectory: Trajectory, start: int, rate: float
 ) -> Tracking:
     """The error of a run, from the start of its trajectory to the end.
 
     Args:
         label: of the run.
         measured: joint states.
-        reference: where the arm should have been, with the same stamps.
+        trajectory: where the arm should have been.
         start: ns, when the trajectory began.
-        duration: s of the trajectory.
         rate: Hz of the joint states.
 
     Raises:
-        DemoError: too many samples are missing.
+        LostRunError: too many samples are missing.
     """
-    end = start + round(duration * 1e9)
-    stamps, one, other = np.intersect1d(
-        measured.stamp, reference.stamp, assume_unique=True, return_indices=True
-    )
-    inside = (stamps >= start) & (stamps <= end)
-    expected = duration * rate
-    if inside.sum() < LEAST * expected:
-        raise DemoError(
-            f"run '{label}': {inside.sum()} of {expected:.0f} joint states came with their "
-            "reference; the machine is too busy for this demo, close other programs"
+    inside = measured.between(start, start + round(trajectory.duration * 1e9))
+    expected = trajectory.duration * rate
+    if len(inside.stamp) < LEAST * expected:
+        raise LostRunError(
+            f"run '{label}': {len(inside.stamp)} of {expected:.0f} joint states came"
         )
-    if measured.joints != reference.joints:
-        raise DemoError(f"run '{label}': the arm moves {measured.joints}, not {reference.joints}")
-    error = reference.position[other[inside]] - measured.position[one[inside]]
-    return Tracking(label, measured.joints, (stamps[inside] - start) / 1e9, error)
+    time = (inside.stamp - start) / 1e9
+    wanted, _, _ = trajectory.select(measured.joints).sample(trajectory.time[0] + time)
+    return Tracking(label, measured.joints, time, wanted - inside.position)
 
 
 def recording_of(track: Track, source: str) -> Recording:

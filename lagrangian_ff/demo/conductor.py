@@ -30,7 +30,6 @@ class Conductor:
 
     Attributes:
         node: the ROS node.
-        history: values of every diagnostic status that came, by its full name.
     """
 
     def __init__(self, context: Context, nodes: Nodes) -> None:
@@ -38,7 +37,7 @@ class Conductor:
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._nodes = nodes
-        self.history: dict[str, list[dict[str, str]]] = {}
+        self._values: dict[str, dict[str, str]] = {}
         self._clients: dict[str, Any] = {}
         self._messages: dict[str, tuple[bytes, str]] = {}
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 50)
@@ -47,10 +46,6 @@ class Conductor:
         """Leave the graph."""
         self._executor.shutdown(timeout_sec=1.0)
         self.node.destroy_node()
-
-    def now(self) -> int:
-        """Ns of the ROS clock."""
-        return int(self.node.get_clock().now().nanoseconds)
 
     def until(
         self,
@@ -131,7 +126,7 @@ class Conductor:
 
     def status(self, name: str) -> dict[str, str]:
         """Values of the last diagnostic status of this name; empty before the first."""
-        return self.history[name][-1] if name in self.history else {}
+        return self._values.get(name, {})
 
     def complaint(self, name: str) -> str:
         """What the last status of this name says if it is an error; empty otherwise."""
@@ -140,6 +135,5 @@ class Conductor:
 
     def _on_status(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            values = {pair.key: pair.value for pair in status.values}
-            self.history.setdefault(status.name, []).append(values)
+            self._values[status.name] = {pair.key: pair.value for pair in status.values}
             self._messages[status.name] = (status.level, status.message)

@@ -5,3 +5,7 @@ from lagrangian_ff.errors import UserError
 
 class DemoError(UserError):
     """A node did not do what was asked of it; the text says which, and where its log is."""
+
+
+class LostRunError(DemoError):
+    """A run of the arm came to nothing; it may be done again."""

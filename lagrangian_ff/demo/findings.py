@@ -1,9 +1,11 @@
 """What the demo found, as one record that is printed, shown on the page and written as JSON."""
 
+import os
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from lagrangian_ff.demo.arm_link import Pace
+import numpy as np
+
 from lagrangian_ff.demo.options import Options
 from lagrangian_ff.diagnosis import Comparison
 from lagrangian_ff.report import Tracking
@@ -19,8 +21,11 @@ LABELS = {
 NAMES = {"training": "the motion it learned from", "unseen": "a motion it never saw"}
 """The trajectories, in the order they are shown."""
 
-FAR_BEHIND = 0.1
-"""s an arm may be behind the clock without a word being lost about it."""
+BUSY = 0.2
+"""Share of the processors that others take without a word being lost about it."""
+
+SLOW = 0.9
+"""Times real time, below which the arm's clock is slow."""
 
 TARGETS = {"training": 1.0 / 3.0, "unseen": 1.0 / 2.0}
 """How much of the error without feedforward may be left with all of it."""
@@ -33,7 +38,8 @@ class Findings:
     Attributes:
         options: what was asked for.
         tracking: by trajectory and run.
-        pace: by trajectory and run.
+        others: processors that other programs took while the arm was fed with torque.
+        speed: times real time that the arm's clock went, by trajectory and run.
         identification: the record of the model.
         comparison: the model held against the motion it never saw, None before.
         seconds: of each stage.
@@ -43,17 +49,19 @@ class Findings:
 
     options: Options
     tracking: dict[str, dict[str, Tracking]] = field(default_factory=dict)
-    pace: dict[str, dict[str, Pace]] = field(default_factory=dict)
+    speed: dict[str, dict[str, float]] = field(default_factory=dict)
+    others: float = 0.0
     identification: dict[str, Any] = field(default_factory=dict)
     comparison: Comparison | None = None
     seconds: dict[str, float] = field(default_factory=dict)
     memory: dict[str, int] = field(default_factory=dict)
     stream: dict[str, str] = field(default_factory=dict)
 
-    def keep(self, trajectory: str, run: str, found: Tracking, pace: Pace) -> None:
-        """Add a run."""
+    def keep(self, trajectory: str, run: str, found: Tracking, speed: float | None = None) -> None:
+        """Add a run, with the speed of the arm's clock where it was a run of the arm node."""
         self.tracking.setdefault(trajectory, {})[run] = replace(found, label=LABELS[run])
-        self.pace.setdefault(trajectory, {})[run] = pace
+        if speed is not None:
+            self.speed.setdefault(trajectory, {})[run] = speed
 
     def runs(self, trajectory: str) -> list[Tracking]:
         """The runs along a trajectory in the order they are shown."""
@@ -79,11 +87,29 @@ class Findings:
         return all(self.reached(name) and self.ordered(name) for name in TARGETS)
 
     @property
-    def behind(self) -> list[str]:
-        """The runs in which an arm fell far behind the clock, in words."""
-        return [
-            f"{pace.behind:.1f} s, {LABELS[run]} on {NAMES[name]}"
-            for name, runs in self.pace.items()
-            for run, pace in runs.items()
-            if pace.behind > FAR_BEHIND
-        ]
+    def clock(self) -> float:
+        """Times real time that the arm's clock went while it was fed with torque.
+
+        The run beside the identification does not count: it shares the machine with our own work.
+        """
+        return float(
+            np.mean(
+                [self.speed[name][run] for name in NAMES for run in ("without_friction", "all")]
+            )
+        )
+
+    @property
+    def busy(self) -> str:
+        """That the machine is busy, or slow, in words; empty where it is not."""
+        processors = os.cpu_count() or 1
+        busy = self.others > BUSY * processors
+        if not busy and self.clock >= SLOW * min(1.0, self.options.clock_speed):
+            return ""
+        why = (
+            f"busy: others took {self.others:.1f} of its {processors} processors, and" if busy
+            else "slow:"
+        )  # fmt: skip
+        return (
+            f"the machine is {why} the arm ran at {self.clock:.2f} of real time; the figures are "
+            "not affected"
+        )

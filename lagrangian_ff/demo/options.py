@@ -24,6 +24,7 @@ class Options:
         train: share of the recording that is learned from, from its beginning.
         through: how the torque reaches the arm: "stream", torque by torque while it moves, or
             "trajectory", with the points of the trajectory before it moves.
+        clock_speed: times real time that the arm's clock goes where the machine can keep up.
         domain: ROS domain to use; None looks for one that nobody uses.
     """
 
@@ -36,6 +37,7 @@ class Options:
     samples: int = 1000
     train: float = 1.0
     through: str = "stream"
+    clock_speed: float = 2.0
     domain: int | None = None
 
     def __post_init__(self) -> None:
@@ -45,6 +47,7 @@ class Options:
             ("train", 0.05, 1.0),
             ("samples", 10, 5000),
             ("speed", 1, 10),
+            ("clock_speed", 0.1, 100.0),
         ):
             value = getattr(self, name)
             if not low <= value <= high:

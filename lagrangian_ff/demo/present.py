@@ -52,7 +52,7 @@ def record_of(findings: Findings) -> dict[str, Any]:
         "tracking": {
             name: {
                 "runs": {
-                    run: {**found[run].record(), **asdict(findings.pace[name][run])}
+                    run: {**found[run].record(), "clock_speed": findings.speed[name].get(run)}
                     for run in LABELS
                 },
                 "ratio": findings.ratio(name),
@@ -69,6 +69,9 @@ def record_of(findings: Findings) -> dict[str, Any]:
         "seconds": {name: round(took, 2) for name, took in findings.seconds.items()},
         "memory": findings.memory,
         "stream": findings.stream,
+        "clock_speed": findings.clock,
+        "processors_of_others": findings.others,
+        "busy": findings.busy,
     }
 
 
@@ -80,8 +83,8 @@ def print_findings(findings: Findings, folder: Folder, console: Console) -> None
         console.print(_tracking_table(findings, name))
     for name in NAMES:
         console.print(_verdict(findings, name), highlight=False)
-    for line in findings.behind:
-        console.print(f"[yellow]note:[/] an arm fell behind the clock: {line}", highlight=False)
+    if findings.busy:
+        console.print(f"[yellow]note:[/] {findings.busy}", highlight=False)
     console.print(f"\nLook at it: [bold]{folder.page}[/]", highlight=False, soft_wrap=True)
     console.print(
         f"Model {folder.model}, recordings {folder.bag()} and {folder.unseen}, all numbers "

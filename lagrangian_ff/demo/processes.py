@@ -63,6 +63,11 @@ class NodeProcess:
         self.peak = 0
 
     @property
+    def number(self) -> int:
+        """Of the process."""
+        return self._process.pid
+
+    @property
     def alive(self) -> bool:
         """Whether it still runs."""
         return self._process.poll() is None
@@ -114,6 +119,7 @@ class Nodes:
         self._logs = logs
         self._environment = environment
         self._running: list[NodeProcess] = []
+        self._peaks: dict[str, int] = {}
 
     def start(
         self,
@@ -141,17 +147,27 @@ class Nodes:
 
     def peaks(self) -> dict[str, int]:
         """Bytes of memory each held at most."""
-        return {process.name: process.measure() for process in self._running}
+        self._peaks |= {process.name: process.measure() for process in self._running}
+        return dict(self._peaks)
+
+    def numbers(self) -> list[int]:
+        """Of the processes that were not ended."""
+        return [process.number for process in self._running]
 
     def tails(self) -> str:
         """The end of every log."""
         return "\n".join(f"{process.log}:\n{process.tail()}" for process in self._running)
 
-    def end(self) -> None:
-        """Ask all to end, then make them."""
+    def end(self, *names: str) -> None:
+        """Ask these to end, then make them.
+
+        Args:
+            names: as in `peaks`; none for all.
+        """
         self.peaks()
-        _end(self._running)
-        self._running = []
+        ending = [process for process in self._running if not names or process.name in names]
+        self._running = [process for process in self._running if process not in ending]
+        _end(ending)
 
     def __enter__(self) -> "Nodes":
         return self

@@ -2,7 +2,10 @@
 
 import os
 import sys
+import time
+from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 from lifecycle_msgs.srv import ChangeState
@@ -12,12 +15,15 @@ from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from lagrangian_ff.demo.arm_link import ArmLink, Drive, message_of
+from lagrangian_ff.arm import Trajectory
+from lagrangian_ff.demo.arm_link import BEFORE, LEAD, RATE, ArmLink, Drive, message_of
+from lagrangian_ff.demo.bound import bound_of
 from lagrangian_ff.demo.capture import Track, recording_of
 from lagrangian_ff.demo.conductor import Conductor
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.demo.errors import DemoError, LostRunError
 from lagrangian_ff.demo.findings import Findings
 from lagrangian_ff.demo.folder import Folder
+from lagrangian_ff.demo.load import OtherWork, processor_seconds
 from lagrangian_ff.demo.options import Options
 from lagrangian_ff.demo.processes import Nodes
 from lagrangian_ff.demo.stages import Stages
@@ -26,29 +32,32 @@ from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.identification import Model
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import condition, write_bag
+from lagrangian_ff.report import Tracking
 
-SECOND_ARM = "bound"  # namespace
 IDENTIFICATION = "identify: identification"
 STREAM, MODEL = "feedforward: stream", "feedforward: model"
-STILL = 0.5  # s of rest that are recorded before and after the motion
+SETTLING = 0.3  # s in which messages under way arrive
 SLOWEST_IDENTIFICATION = 600.0  # s
-SERVICES = (
+SLOWEST_CLOCK = 0.1  # times real time; an arm that is slower has stopped
+TRIES = 3  # of a run of which joint states were lost
+ARM_AND_RECORDER = (
     *((Trigger, f"/identify/{action}") for action in ("start", "stop", "identify", "save")),
-    *(
-        (SetParameters, f"{node}/set_parameters")
-        for node in ("/arm", f"/{SECOND_ARM}/arm", "/feedforward")
-    ),
+    (SetParameters, "/arm/set_parameters"),
+)
+FEEDFORWARD = (
+    (SetParameters, "/feedforward/set_parameters"),
     (ChangeState, "/feedforward/change_state"),
 )
-# A busy machine holds the arm up now and then, and it then publishes many samples at once: with the
-# usual short queues some would be lost.
-DEEP = 2000
-DEEP_ARM = {
-    f"qos_overrides.{topic}.publisher.depth": DEEP
-    for topic in ("/joint_states", "/arm/reference_state")
+# The arm's time is its own, and the stream answers each of its joint states: so that tracking shows
+# the model, and not what else the machine does.
+WAIT = 1.0  # s for an answer
+TICK = 1.0 / RATE
+OWN_CLOCK = {
+    "publish_clock": True,
+    "wait_for_command": WAIT,
+    "qos_overrides./arm/commands.subscription.reliability": "reliable",
 }
-DEEP_BOUND = {name.replace("./", f"./{SECOND_ARM}/"): depth for name, depth in DEEP_ARM.items()}
-RELIABLE_RECORDING = {"qos_overrides./joint_states.subscription.reliability": "reliable"}
+RELIABLE_STATES = {"qos_overrides./joint_states.subscription.reliability": "reliable"}
 FEEDFORWARD_TO_ARM = {
     "~/joint_trajectory": "/arm/joint_trajectory",
     "~/commands": "/arm/commands",
@@ -79,46 +88,42 @@ class Scenario:
             DemoError: a node did not do what was asked of it.
         """
         environment = {**os.environ, **_surroundings(domain)}
-        with Nodes(self._folder.logs, environment) as nodes:
-            self._start(nodes)
-            with closing(Conductor(context, nodes)) as self._conductor:
+        with Nodes(self._folder.logs, environment) as self._nodes:
+            self._start_arm_and_recorder()
+            with closing(Conductor(context, self._nodes)) as self._conductor:
                 self._arm = ArmLink(self._conductor)
-                self._second = ArmLink(self._conductor, SECOND_ARM)
-                with self._stages.stage("start", "three nodes start, and a second arm"):
+                with self._stages.stage("start", "the arm and the recorder start"):
                     self._conductor.until(self._arm.ready, "the arm")
-                    self._conductor.until(self._second.ready, "the second arm")
-                    for kind, service in SERVICES:
+                    for kind, service in ARM_AND_RECORDER:
                         self._conductor.meet(kind, service)
-                    self._second.feed("true")
-                self._record()
-                self._identify()
-                self._load()
-                self._track(friction=False)
-                self._track(friction=True)
-                self.findings.stream = self._conductor.status(STREAM)
-            self.findings.memory = nodes.peaks()
+                motions, seed = self._motions.named(), self._options.seed + 1
+                with bound_of(list(motions.values()), seed) as bound:
+                    self._record()
+                    self._identify()
+                    self._load()
+                    others = OtherWork(lambda: processor_seconds(self._nodes.numbers()))
+                    self._track(friction=False)
+                    self._track(friction=True)
+                    self.findings.others = others.processors()
+                    self.findings.stream = self._conductor.status(STREAM)
+                    self._nodes.end()
+                    self._judge(bound)
+            self.findings.memory = self._nodes.peaks()
         return self.findings
 
-    def _start(self, nodes: Nodes) -> None:
+    def _start_arm_and_recorder(self) -> None:
         options, folder = self._options, self._folder
-        nodes.start(
-            "arm", parameters={"feedforward_source": "none", "seed": options.seed, **DEEP_ARM}
-        )
-        nodes.start(
+        self._nodes.start(
             "arm",
-            parameters={"feedforward_source": "none", "seed": options.seed + 1, **DEEP_BOUND},
-            remap={"__ns": f"/{SECOND_ARM}"},
-            log="bound_arm",
+            parameters={
+                "feedforward_source": "none",
+                "seed": options.seed,
+                "clock_speed": options.clock_speed,
+                "clock_until": BEFORE,
+                **OWN_CLOCK,
+            },
         )
-        # Not active before there is a model.
-        nodes.start(
-            "feedforward",
-            # Where the unseen motion is faster than what was learned from, the torque is sent all
-            # the same: the arm is simulated, and what the model knows there is to be seen.
-            parameters={"autostart": False, "out_of_range": "allow"},
-            remap=FEEDFORWARD_TO_ARM,
-        )
-        nodes.start(
+        self._nodes.start(
             "identify",
             parameters={
                 "model": options.model,
@@ -126,23 +131,38 @@ class Scenario:
                 "samples": options.samples,
                 "output_directory": str(folder.recording.absolute()),
                 "model_file": str(folder.model.absolute()),
-                **RELIABLE_RECORDING,
+                **RELIABLE_STATES,
             },
+        )
+
+    def _start_feedforward(self) -> None:
+        """It imports what it needs and then sleeps until there is a model."""
+        self._nodes.start(
+            "feedforward",
+            parameters={
+                "autostart": False,
+                "use_sim_time": True,
+                # The arm reads a whole trajectory before it starts.
+                "start_delay": LEAD,
+                # A torque acts a tick after the joint state that it answers.
+                "lead_time": TICK,
+                # Where the unseen motion is faster than what was learned from, the torque is sent
+                # all the same: the arm is simulated, and what the model knows there is to be seen.
+                "out_of_range": "allow",
+                **RELIABLE_STATES,
+            },
+            remap=FEEDFORWARD_TO_ARM,
         )
 
     def _record(self) -> None:
         trajectory = self._motions.training
         doing = f"the arm moves for {trajectory.duration:.0f} s and is recorded"
         with self._stages.stage("record", doing) as tell:
+            self._settle()
             self._conductor.trigger("/identify/start")
-            self._rest()
-            drive = self._arm.send(trajectory)
-            bound = self._second.send(trajectory)
-            self._wait([drive, bound], tell)
-            self._rest()
+            self._run("training", "none", lambda: self._arm.send(trajectory), tell)
+            self._settle()
             self._conductor.trigger("/identify/stop")
-            self._keep("training", "none", drive)
-            self._keep("training", "bound", bound)
 
     def _identify(self) -> None:
         """The identification runs in its own process, so the arm moves on meanwhile."""
@@ -153,11 +173,8 @@ class Scenario:
         )
         with self._stages.stage("identify", doing) as tell:
             self._conductor.trigger("/identify/identify")
-            drive = self._arm.send(trajectory)
-            bound = self._second.send(trajectory)
-            self._wait([drive, bound], tell)
-            measured = self._keep("unseen", "none", drive)
-            self._keep("unseen", "bound", bound)
+            self._start_feedforward()
+            self._unseen = self._run("unseen", "none", lambda: self._arm.send(trajectory), tell)
 
             def identified() -> str:
                 failure = self._conductor.complaint(IDENTIFICATION)
@@ -169,19 +186,12 @@ class Scenario:
 
             self._conductor.until(identified, "the model", SLOWEST_IDENTIFICATION)
             self._conductor.trigger("/identify/save")
-            self._judge(measured)
-
-    def _judge(self, measured: Track) -> None:
-        """Hold the model against the motion it never saw."""
-        model = Model.load(self._folder.model)
-        recording = recording_of(measured, "the motion never seen")
-        write_bag(self._folder.unseen, recording)
-        self.findings.identification = dict(model.record)
-        self.findings.comparison = compare(model, condition(recording), intervals=True)
 
     def _load(self) -> None:
         with self._stages.stage("load", "feedforward loads the model"):
             conductor = self._conductor
+            for kind, service in FEEDFORWARD:
+                conductor.meet(kind, service)
             conductor.set_parameters(
                 "/feedforward", {"model_file": str(self._folder.model.absolute())}
             )
@@ -196,7 +206,9 @@ class Scenario:
             conductor.until(
                 lambda: self._references.get_subscription_count() > 0, "feedforward's topics"
             )
-            self._arm.feed(self._options.through)
+        self._nodes.end("identify")
+        self._arm.feed(self._options.through)
+        self._arm.run_clock()
 
     def _track(self, *, friction: bool) -> None:
         run = "all" if friction else "without_friction"
@@ -205,28 +217,57 @@ class Scenario:
         for name, trajectory in self._motions.named().items():
             doing = f"feedforward {said} on the {name} motion"
             with self._stages.stage(f"{name}_{run}", doing) as tell:
-                drive = self._arm.listen(trajectory)
-                self._references.publish(message_of(trajectory, 0))
-                self._wait([drive], tell)
-                self._keep(name, run, drive)
+                self._run(name, run, partial(self._refer, trajectory), tell)
 
-    def _keep(self, trajectory: str, run: str, drive: Drive) -> Track:
-        found, measured, pace = drive.result(run)
-        self.findings.keep(trajectory, run, found, pace)
+    def _refer(self, trajectory: Trajectory) -> Drive:
+        """Send a trajectory to the arm by way of the feedforward."""
+        drive = self._arm.listen(trajectory)
+        self._references.publish(message_of(trajectory, 0))
+        return drive
+
+    def _run(
+        self, name: str, run: str, send: Callable[[], Drive], tell: Progress, tries: int = TRIES
+    ) -> Track:
+        """One run of the arm, done again where joint states were lost; what was measured.
+
+        Raises:
+            LostRunError: none of the tries was whole.
+        """
+        drive = send()
+        try:
+            self._wait(drive, tell)
+            found, measured = drive.result(run)
+        except LostRunError:
+            if tries == 1:
+                raise
+            return self._run(name, run, send, tell, tries - 1)
+        self.findings.keep(name, run, found, drive.speed)
         return measured
 
-    def _wait(self, drives: list[Drive], tell: Progress) -> None:
+    def _wait(self, drive: Drive, tell: Progress) -> None:
         longest = max(self._options.duration, self._options.unseen_duration)
         self._conductor.until(
-            lambda: all(drive.over() for drive in drives),
+            drive.over,
             "the end of the motion",
-            patience=2.0 * longest + 60.0,
-            meanwhile=lambda: tell(min(drive.fraction for drive in drives), ""),
+            patience=longest / SLOWEST_CLOCK + 60.0,
+            meanwhile=lambda: tell(drive.fraction, ""),
         )
 
-    def _rest(self) -> None:
-        end = self._conductor.now() + round(STILL * 1e9)
-        self._conductor.until(lambda: self._conductor.now() >= end, "a moment of rest")
+    def _settle(self) -> None:
+        """Let the last joint states arrive everywhere; the arm's clock stands still."""
+        end = time.monotonic() + SETTLING
+        self._conductor.until(lambda: time.monotonic() >= end, "a moment of rest")
+
+    def _judge(self, bound: Callable[[], list[Tracking]]) -> None:
+        """Hold the model against the motion it never saw, and tracking against its bound."""
+        with self._stages.stage("judge", "the model is held against the motion it never saw"):
+            model = Model.load(self._folder.model)
+            recording = recording_of(self._unseen, "the motion never seen")
+            write_bag(self._folder.unseen, recording)
+            self.findings.identification = dict(model.record)
+            self.findings.comparison = compare(model, condition(recording), intervals=True)
+            for name, found in zip(self._motions.named(), bound(), strict=True):
+                self.findings.keep(name, "bound", found)
 
 
 def _surroundings(domain: int) -> dict[str, str]:

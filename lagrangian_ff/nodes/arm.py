@@ -8,6 +8,7 @@ Topics
     ~/reference_state   out  sensor_msgs/JointState, the reference and the feedforward used, with
                              the stamps of joint_states
     robot_description   out  std_msgs/String, the URDF, latched
+    /clock              out  rosgraph_msgs/Clock, 100 Hz, with `publish_clock`
     /diagnostics        out
 """
 
@@ -18,6 +19,7 @@ import traceback
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
@@ -27,11 +29,11 @@ from lagrangian_ff.arm.simulation import check_limits
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.diagnostics import Diagnostics
-from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, points
+from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, points, stamp
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import LATCHED, NEWEST, RELIABLE, STATES, overridable
+from lagrangian_ff.nodes.common.qos import CLOCK, LATCHED, NEWEST, RELIABLE, STATES, overridable
 from lagrangian_ff.nodes.common.running import ClosingNode, run
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.streaming.follower import Follower, Segment
@@ -43,14 +45,16 @@ SOURCES = ("none", "stream", "trajectory", "true")
 CHECK_STEP = 0.01  # s between the samples of a reference that are checked against the limits
 FAR_BEHIND = 0.1  # s
 CATCH_UP = 10  # ticks at once, then commands are looked at again
+CLOCK_EVERY = 5  # ticks
+STANDING = 0.01  # s between looks whether the clock may go on
 
 
 class ArmNode(ClosingNode):
     """Steps the arm at its tick in a thread paced by the clock; callbacks only hand things over.
 
-    Where the machine cannot keep up no tick is left out: the arm falls behind the clock and says
-    so. Its stamps stay exact, and whatever goes by stamps stays right; only torque streamed on
-    ~/commands comes early then.
+    Where the machine cannot keep up no tick is left out, and stamps stay exact. The arm then falls
+    behind the clock and says so; torque streamed on ~/commands comes early. With `publish_clock`
+    the arm's time is its own: it goes more slowly, and so does all that goes by /clock.
     """
 
     def __init__(self) -> None:
@@ -58,6 +62,7 @@ class ArmNode(ClosingNode):
         self._settings = Parameters(self)
         self._declare()
         value = self._settings.value
+        self._own_clock: bool = value("publish_clock")
         self._arm = Arm(
             seed=value("seed"),
             loads=self._loads(),
@@ -68,8 +73,8 @@ class ArmNode(ClosingNode):
         self._complaints = Complaints(self.get_logger().warning)
         self._command = np.zeros(len(JOINTS))
         self._command_at = -np.inf
+        self._in_step = False
         self._refusal = ""
-        self._settings.watch(self._parameters_changed)
 
         self._states = self._offer(JointState, "joint_states")
         self._references = self._offer(JointState, "~/reference_state")
@@ -88,9 +93,13 @@ class ArmNode(ClosingNode):
         self._diagnostics = Diagnostics(
             self, "simulated arm", {"plant": self._plant_status}, self._complaints.flush
         )
+        self._told = self.create_publisher(Clock, "/clock", CLOCK) if self._own_clock else None
         tick = self._arm.parameters.tick
-        self._pacer = Pacer(tick, most=CATCH_UP, skip=False)
-        self._time = self._origin = self.get_clock().now().nanoseconds
+        # Time that is lost is caught up; of a clock of its own it never was.
+        self._pacer = Pacer(tick, most=CATCH_UP, skip=self._own_clock)
+        self._period, self._until = self._pacer.period, np.inf
+        self._time = 0 if self._own_clock else time.time_ns()
+        self._settings.watch(self._parameters_changed)
         self._loop = PacedThread(self._pacer, self._step, self._step_failed, "plant")
         self.get_logger().info(
             f"the arm stands at its initial position, {1.0 / tick:g} Hz, feedforward from: "
@@ -108,6 +117,27 @@ class ArmNode(ClosingNode):
         declare(
             "command_timeout", 0.1,
             "s after which a command on ~/commands no longer acts; 0 = never", low=0.0, high=10.0,
+        )  # fmt: skip
+        declare(
+            "publish_clock", False,
+            "whether the arm's time is its own, from 0 on, told on /clock: it slows down where the "
+            "machine cannot keep up", read_only=True,
+        )  # fmt: skip
+        declare(
+            "clock_speed", 1.0,
+            "times real time that its own clock goes at most; 0 = it stands still",
+            low=0.0, high=100.0,
+        )  # fmt: skip
+        declare(
+            "clock_until", 0.0,
+            "s of its own clock at which it stands still; 0 = it goes on and on",
+            low=0.0, high=1e9,
+        )  # fmt: skip
+        declare(
+            "wait_for_command", 0.0,
+            "s of real time that its own clock waits at a tick for a command on ~/commands that "
+            "came since the last one, for a stream that answers every joint state; 0 = not at all",
+            low=0.0, high=10.0,
         )  # fmt: skip
         declare(
             "start_tolerance", 0.05,
@@ -132,6 +162,11 @@ class ArmNode(ClosingNode):
     def _parameters_changed(self) -> None:
         self._source: str = self._settings.value("feedforward_source")
         self._timeout: float = self._settings.value("command_timeout")
+        waits = self._own_clock and self._source == "stream"
+        self._patience: float = self._settings.value("wait_for_command") if waits else 0.0
+        if self._own_clock:
+            self._until = self._settings.value("clock_until") * 1e9 or np.inf
+            self._pacer.speed = self._settings.value("clock_speed")
 
     def _on_command(self, message: Float64MultiArray) -> None:
         command = np.array(message.data)
@@ -142,7 +177,7 @@ class ArmNode(ClosingNode):
                 f"{int(np.isfinite(command).sum())} of them finite; expected {len(JOINTS)}",
             )
             return
-        self._command, self._command_at = command, time.monotonic()
+        self._command, self._command_at, self._in_step = command, self._time, True
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         now = self._time
@@ -167,11 +202,33 @@ class ArmNode(ClosingNode):
                 f"filled in: {', '.join(reference.filled) or 'nothing'}"
             )
 
-    def _step(self, due: range) -> None:
-        for message, _ in self._commands.take():
+    def _take_commands(self) -> int:
+        """Take up what was commanded; how many messages came."""
+        messages = [message for message, _ in self._commands.take()]
+        for message in messages:
             self._on_command(message)
-        for index in due:
-            now = self._time = self._origin + index * self._pacer.period
+        return len(messages)
+
+    def _await_command(self) -> None:
+        """Take up what was commanded since the last tick; wait for it where the stream answers
+        every joint state."""
+        if self._take_commands() or not self._in_step or self._patience == 0.0:
+            return
+        self._commands.wait(self._patience)
+        if not self._take_commands():
+            self._in_step = False
+            self._complaints.add(
+                "missing command", f"no command came within {self._patience:g} s: not waiting now"
+            )
+
+    def _step(self, due: range) -> None:
+        for _ in due:
+            if self._time >= self._until:
+                time.sleep(STANDING)
+                return
+            self._await_command()
+            self._time += self._period
+            now = self._time
             q, qd, qdd, effort = self._follower.at(now)
             torque = self._feedforward(q, qd, qdd, effort)
             sample = self._arm.step(q, qd, torque)
@@ -183,12 +240,14 @@ class ArmNode(ClosingNode):
             self._squared_error += (q - sample.position) ** 2
             self._ticks += 1
             self._saturated += bool(self._arm.saturated.any())
+            if self._told is not None and now // self._period % CLOCK_EVERY == 0:
+                self._told.publish(Clock(clock=stamp(now)))
         self._meter.add(len(due))
 
     def _feedforward(self, q: Floats, qd: Floats, qdd: Floats, effort: Floats) -> Floats:
         """(6,) N·m to add now."""
         if self._source == "stream":
-            age = time.monotonic() - self._command_at
+            age = (self._time - self._command_at) / 1e9
             if self._timeout == 0.0 or age <= self._timeout:
                 return self._command
         elif self._source == "trajectory":
@@ -208,7 +267,9 @@ class ArmNode(ClosingNode):
         saturated, self._saturated = self._saturated, 0
         factor = rate * self._arm.parameters.tick
         level, message = Level.OK, "moving" if self._follower.moving(self._time) else "standing"
-        if self._pacer.behind > FAR_BEHIND:
+        if self._pacer.speed == 0.0 or self._time >= self._until:
+            message = "its clock stands still"
+        elif self._pacer.behind > FAR_BEHIND and not self._own_clock:
             level, message = Level.WARN, f"{self._pacer.behind:.2f} s behind the clock"
         elif saturated:
             level, message = Level.WARN, f"torque limit reached in {saturated} ticks"
@@ -220,7 +281,7 @@ class ArmNode(ClosingNode):
             "behind the clock [s]": self._pacer.behind,
             "ticks at the torque limit": saturated,
             "feedforward source": self._source,
-            "command age [s]": time.monotonic() - self._command_at,
+            "command age [s]": (self._time - self._command_at) / 1e9,
             **{
                 f"RMS tracking error {joint} [rad]": float(value)
                 for joint, value in zip(JOINTS, error, strict=True)

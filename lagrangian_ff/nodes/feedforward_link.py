@@ -13,8 +13,9 @@ from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.errors import MessageError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
 from lagrangian_ff.nodes.common.messages import JointStateMaker, command
+from lagrangian_ff.nodes.common.node_time import NodeTime
 from lagrangian_ff.nodes.common.own_effects import load_own_effects
-from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer
+from lagrangian_ff.nodes.common.pacing import FollowingPacer, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import LATCHED, RELIABLE, SHARED, overridable
@@ -30,6 +31,7 @@ from lagrangian_ff.nodes.streaming.urdf_limits import effort_limits
 
 FAREWELL = 3  # zeros sent at the end
 LOOKS = 50.0  # a second, whether joint states still come
+REST = 0.002  # s; simulated time is looked at that often where no joint state tells it
 
 
 class FeedforwardLink:
@@ -53,9 +55,12 @@ class FeedforwardLink:
         self._described: dict[str, float] = {}
         self._stream = TorqueStream(joints, self._settings())
         self._monitor = Monitor()
+        self._time = NodeTime(node)
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self._references = References(node, parameters, complaints, self._model, self._stream)
+        self._references = References(
+            node, parameters, complaints, self._time, self._model, self._stream
+        )
         self._make_topics()
         node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
 
@@ -81,7 +86,10 @@ class FeedforwardLink:
         self._monitor = Monitor()
         rate = self._parameters.value("rate")
         self._every = max(1, round(rate / LOOKS))
-        pacer = Pacer(1.0 / rate)
+        pacer: Pacing = Pacer(1.0 / rate)
+        if self._time.simulated:
+            # In step with the joint states: each is answered, however fast the simulation goes.
+            pacer = FollowingPacer(1.0 / rate, self._time.now, self._await_joint_states)
         self._loop = PacedThread(pacer, self._tick, self._tick_failed, "stream")
 
     def stop(self) -> None:
@@ -123,6 +131,10 @@ class FeedforwardLink:
         model = self._model
         return settings(self._parameters, model.joints, model.range, self._described)
 
+    def _await_joint_states(self) -> None:
+        self._states.wait(REST)
+        self._look_at_joint_states()
+
     def _look_at_joint_states(self) -> None:
         for data, _ in self._states.take():
             self._look_at(data)
@@ -141,8 +153,9 @@ class FeedforwardLink:
             self._complaints.add("bad joint state", f"ignored {fault}")
         else:
             columns = [state.names.index(joint) for joint in self._model.joints]
-            at = state.stamp or self._now()
-            self._stream.joint_state_came(time.monotonic(), at, state.position[columns])
+            at = state.stamp or self._time.now()
+            self._time.stamped(at)
+            self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
 
     def _on_description(self, message: String) -> None:
         try:
@@ -167,17 +180,15 @@ class FeedforwardLink:
         """What comes while there is no stream is not followed later."""
         self._references.ignore()
 
-    def _now(self) -> int:
-        return int(self._node.get_clock().now().nanoseconds)
-
     def _tick(self, due: range) -> None:
         self._references.follow()
         if any(index % self._every == 0 for index in due):
             self._look_at_joint_states()
-        now = self._now()
-        output = self._stream.tick(now, time.monotonic())
+        now = self._time.now()
+        output = self._stream.tick(now, self._time.steady())
         self._commands.publish(command(output.tau[self._columns]))
-        if output.q is not None and output.qd is not None:
+        listened = self._stamped.get_subscription_count() > 0
+        if listened and output.q is not None and output.qd is not None:
             at = now + round(self._stream.settings.lead * 1e9)
             self._stamped.publish(self._maker.fill(at, output.q, output.qd, output.tau))
         faded = self._monitor.note(output)
@@ -206,10 +217,14 @@ class FeedforwardLink:
     def stream_status(self) -> Status:
         """What is being sent."""
         more = {
-            "reference age [s]": self._stream.reference_age(time.monotonic()),
+            "reference age [s]": self._stream.reference_age(self._time.steady()),
             "enabled": self._stream.enabled,
             "receivers of commands": self._commands.get_subscription_count(),
             **self._references.values(),
             **self._complaints.counts,
         }
-        return self._monitor.status(self._parameters.value("rate"), more)
+        if self._time.simulated and self._time.now() == 0:
+            return Status(Level.WARN, "use_sim_time is set, but nobody publishes /clock", more)
+        # Simulated seconds may be longer or shorter than the monitor's.
+        rate = 0.0 if self._time.simulated else self._parameters.value("rate")
+        return self._monitor.status(rate, more)

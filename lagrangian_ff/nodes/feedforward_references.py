@@ -1,7 +1,5 @@
 """From the topic ~/reference to plans that the stream plays."""
 
-import time
-
 from rclpy.lifecycle import LifecycleNode
 from rclpy.serialization import deserialize_message
 from trajectory_msgs.msg import JointTrajectory
@@ -11,6 +9,7 @@ from lagrangian_ff.identification import Model
 from lagrangian_ff.nodes.common.complaints import Complaints
 from lagrangian_ff.nodes.common.errors import RefusedReference
 from lagrangian_ff.nodes.common.messages import annotated, nanoseconds, points
+from lagrangian_ff.nodes.common.node_time import NodeTime
 from lagrangian_ff.nodes.common.parameters import Parameters
 from lagrangian_ff.nodes.common.polled import PolledSubscription
 from lagrangian_ff.nodes.common.qos import REFERENCES, RELIABLE, overridable
@@ -35,17 +34,18 @@ class References:
 
     Args:
         node: the node.  parameters: its parameters.  complaints: where refusals are told.
-        model: whose torques.  stream: plays the plans.
+        time: what it goes by.  model: whose torques.  stream: plays the plans.
 
     Attributes:
         active: whether references are followed.
     """
 
     def __init__(
-        self, node: LifecycleNode, parameters: Parameters, complaints: Complaints, model: Model,
-        stream: TorqueStream,
+        self, node: LifecycleNode, parameters: Parameters, complaints: Complaints, time: NodeTime,
+        model: Model, stream: TorqueStream,
     ) -> None:  # fmt: skip
         self._node, self._parameters, self._complaints = node, parameters, complaints
+        self._time = time
         self._model, self._stream = model, stream
         self.active = False
         self._followed = self._superseded = self._looks = 0
@@ -132,7 +132,7 @@ class References:
             self._stream.withhold("the set-point is outside the identified range")
             return
         at = nanoseconds(message.header.stamp)
-        self._play(plan, at or self._now())
+        self._play(plan, at or self._time.now())
         if self._trajectories.get_subscription_count():
             self._publish_annotated(plan, message, at)
 
@@ -145,7 +145,7 @@ class References:
         return read_reference(points(message), self._model.joints, self._longest)
 
     def _play(self, plan: Plan, start: int) -> None:
-        self._stream.play(plan, start, time.monotonic())
+        self._stream.play(plan, start, self._time.steady())
         self._followed += 1
 
     def _look_at_doubt(self) -> None:
@@ -160,7 +160,7 @@ class References:
         """Play and republish a trajectory whose torques are ready; in the planner's thread."""
         if not self.active:
             return
-        now, reference = self._now(), plan.reference
+        now, reference = self._time.now(), plan.reference
         delay = round(self._parameters.value("start_delay") * 1e9)
         start = nanoseconds(message.header.stamp) or now + delay
         ahead = (start - now) / 1e9
@@ -190,9 +190,6 @@ class References:
 
     def _refused(self, error: Exception) -> None:
         self._complaints.add("refused reference", f"refused a reference: {reason(error)}")
-
-    def _now(self) -> int:
-        return int(self._node.get_clock().now().nanoseconds)
 
     def certainty(self) -> Status:
         """How sure the model is of the torques along the present reference."""

@@ -32,12 +32,13 @@ def test_every_option_reaches_the_demo(asked: list[demo.Options]) -> None:
     outcome = lagrangian_ff(
         "demo", "--output", "there", "--speed", "7", "--seed", "3", "--duration", "20",
         "--unseen-duration", "9", "--model", "srbfs+fri", "--samples", "200", "--train", "0.5",
-        "--through", "trajectory", "--domain", "42",
+        "--through", "trajectory", "--clock-speed", "1", "--domain", "42",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     expected = demo.Options(
         output=Path("there"), speed=7, seed=3, duration=20.0, unseen_duration=9.0,
-        model="srbfs+fri", samples=200, train=0.5, through="trajectory", domain=42,
+        model="srbfs+fri", samples=200, train=0.5, through="trajectory",
+        clock_speed=1.0, domain=42,
     )  # fmt: skip
     assert asked == [expected]
     untouched = [name for name, value in vars(demo.Options()).items()

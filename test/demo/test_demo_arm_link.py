@@ -7,7 +7,7 @@ import pytest
 
 from lagrangian_ff.arm import Trajectory
 from lagrangian_ff.demo.arm_link import ArmLink, Drive
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.demo.errors import LostRunError
 
 SECOND = 1_000_000_000
 
@@ -38,7 +38,7 @@ def link() -> FakeLink:
 @pytest.fixture
 def drive(link: FakeLink) -> Drive:
     still = np.zeros((3, 6))
-    return Drive(cast(ArmLink, link), Trajectory(np.arange(3.0), still, still, still), 0)
+    return Drive(cast(ArmLink, link), Trajectory(np.arange(3.0), still, still, still))
 
 
 def test_it_is_over_a_little_after_the_end(link: FakeLink, drive: Drive) -> None:
@@ -54,5 +54,7 @@ def test_it_is_over_a_little_after_the_end(link: FakeLink, drive: Drive) -> None
 
 def test_a_refused_motion_ends_the_wait_with_the_reason(link: FakeLink, drive: Drive) -> None:
     link.refusals += 1
-    with pytest.raises(DemoError, match=r"/arm refused the motion: joint_6 would jump by 0\.5 rad"):
+    with pytest.raises(
+        LostRunError, match=r"/arm refused the motion: joint_6 would jump by 0\.5 rad"
+    ):
         drive.over()

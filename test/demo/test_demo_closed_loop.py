@@ -161,7 +161,7 @@ def test_ctrl_c_ends_every_node(ros_environment: dict[str, str], tmp_path: Path)
             assert process.poll() is None, log.read_text(encoding="utf-8")
             assert time.monotonic() < end, "the recording never began"
             time.sleep(0.1)
-        assert len(leftovers(ros_environment)) == 4
+        assert len(leftovers(ros_environment)) == 2
         os.kill(process.pid, 2)
         process.wait(PATIENCE)
     finally:

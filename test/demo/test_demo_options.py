@@ -17,6 +17,7 @@ from lagrangian_ff.errors import UserError
         {"samples": 3},
         {"speed": 11},
         {"through": "telepathy"},
+        {"clock_speed": 0.0},
         {"domain": 200},
     ],
 )

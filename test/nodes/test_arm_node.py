@@ -14,7 +14,8 @@ pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
 
 from builtin_interfaces.msg import Duration
-from node_harness import LATCHED, Bench, Process, configured, open_bench
+from node_harness import LATCHED, RELIABLE, Bench, Process, configured, open_bench
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -116,6 +117,70 @@ def test_sources_can_be_changed_at_run_time_to_listed_ones_only(bench: Bench, ar
     assert not refused.successful
     assert "none, stream, trajectory, true" in refused.reason
     assert bench.set_parameter("arm", "feedforward_source", "stream").successful
+
+
+@pytest.fixture(scope="module")
+def clocked(bench: Bench) -> Process:
+    """An arm whose time is its own and that waits for its commands."""
+    deep = "qos_overrides./clocked/arm/commands.subscription.reliability"
+    return bench.start(
+        "arm",
+        namespace="clocked",
+        params={"publish_clock": True, "wait_for_command": 0.3, deep: "reliable"},
+    )
+
+
+def test_an_arm_with_its_own_clock_tells_it_and_stops_when_told(
+    bench: Bench, clocked: Process
+) -> None:
+    states = bench.collect(JointState, "clocked/joint_states")
+    clock = bench.collect(Clock, "/clock")
+    bench.until(lambda: len(states) > 100 and clock, "joint states and the clock")
+    told = clock[-1][1].clock
+    assert int(told.sec) * 10**9 + int(told.nanosec) in {stamp(message) for _, message in states}
+    assert bench.set_parameter("clocked/arm", "clock_speed", 0.0).successful
+    bench.spin(0.2)
+    stood = stamp(newest(states))
+    bench.spin(0.3)
+    assert stamp(newest(states)) == stood
+    assert bench.set_parameter("clocked/arm", "clock_speed", 2.0).successful
+    bench.until(lambda: stamp(newest(states)) > stood + 10**8, "the clock going on")
+    assert {PERIOD} == set(np.diff([stamp(message) for _, message in states]))
+    until = stamp(newest(states)) + 3 * 10**9
+    assert bench.set_parameter("clocked/arm", "clock_until", until / 1e9).successful
+    bench.until(lambda: stamp(newest(states)) >= until, "the time at which it stands still")
+    bench.spin(0.3)
+    assert stamp(newest(states)) - until < PERIOD
+    assert bench.set_parameter("clocked/arm", "clock_until", 0.0).successful
+
+
+def test_each_joint_state_is_answered_before_the_next_tick(bench: Bench, clocked: Process) -> None:
+    states = bench.collect(JointState, "clocked/joint_states")
+    references = bench.collect(JointState, "clocked/arm/reference_state")
+    commands = bench.publisher(Float64MultiArray, "clocked/arm/commands", RELIABLE)
+    bench.until(lambda: states and references, "joint states")
+    answers: dict[int, float] = {}
+
+    def answered() -> bool:
+        """Slowly, with another torque for each joint state."""
+        at = stamp(newest(states))
+        if at not in answers:
+            answers[at] = 0.001 * len(answers)
+            commands.publish(Float64MultiArray(data=[answers[at]] * 6))
+        return len(answers) > 60
+
+    bench.until(answered, "sixty ticks")
+    bench.spin(0.1)
+    first = sorted(answers)[20]
+    effort = {stamp(message): message.effort[0] for _, message in references}
+    for at, tau in answers.items():
+        if at > first and at + PERIOD in effort:
+            assert effort[at + PERIOD] == tau
+    # Nobody answers any more: it goes on all the same, and without torque.
+    last = max(answers)
+    bench.until(lambda: stamp(newest(states)) > last + 5 * 10**8, "the arm going on")
+    assert not any(newest(references).effort)
+    bench.until(partial(said, clocked, "no command came within 0.3 s"), "a word about it")
 
 
 def test_what_cannot_be_followed_is_refused_in_words_and_survived(

@@ -98,8 +98,11 @@ def test_arguments_reach_the_nodes(root: Path, monkeypatch: pytest.MonkeyPatch) 
     _, nodes = run(path, monkeypatch, model_file="m.npz", record="false", use_sim_time="true")
     assert [node.named["executable"] for node in nodes] == ["arm", "feedforward"]
     assert nodes[1].named["parameters"][1] == {"use_sim_time": True, "model_file": "m.npz"}
-    _, nodes = run(path, monkeypatch)
+    assert nodes[0].named["parameters"][1]["publish_clock"] is True
+    _, nodes = run(path, monkeypatch, use_sim_time="false")
     assert len(nodes) == 3
+    assert nodes[0].named["parameters"][1]["publish_clock"] is False
+    assert nodes[1].named["parameters"][1] == {"use_sim_time": False}
     assert "model_file" not in nodes[1].named["parameters"][1]
     _, nodes = run(root / "launch" / "record.launch.py", monkeypatch, joint_states="/arm/js")
     assert nodes[0].named["remappings"] == [("joint_states", "/arm/js")]

@@ -5,7 +5,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
+from lagrangian_ff.nodes.common.pacing import FollowingPacer, PacedThread, Pacer, RateMeter
 
 PERIOD = 2_000_000
 
@@ -62,6 +62,55 @@ def test_a_punctual_clock_is_never_late() -> None:
     pacer = Pacer(0.002, clock=clock, sleep=clock.sleep)
     assert [pacer.wait()[0] for _ in range(100)] == list(range(1, 101))
     assert clock.now == 100 * PERIOD
+    assert pacer.late == pacer.skipped == 0
+
+
+@given(st.lists(st.integers(0, 9_000_000), max_size=40))
+def test_following_works_off_each_instant_of_another_clock_once(steps: list[int]) -> None:
+    clock = SleepyClock([])
+    waiting = list(steps)
+
+    def rest() -> None:
+        clock.now += waiting.pop(0)
+
+    pacer = FollowingPacer(0.002, clock, rest)
+    for _ in steps:
+        before = clock.now // PERIOD
+        due = pacer.wait()
+        after = clock.now // PERIOD
+        assert list(due) == ([after] if after > before else [])
+
+
+def test_following_goes_on_from_where_a_clock_is_set_back_to() -> None:
+    clock = SleepyClock([])
+    instants = iter([10, 11, 10, 12, 2000, 3, 3, 4])
+
+    def rest() -> None:
+        clock.now = next(instants) * PERIOD
+
+    pacer = FollowingPacer(0.002, clock, rest)
+    worked = [list(pacer.wait()) for _ in range(8)]
+    assert worked == [[10], [11], [], [12], [2000], [3], [], [4]]
+
+
+def test_the_speed_may_be_changed_and_instants_stopped() -> None:
+    clock = SleepyClock([])
+    pacer = Pacer(0.002, clock=clock, sleep=clock.sleep)
+
+    def took(count: int) -> int:
+        before = clock.now
+        assert all(len(pacer.wait()) == 1 for _ in range(count))
+        return clock.now - before
+
+    assert took(100) == 100 * PERIOD
+    pacer.speed = 2.0
+    assert took(100) == 50 * PERIOD
+    pacer.speed = 0.0
+    assert not any(len(pacer.wait()) for _ in range(100))
+    assert clock.now > 150 * PERIOD
+    assert pacer.behind == 0.0
+    pacer.speed = 0.5
+    assert took(100) == 200 * PERIOD
     assert pacer.late == pacer.skipped == 0
 
 

@@ -30,6 +30,7 @@ NUMBERS = {
     "unseen_duration": float,
     "samples": int,
     "train": float,
+    "clock_speed": float,
     "domain": int,
 }
 
@@ -65,6 +66,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         "how the torque reaches the arm: one by one while it moves, or with the points of the "
         "trajectory before (default: stream)",
     )
+    option(
+        "clock_speed", "FACTOR",
+        "times real time that the arm's clock goes where the machine can keep up (default: 2)",
+    )  # fmt: skip
     option("domain", "N", "ROS domain to use (default: one that nobody uses)")
 
 

@@ -3,6 +3,18 @@
 import threading
 import time
 from collections.abc import Callable
+from typing import Protocol
+
+
+class Pacing(Protocol):
+    """Tells when to work."""
+
+    def wait(self) -> range:
+        """Wait, not for long; the indices of the instants that are due, which may be none."""
+
+
+STOPPED = 0.01  # s between looks whether instants go on
+BACK = 1_000_000_000  # ns; a clock that goes back by more was set back
 
 
 class Pacer:
@@ -17,7 +29,8 @@ class Pacer:
         sleep: s to wait.
 
     Attributes:
-        start: ns of instant 0.
+        speed: times real time that the instants go; 0 stops them. May be set at any time.
+        start: ns of instant 0, or of the last change of speed.
         late: instants worked off at least one period after their time.
         skipped: instants left out.
     """
@@ -30,8 +43,9 @@ class Pacer:
         clock: Callable[[], int] = time.monotonic_ns,
         sleep: Callable[[float], object] = time.sleep,
     ) -> None:
-        self.period = round(period * 1e9)
+        self.period = self._unhurried = round(period * 1e9)
         self.start = clock()
+        self.speed = self._speed = 1.0
         self.late = 0
         self.skipped = 0
         self._most = most
@@ -47,10 +61,18 @@ class Pacer:
     @property
     def behind(self) -> float:
         """s since the oldest instant that waits to be worked off; 0 where none does."""
+        if self._speed == 0.0:
+            return 0.0
         return max(0, self._clock() - self.instant(self._next)) / 1e9
 
     def wait(self) -> range:
-        """Sleep until the next instant; the indices of the instants that are due, never none."""
+        """Sleep until the next instant; the indices of the instants that are due, none only while
+        they are stopped."""
+        if self.speed != self._speed:
+            self._change_to(self.speed)
+        if self._speed == 0.0:
+            self._sleep(STOPPED)
+            return range(0)
         remaining = self.instant(self._next) - self._clock()
         if remaining > 0:
             self._sleep(remaining / 1e9)
@@ -63,6 +85,40 @@ class Pacer:
         self.late += min(now - due[0], len(due))
         self._next = due[-1] + 1
         return due
+
+    def _change_to(self, speed: float) -> None:
+        self._speed = speed
+        if speed > 0.0:
+            self.period = round(self._unhurried / speed)
+            self.start, self._next = self._clock(), 1
+
+
+class FollowingPacer:
+    """The instants k·period of a clock that somebody else keeps, such as a simulation.
+
+    The newest instant alone counts. A clock that is set back goes on from there.
+
+    Args:
+        period: s between two instants.
+        clock: its ns.
+        rest: waits for the clock to move, for some ms at most.
+    """
+
+    def __init__(self, period: float, clock: Callable[[], int], rest: Callable[[], object]) -> None:
+        self._period = round(period * 1e9)
+        self._set_back = BACK // self._period
+        self._clock = clock
+        self._rest = rest
+        self._last = clock() // self._period
+
+    def wait(self) -> range:
+        """Rest once; the index of the instant that has come, nothing while the clock stands."""
+        self._rest()
+        index = self._clock() // self._period
+        if self._last - self._set_back <= index <= self._last:
+            return range(0)
+        self._last = index
+        return range(index, index + 1)
 
 
 class RateMeter:
@@ -94,7 +150,7 @@ class PacedThread:
 
     def __init__(
         self,
-        pacer: Pacer,
+        pacer: Pacing,
         work: Callable[[range], None],
         failed: Callable[[Exception], None],
         name: str,
@@ -110,7 +166,8 @@ class PacedThread:
         while not self._stop.is_set():
             due = self._pacer.wait()
             try:
-                self._work(due)
+                if due:
+                    self._work(due)
             except Exception as error:
                 self._failed(error)
 

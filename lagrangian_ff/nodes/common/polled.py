@@ -10,6 +10,7 @@ from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
@@ -56,10 +57,23 @@ class PolledSubscription:
             qos_overriding_options=overridable(),
         )
 
+        self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, node.context.handle)
+
     @property
     def topic(self) -> str:
         """The full name of the topic."""
         return str(self._subscription.topic_name)
+
+    def wait(self, seconds: float) -> None:
+        """Return as soon as there is something to take, or after this time."""
+        handle = self._subscription.handle
+        try:
+            with handle:
+                self._waiting.clear_entities()
+                self._waiting.add_subscription(handle)
+                self._waiting.wait(round(seconds * 1e9))
+        except InvalidHandle:  # destroyed
+            return
 
     def take(self) -> Iterator[tuple[Any, int]]:
         """What has come since the last call, oldest first, with the ns it was received at."""
