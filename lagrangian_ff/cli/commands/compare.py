@@ -69,6 +69,8 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_outputs(arguments)
     load_own_effects(arguments, console)
+    from threadpoolctl import threadpool_limits
+
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import locate
     from lagrangian_ff.recording.motion import concatenate
@@ -76,9 +78,10 @@ def run(arguments: Namespace) -> int:
     held = Held.of(arguments, console)
     model, motions = held.model, held.motions(arguments.sources, console)
     motion = concatenate(motions) if len(motions) > 1 else motions[0]
-    with progress_bar("predicting") as progress:
+    # What BLAS is given here is small: a second thread would mostly wait for it, busily.
+    with progress_bar("predicting") as progress, threadpool_limits(1):
         comparison = compare(model, motion, progress=progress, intervals=True)
-    with progress_bar("looking where it fails") as progress:
+    with progress_bar("looking where it fails") as progress, threadpool_limits(1):
         where = locate(model, comparison, progress=progress)
     names = {
         "model": str(arguments.model),
