@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import blas, lapack, solve_triangular
 
 from lagrangian_ff.identification.solving.solution import (
     LeftOut,
@@ -121,27 +121,26 @@ class System(Solution):
 
     def slope_by_gram(self) -> Floats:
         """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
-        upper, info = lapack.dpotri(self.upper, lower=0)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is zero")
-        slope = np.asarray(upper.T)
-        white = self._unwhitened_design
-        with np.errstate(all="ignore"):  # what memory held above the diagonal
-            slope -= white @ self.covariance @ white.T
-            slope -= np.outer(self.weights, self.weights / self.amplitude)
-        return slope
+        pulled = self.weights / np.sqrt(self.amplitude)
+        shift = np.column_stack([self._unwhitened_design @ self._half_covariance, pulled])
+        slope = blas.dsyrk(-1.0, shift, beta=1.0, c=self._inverse(), overwrite_c=1)
+        return np.asarray(slope.T)
 
     def slope_by_design(self) -> Floats:
         """(n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
         moved = np.outer(self.weights, self.coefficients / self.amplitude)
         return np.asarray(self._unwhitened_design @ self.covariance - moved)
 
-    @cached_property
-    def _inverse_upper(self) -> Floats:
-        inverse, info = lapack.dtrtri(self.upper, lower=0)
+    def _inverse(self) -> Floats:
+        """(n, n) G⁻¹, new; the upper triangle is written."""
+        inverse, info = lapack.dpotri(self.upper, lower=0)
         if info != 0:
             raise NotPositiveDefiniteError(f"pivot {info} is zero")
         return np.asarray(inverse)
+
+    @cached_property
+    def _kept_inverse(self) -> Floats:
+        return self._inverse()
 
     @cached_property
     def _unwhitened_design(self) -> Floats:
@@ -175,13 +174,9 @@ class System(Solution):
 
     def _projected(self, rows: Ints) -> Floats:
         """(R, R) P_ff, whose inverse is the covariance over s² of what these rows leave."""
-        # U⁻¹ is upper triangular: its rows reach no column before the first of the group, and
-        # what memory holds below its diagonal, NaN perhaps, must not be multiplied with.
-        first = int(rows.min())
-        inside = np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None]
-        half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
-        white = self._unwhitened_design[rows]
-        return np.asarray(half @ half.T - white @ self.covariance @ white.T)
+        inverse = self._kept_inverse[np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)]
+        white = self._unwhitened_design[rows] @ self._half_covariance
+        return np.asarray(inverse - white @ white.T)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
         """See `Solution.variance`."""
