@@ -116,7 +116,9 @@ def identify(
         "sources": [m.source for m in motions],
         "tried": list(chosen.tried),
     }
-    found = build(blueprint, inputs, facts, progress=part(progress, chosen_at, 1.0))
+    known = chosen.fitted if blueprint.exact and trust is None else None
+    told = part(progress, chosen_at, 1.0)
+    found = build(blueprint, inputs, facts, progress=told, known=known)
     found.record["seconds"] = round(time.monotonic() - began, 3)
     object.__setattr__(found.model, "steps", (step_record("identified", None, found.record),))
     for effect, joint in spec.further:

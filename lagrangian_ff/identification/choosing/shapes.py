@@ -99,8 +99,8 @@ def tuned(
     ]
     if not free:
         return basis
-    known = _orthonormal(system.white_design[:, part.joints != joint])
-    left = system.white_target - known @ (known.T @ system.white_target)
+    rows = np.arange(joints.index(joint), system.count, len(joints))
+    upper, target, squares = system.seen_by(rows, part.joints != joint)
 
     def moved(logs: Floats) -> Basis:
         terms = list(basis.terms)
@@ -112,9 +112,8 @@ def tuned(
         own = moved(logs)
         seen = replace(x, sign_speed=own.sign_speed(x.joints))
         columns = own.of_joints((joint,)).columns(seen)
-        z = _whitened(system, joints, joint, columns)
-        direction = _orthonormal(z - known @ (known.T @ z))
-        return float(np.log(left @ left - np.sum((direction.T @ left) ** 2)))
+        direction = _orthonormal(upper @ columns)
+        return float(np.log(squares - np.sum((direction.T @ target) ** 2)))
 
     low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
     present = np.log([basis.terms[number].shape[shape.name] for number, shape in free])

@@ -32,13 +32,39 @@ from lagrangian_ff.identification.solving.solution import (
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+SPANNED = 1e-9
+"""Of the largest singular value of a basis, the least of a direction that it spans."""
+
+
+@dataclass(frozen=True)
+class Cholesky:
+    """The factor of G.
+
+    Attributes:
+        upper: (n, n) U with Uᵀ U = G, n = samples × joints of a system.
+    """
+
+    upper: Floats
+
+    def inverted(self) -> Floats:
+        """(n, n) G⁻¹, a new array of which the upper triangle is written."""
+        inverse, info = lapack.dpotri(self.upper, lower=0)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} is zero")
+        return np.asarray(inverse)
+
+    @cached_property
+    def inverse(self) -> Floats:
+        """The same, once for all who only read it."""
+        return self.inverted()
+
 
 @dataclass(frozen=True)
 class System(Solution):
     """The factor of G and all that was whitened with it.
 
     Attributes:
-        upper: (n, n) U with Uᵀ U = G, n = samples × joints of this system.
+        cholesky: the factor.
         design: (n, B) the basis Φ.
         target: (n,) the torques y.
         noise: (n,) variance of each, D.
@@ -46,7 +72,7 @@ class System(Solution):
         white_target: (n,) U⁻ᵀ y.
     """
 
-    upper: Floats
+    cholesky: Cholesky
     design: Floats
     target: Floats
     noise: Floats
@@ -75,10 +101,24 @@ class System(Solution):
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
         if not np.isfinite(np.diag(upper)).all():  # which the factorisation need not notice
             raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
-        white = solve_triangular(
-            upper, np.column_stack([design, target]), trans=1, check_finite=False
-        )
-        return cls(upper, design, target, noise, white[:, :-1], white[:, -1])
+        return cls._whitened(Cholesky(upper), design, target, noise)
+
+    def of(self, design: Floats, target: Floats) -> "System":
+        """The system of the same Gram matrix and noise with another basis and other torques."""
+        return self._whitened(self.cholesky, design, target, self.noise)
+
+    @classmethod
+    def _whitened(
+        cls, cholesky: Cholesky, design: Floats, target: Floats, noise: Floats
+    ) -> "System":
+        both = np.column_stack([design, target])
+        white = solve_triangular(cholesky.upper, both, trans=1, check_finite=False)
+        return cls(cholesky, design, target, noise, white[:, :-1], white[:, -1])
+
+    @property
+    def upper(self) -> Floats:
+        """(n, n) U with Uᵀ U = G, n = samples × joints of this system."""
+        return self.cholesky.upper
 
     @cached_property
     def information(self) -> Floats:
@@ -123,24 +163,13 @@ class System(Solution):
         """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
         pulled = self.weights / np.sqrt(self.amplitude)
         shift = np.column_stack([self._unwhitened_design @ self._half_covariance, pulled])
-        slope = blas.dsyrk(-1.0, shift, beta=1.0, c=self._inverse(), overwrite_c=1)
+        slope = blas.dsyrk(-1.0, shift, beta=1.0, c=self.cholesky.inverted(), overwrite_c=1)
         return np.asarray(slope.T)
 
     def slope_by_design(self) -> Floats:
         """(n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
         moved = np.outer(self.weights, self.coefficients / self.amplitude)
         return np.asarray(self._unwhitened_design @ self.covariance - moved)
-
-    def _inverse(self) -> Floats:
-        """(n, n) G⁻¹, new; the upper triangle is written."""
-        inverse, info = lapack.dpotri(self.upper, lower=0)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is zero")
-        return np.asarray(inverse)
-
-    @cached_property
-    def _kept_inverse(self) -> Floats:
-        return self._inverse()
 
     @cached_property
     def _unwhitened_design(self) -> Floats:
@@ -174,9 +203,37 @@ class System(Solution):
 
     def _projected(self, rows: Ints) -> Floats:
         """(R, R) P_ff, whose inverse is the covariance over s² of what these rows leave."""
-        inverse = self._kept_inverse[np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)]
         white = self._unwhitened_design[rows] @ self._half_covariance
-        return np.asarray(inverse - white @ white.T)
+        return self._inverse(rows) - np.asarray(white @ white.T)
+
+    def _inverse(self, rows: Ints) -> Floats:
+        """(R, R) (G⁻¹)_ff."""
+        first, second = np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)
+        return np.asarray(self.cholesky.inverse[first, second])
+
+    def seen_by(self, rows: Ints, beside: NDArray[np.bool_]) -> tuple[Floats, Floats, float]:
+        """What columns that act on some rows only could explain beside some of the basis.
+
+        Columns c, (R, P) in these rows, become U c, with which the squares fall by those of the
+        part of t that U c spans.
+
+        Args:
+            rows: (R,) which.
+            beside: (B,) which columns of the basis explain what they can first.
+
+        Returns:
+            (R, R) U, (R,) t, and the squares that the columns beside leave.
+        """
+        known, values, _ = np.linalg.svd(self.white_design[:, beside], full_matrices=False)
+        known = known[:, values > SPANNED * values.max(initial=0.0)]
+        left = self.white_target - known @ (known.T @ self.white_target)
+        back = solve_triangular(self.upper, np.column_stack([known, left]), check_finite=False)[
+            rows
+        ]
+        inverse = self._inverse(rows) - back[:, :-1] @ back[:, :-1].T
+        lower = np.linalg.cholesky(inverse)
+        target = solve_triangular(lower, back[:, -1], lower=True, check_finite=False)
+        return lower.T, np.asarray(target), float(left @ left)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
         """See `Solution.variance`."""
