@@ -34,14 +34,14 @@ from lagrangian_ff.progress import Progress, part, silent
 FIRST, SECOND, LAST = (60, 30), (120, 12), (240, 4)
 """Samples the evidence is climbed with, and steps at most: on every way, on those that are not
 clearly worse than the best, and on the best."""
-WORSE = 2.0
+WORSE = 1.5
 """Times the least error of the ways on blocks left out: one with more is clearly worse."""
 EVALUATIONS = 90
 """What the steps are meant for."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
 SHAPED_TORQUES = 4000
-"""As many as the shapes of friction are chosen on, at most."""
+"""As many as the shapes of friction are chosen on, at most, where the fit is of no further use."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,13 @@ def choose_all(
     criterion: str = "validation",
     evaluations: int = 90,
     progress: Progress = silent,
+    shaped: int = SHAPED_TORQUES,
 ) -> Chosen:
     """Choose everything about a model that is not linear in the torques; see `search.choose`.
+
+    Args:
+        spec, data, scalings, criterion, evaluations, progress: see there.
+        shaped: torques that the shapes of friction are chosen on, at most.
 
     Raises:
         ModelError: there is one fold only to validate on, or no start has a factor.
@@ -118,9 +123,10 @@ def choose_all(
         top = higher(best, last, more)
         if top and (criterion == "evidence" or top.cost < best.cost):
             best = top
-    shown = data.thinned(SHAPED_TORQUES // data.states.joints)
+    shown = data.thinned(shaped // data.states.joints)
     records = tuple(way.record(criterion) for way in tried)
     chosen = Chosen(best.spec, best.choice, best.scaling, records)
+    progress(1.0, "fitting")
     reshaped = _reshaped(chosen, shown)
     return reshaped if len(shown.x) == len(data.x) else replace(reshaped, fitted=None)
 

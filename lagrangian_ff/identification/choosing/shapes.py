@@ -100,7 +100,11 @@ def tuned(
     if not free:
         return basis
     rows = np.arange(joints.index(joint), system.count, len(joints))
-    upper, target, squares = system.seen_by(rows, part.joints != joint)
+    known = _orthonormal(system.white_design[:, part.joints != joint])
+    try:
+        upper, target, squares = system.seen_by(rows, known)
+    except np.linalg.LinAlgError:  # nor would a change of shape be told from rounding
+        return basis
 
     def moved(logs: Floats) -> Basis:
         terms = list(basis.terms)

@@ -32,9 +32,6 @@ from lagrangian_ff.identification.solving.solution import (
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SPANNED = 1e-9
-"""Of the largest singular value of a basis, the least of a direction that it spans."""
-
 
 @dataclass(frozen=True)
 class Cholesky:
@@ -211,29 +208,28 @@ class System(Solution):
         first, second = np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)
         return np.asarray(self.cholesky.inverse[first, second])
 
-    def seen_by(self, rows: Ints, beside: NDArray[np.bool_]) -> tuple[Floats, Floats, float]:
-        """What columns that act on some rows only could explain beside some of the basis.
+    def seen_by(self, rows: Ints, known: Floats) -> tuple[Floats, Floats, float]:
+        """What columns that act on some rows only could explain beside others.
 
         Columns c, (R, P) in these rows, become U c, with which the squares fall by those of the
         part of t that U c spans.
 
         Args:
             rows: (R,) which.
-            beside: (B,) which columns of the basis explain what they can first.
+            known: (n, K) whitened columns, orthonormal, that explain what they can first.
 
         Returns:
-            (R, R) U, (R,) t, and the squares that the columns beside leave.
+            (R, R) U, (R,) t, and the squares that the known columns leave.
+
+        Raises:
+            LinAlgError: rounding leaves no U.
         """
-        known, values, _ = np.linalg.svd(self.white_design[:, beside], full_matrices=False)
-        known = known[:, values > SPANNED * values.max(initial=0.0)]
         left = self.white_target - known @ (known.T @ self.white_target)
-        back = solve_triangular(self.upper, np.column_stack([known, left]), check_finite=False)[
-            rows
-        ]
-        inverse = self._inverse(rows) - back[:, :-1] @ back[:, :-1].T
-        lower = np.linalg.cholesky(inverse)
+        both = np.column_stack([known, left])
+        back = solve_triangular(self.upper, both, check_finite=False)[rows]
+        lower = np.linalg.cholesky(self._inverse(rows) - back[:, :-1] @ back[:, :-1].T)
         target = solve_triangular(lower, back[:, -1], lower=True, check_finite=False)
-        return lower.T, np.asarray(target), float(left @ left)
+        return np.asarray(lower.T), np.asarray(target), float(left @ left)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
         """See `Solution.variance`."""
