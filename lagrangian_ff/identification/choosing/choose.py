@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.choice import Choice, Scaling
@@ -182,7 +183,11 @@ class _Way:
         """With what is to be said of where it stands."""
         if criterion == "evidence":
             return replace(self, choice=self.top, cost=-self.evidence)
-        factor, choice, cost = _least_error(self.spec, self.top, data, self.scaling, self.factor)
+        # Threads cost more than they bring on matrices as small as these.
+        with threadpool_limits(1):
+            factor, choice, cost = _least_error(
+                self.spec, self.top, data, self.scaling, self.factor
+            )
         return replace(self, factor=factor, choice=choice, cost=cost)
 
     def record(self, criterion: str) -> dict[str, object]:
