@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import minimize
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
@@ -124,11 +125,13 @@ def tuned(
     start = np.clip(present, low, high)  # models of other versions may have it outside
     simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
     bounds = list(zip(low, high, strict=True))
-    found = minimize(
-        cost, start, method="Nelder-Mead", bounds=bounds,
-        options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
-                 "xatol": 0.01, "fatol": 1e-5},
-    )  # fmt: skip
+    # Threads cost more than they bring on matrices as small as these.
+    with threadpool_limits(1):
+        found = minimize(
+            cost, start, method="Nelder-Mead", bounds=bounds,
+            options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
+                     "xatol": 0.01, "fatol": 1e-5},
+        )  # fmt: skip
     return moved(found.x) if found.fun < cost(present) else basis
 
 
