@@ -60,6 +60,7 @@ def build(
     facts: Mapping[str, object],
     steps: tuple[Mapping[str, object], ...] = (),
     progress: Progress = silent,
+    known: Fit | None = None,
 ) -> Identification:
     """Fit a model, judge it on motion it has not seen, and write down what was found.
 
@@ -69,6 +70,7 @@ def build(
         facts: what else belongs into the record.
         steps: the model's history before.
         progress: told the share done.
+        known: the fit, where it is known already.
 
     Raises:
         ModelError: no noise makes the Gram matrix fit for the arithmetic, or the mass matrix cannot
@@ -76,7 +78,11 @@ def build(
     """
     began = time.monotonic()
     data, learned = blueprint.data, blueprint.data.take(blueprint.seen)
-    solved = solve(blueprint, inputs, part(progress, 0.0, 0.8))
+    solved = (
+        Solved(known, known, None, known.choice.noise, ())
+        if known
+        else solve(blueprint, inputs, part(progress, 0.0, 0.8))
+    )
     fitted = solved.fitted
     expansion = _expansion(blueprint, fitted, part(progress, 0.8, 0.9))
     residual, _ = fitted.left_out(blueprint.folded)

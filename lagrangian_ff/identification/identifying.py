@@ -13,7 +13,7 @@ from lagrangian_ff.errors import ModelError, RecordingError
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build, seconds
 from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.choose import choose_all
+from lagrangian_ff.identification.choosing.choose import SHAPED_TORQUES, choose_all
 from lagrangian_ff.identification.choosing.robustly import choose_robustly, trust_beyond
 from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.choosing.training import TrainingSet
@@ -21,7 +21,7 @@ from lagrangian_ff.identification.extending import extend, step_record
 from lagrangian_ff.identification.keeping import kept
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.settings import SCALES, Settings
-from lagrangian_ff.identification.sizing import sizes
+from lagrangian_ff.identification.sizing import EXACT_TORQUES, sizes
 from lagrangian_ff.identification.sliding import with_sliding
 from lagrangian_ff.identification.spec import Spec, parse
 from lagrangian_ff.kernels import CoupledKernel, LagrangianKernel, Mechanism, States
@@ -101,7 +101,9 @@ def identify(
             seen = size.seen
             trust = trust_beyond(chosen, training, trust, inputs.take(seen), data.tau[seen])
     else:
-        chosen = choose_all(spec, training, scalings(training.tau), *how)
+        # An exact model is the fit that its shapes are chosen on.
+        shaped = EXACT_TORQUES if blueprint.exact else SHAPED_TORQUES
+        chosen = choose_all(spec, training, scalings(training.tau), *how, shaped)
     progress(chosen_at, "fitting")
     choice, spec = chosen.choice, chosen.spec
     blueprint = replace(
@@ -116,7 +118,11 @@ def identify(
         "sources": [m.source for m in motions],
         "tried": list(chosen.tried),
     }
-    found = build(blueprint, inputs, facts, progress=part(progress, chosen_at, 1.0))
+    known = chosen.fitted if blueprint.exact else None
+    del chosen  # a fit is as large as the next
+    told = part(progress, chosen_at, 1.0)
+    found = build(blueprint, inputs, facts, progress=told, known=known)
+    del known
     found.record["seconds"] = round(time.monotonic() - began, 3)
     object.__setattr__(found.model, "steps", (step_record("identified", None, found.record),))
     for effect, joint in spec.further:

@@ -124,7 +124,8 @@ def test_the_record_tells_of_the_noise_that_was_raised() -> None:
     model = identify(pendulum.motion(10.0), settings).model
     drawn = Blueprint.of(model)
     index = np.sort(np.tile(drawn.index[:20], 2))
-    hardly = replace(drawn.choice, noise=np.full(2, 1e-18))
+    variance = model.kernel.variance(model.centres)
+    hardly = replace(drawn.choice, noise=1e-18 * np.full(2, variance.mean()))
     found = build(
         replace(drawn, index=index, seen=index, choice=hardly), model.inputs_of_data(), {}
     )

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
@@ -70,10 +71,12 @@ class Few:
                 "--block"
             )
         expected = np.full(self.x.q.shape, np.nan)
-        for group in made.apart:
-            seen = group[evenly(len(group), LOOKED)]
-            without = self.fit(np.setdiff1d(everything, group))
-            expected[seen] = without.variance(self.x.take(seen)).whole
+        # Threads cost more than they bring on matrices as small as these.
+        with threadpool_limits(1):
+            for group in made.apart:
+                seen = group[evenly(len(group), LOOKED)]
+                without = self.fit(np.setdiff1d(everything, group))
+                expected[seen] = without.variance(self.x.take(seen)).whole
         if made.trust is not None:
             expected[doubtful(made.trust)] = np.nan
         return factors(met, np.sqrt(expected), len(np.unique(made.seconds)))

@@ -30,7 +30,7 @@ Place = TypeVar("Place")
 LONGEST = 1.5
 """The longest step of a logarithm."""
 ENOUGH = 0.05
-"""Nats that a step must bring for another to be tried."""
+"""Nats that a step must bring for another to be tried, where nothing else is said."""
 TRIALS = 8
 
 
@@ -66,7 +66,12 @@ class Hill(Generic[Place]):
     high: Floats | float = np.inf
 
     def climb(
-        self, point: Floats, steps: int, told: Callable[[int], None] = lambda _: None
+        self,
+        point: Floats,
+        steps: int,
+        told: Callable[[int], None] = lambda _: None,
+        enough: float = ENOUGH,
+        damping: float = 1.0,
     ) -> tuple[Floats, Place]:
         """Climb from a point.
 
@@ -74,6 +79,8 @@ class Hill(Generic[Place]):
             point: where to begin.
             steps: at most.
             told: the number of each step.
+            enough: nats that a step must bring for another to be tried.
+            damping: of the first step; the farther the top may be, the more.
 
         Returns:
             The top, and what was found standing there.
@@ -83,7 +90,6 @@ class Hill(Generic[Place]):
         """
         place = self.go(point)
         height = self.height(place) + self.belief.height(point)
-        damping = 1.0
         for step in range(steps):
             told(step)
             before = height
@@ -102,7 +108,7 @@ class Hill(Generic[Place]):
                     damping *= 0.2
                     break
                 damping *= 8.0
-            if height - before < ENOUGH:
+            if height - before < enough:
                 break
         return point, place
 

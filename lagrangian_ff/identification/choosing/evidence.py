@@ -28,6 +28,10 @@ from lagrangian_ff.progress import Progress, silent
 Floats = NDArray[np.float64]
 
 SHAPE_STEP = 1e-3
+ENOUGH = 0.5
+"""Nats that a step must bring for another to be tried: what a choice is judged by changes less."""
+FAR, NEAR = 1.0, 0.1
+"""Damping of the first step from the start, and from where fewer samples have led."""
 
 
 def climb(
@@ -77,7 +81,8 @@ def climb(
                 return slopes_of(fitted, part)
 
             hill = Hill(path.belief, go, lambda fitted: fitted.log_evidence, slopes, *path.ends)
-            point, fitted = hill.climb(_footing(point, path, go), steps, told)
+            damping = FAR if np.array_equal(point, path.middle) else NEAR
+            point, fitted = hill.climb(_footing(point, path, go), steps, told, ENOUGH, damping)
             evidence = fitted.log_evidence
             done += steps
     return path.at(point), float(evidence)

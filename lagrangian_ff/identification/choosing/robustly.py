@@ -68,6 +68,7 @@ def choose_robustly(
         known, ways = replace(some, trust=trust), scalings(some.tau, trust)
         told = part(progress, low, high)
         chosen = choose_all(spec, known, ways, criterion, evaluations, told)
+    chosen = replace(chosen, fitted=None)  # it is of squares
     return chosen, _trust(chosen, data)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
@@ -99,8 +100,12 @@ def tuned(
     ]
     if not free:
         return basis
+    rows = np.arange(joints.index(joint), system.count, len(joints))
     known = _orthonormal(system.white_design[:, part.joints != joint])
-    left = system.white_target - known @ (known.T @ system.white_target)
+    try:
+        upper, target, squares = system.seen_by(rows, known)
+    except np.linalg.LinAlgError:  # nor would a change of shape be told from rounding
+        return basis
 
     def moved(logs: Floats) -> Basis:
         terms = list(basis.terms)
@@ -112,20 +117,21 @@ def tuned(
         own = moved(logs)
         seen = replace(x, sign_speed=own.sign_speed(x.joints))
         columns = own.of_joints((joint,)).columns(seen)
-        z = _whitened(system, joints, joint, columns)
-        direction = _orthonormal(z - known @ (known.T @ z))
-        return float(np.log(left @ left - np.sum((direction.T @ left) ** 2)))
+        direction = _orthonormal(upper @ columns)
+        return float(np.log(squares - np.sum((direction.T @ target) ** 2)))
 
     low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
     present = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
     start = np.clip(present, low, high)  # models of other versions may have it outside
     simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
     bounds = list(zip(low, high, strict=True))
-    found = scipy.optimize.minimize(
-        cost, start, method="Nelder-Mead", bounds=bounds,
-        options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
-                 "xatol": 0.01, "fatol": 1e-5},
-    )  # fmt: skip
+    # Threads cost more than they bring on matrices as small as these.
+    with threadpool_limits(1):
+        found = scipy.optimize.minimize(
+            cost, start, method="Nelder-Mead", bounds=bounds,
+            options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
+                     "xatol": 0.01, "fatol": 1e-5},
+        )  # fmt: skip
     return moved(found.x) if found.fun < cost(present) else basis
 
 

@@ -1,6 +1,6 @@
 """Solving the semi-parametric model (44) with every hyperparameter given."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +122,22 @@ def fit_basis(
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
     return Equations.of(basis, choice, x, tau, scaling).solve(trust)
+
+
+def rebased(fitted: Fit[System], basis: Basis, x: Inputs, tau: Floats) -> Fit[System]:
+    """The same with other shapes of the effects, which the Gram matrix does not know of.
+
+    Args:
+        fitted: all but the basis.
+        basis: of the same joints.
+        x, tau: what it was fitted to.
+    """
+    choice = fitted.choice.shaped_as(basis)
+    systems = []
+    for joints, _, system in fitted.systems:
+        part, rows = rows_to_learn(basis, choice, x, tau, fitted.scaling, joints)
+        systems.append((joints, part, system.of(rows.design(), rows.target)))
+    return replace(fitted, choice=choice, basis=basis, systems=tuple(systems))
 
 
 def rows_to_learn(

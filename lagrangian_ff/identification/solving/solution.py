@@ -135,28 +135,32 @@ class Solution(ABC):
         """
 
     @cached_property
-    def covariance(self) -> Floats:
-        """(B, B) inverse of the information; a direction nothing shows in gets no weight."""
+    def _half_covariance(self) -> Floats:
+        """(B, seen) H with H Hᵀ the covariance: a direction nothing shows in gets no weight."""
         scale = np.sqrt(np.diag(self.information))
         scale[scale < DUST] = 1.0
         values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
         seen = values > values.max(initial=0.0) * UNSEEN
-        half = vectors[:, seen] / np.sqrt(values[seen])
-        return np.asarray(half @ half.T / np.outer(scale, scale))
+        return np.asarray(vectors[:, seen] / np.sqrt(values[seen]) / scale[:, None])
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """(B, B) inverse of the information."""
+        return np.asarray(self._half_covariance @ self._half_covariance.T)
 
     @cached_property
     def coefficients(self) -> Floats:
         """(B,) b, what the basis is multiplied by."""
         return np.asarray(self.covariance @ self.moment)
 
-    @property
+    @cached_property
     def degrees(self) -> int:
         """Torques minus the directions of the basis that they determine."""
         if len(self.moment) == 0:  # NumPy 1 has no rank for an empty matrix
             return self.count
         return int(self.count - np.linalg.matrix_rank(self.covariance, hermitian=True))
 
-    @property
+    @cached_property
     def amplitude(self) -> float:
         """The variance s² that multiplies G where the evidence is largest, yᵀ P y / degrees."""
         return self.squares / self.degrees

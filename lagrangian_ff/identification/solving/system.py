@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import blas, lapack, solve_triangular
 
 from lagrangian_ff.identification.solving.solution import (
     LeftOut,
@@ -34,11 +34,34 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+class Cholesky:
+    """The factor of G.
+
+    Attributes:
+        upper: (n, n) U with Uᵀ U = G, n = samples × joints of a system.
+    """
+
+    upper: Floats
+
+    def inverted(self) -> Floats:
+        """(n, n) G⁻¹, a new array of which the upper triangle is written."""
+        inverse, info = lapack.dpotri(self.upper, lower=0)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} is zero")
+        return np.asarray(inverse)
+
+    @cached_property
+    def inverse(self) -> Floats:
+        """The same, once for all who only read it."""
+        return self.inverted()
+
+
+@dataclass(frozen=True)
 class System(Solution):
     """The factor of G and all that was whitened with it.
 
     Attributes:
-        upper: (n, n) U with Uᵀ U = G, n = samples × joints of this system.
+        cholesky: the factor.
         design: (n, B) the basis Φ.
         target: (n,) the torques y.
         noise: (n,) variance of each, D.
@@ -46,7 +69,7 @@ class System(Solution):
         white_target: (n,) U⁻ᵀ y.
     """
 
-    upper: Floats
+    cholesky: Cholesky
     design: Floats
     target: Floats
     noise: Floats
@@ -75,10 +98,24 @@ class System(Solution):
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
         if not np.isfinite(np.diag(upper)).all():  # which the factorisation need not notice
             raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
-        white = solve_triangular(
-            upper, np.column_stack([design, target]), trans=1, check_finite=False
-        )
-        return cls(upper, design, target, noise, white[:, :-1], white[:, -1])
+        return cls._whitened(Cholesky(upper), design, target, noise)
+
+    def of(self, design: Floats, target: Floats) -> "System":
+        """The system of the same Gram matrix and noise with another basis and other torques."""
+        return self._whitened(self.cholesky, design, target, self.noise)
+
+    @classmethod
+    def _whitened(
+        cls, cholesky: Cholesky, design: Floats, target: Floats, noise: Floats
+    ) -> "System":
+        both = np.column_stack([design, target])
+        white = solve_triangular(cholesky.upper, both, trans=1, check_finite=False)
+        return cls(cholesky, design, target, noise, white[:, :-1], white[:, -1])
+
+    @property
+    def upper(self) -> Floats:
+        """(n, n) U with Uᵀ U = G, n = samples × joints of this system."""
+        return self.cholesky.upper
 
     @cached_property
     def information(self) -> Floats:
@@ -121,27 +158,15 @@ class System(Solution):
 
     def slope_by_gram(self) -> Floats:
         """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
-        upper, info = lapack.dpotri(self.upper, lower=0)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is zero")
-        slope = np.asarray(upper.T)
-        white = self._unwhitened_design
-        with np.errstate(all="ignore"):  # what memory held above the diagonal
-            slope -= white @ self.covariance @ white.T
-            slope -= np.outer(self.weights, self.weights / self.amplitude)
-        return slope
+        pulled = self.weights / np.sqrt(self.amplitude)
+        shift = np.column_stack([self._unwhitened_design @ self._half_covariance, pulled])
+        slope = blas.dsyrk(-1.0, shift, beta=1.0, c=self.cholesky.inverted(), overwrite_c=1)
+        return np.asarray(slope.T)
 
     def slope_by_design(self) -> Floats:
         """(n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
         moved = np.outer(self.weights, self.coefficients / self.amplitude)
         return np.asarray(self._unwhitened_design @ self.covariance - moved)
-
-    @cached_property
-    def _inverse_upper(self) -> Floats:
-        inverse, info = lapack.dtrtri(self.upper, lower=0)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is zero")
-        return np.asarray(inverse)
 
     @cached_property
     def _unwhitened_design(self) -> Floats:
@@ -175,13 +200,36 @@ class System(Solution):
 
     def _projected(self, rows: Ints) -> Floats:
         """(R, R) P_ff, whose inverse is the covariance over s² of what these rows leave."""
-        # U⁻¹ is upper triangular: its rows reach no column before the first of the group, and
-        # what memory holds below its diagonal, NaN perhaps, must not be multiplied with.
-        first = int(rows.min())
-        inside = np.arange(first, self.upper.shape[0])[None, :] >= rows[:, None]
-        half = np.where(inside, self._inverse_upper[rows, first:], 0.0)
-        white = self._unwhitened_design[rows]
-        return np.asarray(half @ half.T - white @ self.covariance @ white.T)
+        white = self._unwhitened_design[rows] @ self._half_covariance
+        return self._inverse(rows) - np.asarray(white @ white.T)
+
+    def _inverse(self, rows: Ints) -> Floats:
+        """(R, R) (G⁻¹)_ff."""
+        first, second = np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)
+        return np.asarray(self.cholesky.inverse[first, second])
+
+    def seen_by(self, rows: Ints, known: Floats) -> tuple[Floats, Floats, float]:
+        """What columns that act on some rows only could explain beside others.
+
+        Columns c, (R, P) in these rows, become U c, with which the squares fall by those of the
+        part of t that U c spans.
+
+        Args:
+            rows: (R,) which.
+            known: (n, K) whitened columns, orthonormal, that explain what they can first.
+
+        Returns:
+            (R, R) U, (R,) t, and the squares that the known columns leave.
+
+        Raises:
+            LinAlgError: rounding leaves no U.
+        """
+        left = self.white_target - known @ (known.T @ self.white_target)
+        both = np.column_stack([known, left])
+        back = solve_triangular(self.upper, both, check_finite=False)[rows]
+        lower = np.linalg.cholesky(self._inverse(rows) - back[:, :-1] @ back[:, :-1].T)
+        target = solve_triangular(lower, back[:, -1], lower=True, check_finite=False)
+        return np.asarray(lower.T), np.asarray(target), float(left @ left)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
         """See `Solution.variance`."""

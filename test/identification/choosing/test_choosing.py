@@ -1,5 +1,6 @@
 """Choosing kernels and their numbers: by the evidence's slopes, and by blocks left out."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -143,25 +144,40 @@ def test_auto_takes_the_kernel_that_does_better(criterion: str) -> None:
     np.testing.assert_array_equal(again.choice.noise, found.choice.noise)
 
 
-def test_a_last_climb_that_leads_astray_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where samples lie so close that they share their errors."""
-    data = training(60)
-    _, scaling = started(data)
-    climbs: list[Choice] = []
+def astray(after: int, climbs: list[Choice]) -> Callable[..., tuple[Choice, float]]:
+    """A climb that ends in much noise once there have been some; it notes where each one led."""
 
-    def astray(*given: Any, **named: Any) -> tuple[Choice, float]:
+    def climbed(*given: Any, **named: Any) -> tuple[Choice, float]:
         top, evidence = climb(*given, **named)
-        if climbs:
-            top = replace(top, noise=1e-9 * top.noise)
+        if len(climbs) >= after:
+            top = replace(top, noise=1e6 * top.noise)
         climbs.append(top)
         return top, evidence
 
-    monkeypatch.setattr(choosing, "climb", astray)
+    return climbed
+
+
+def test_a_last_climb_that_leads_astray_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where samples lie so close that they share their errors."""
+    data = training(250)
+    _, scaling = started(data)
+    climbs: list[Choice] = []
+    monkeypatch.setattr(choosing, "climb", astray(2, climbs))
     found = choose_all(CHAIN, data, [scaling])
-    first, last = (float(str(one["validation"])) for one in found.tried)
-    assert len(climbs) == 2
-    assert last > first
-    assert (found.choice.noise >= climbs[0].noise).all()
+    _, before, last = (float(str(one["validation"])) for one in found.tried)
+    assert last > before
+    assert (found.choice.noise < 1e-3 * climbs[-1].noise).all()
+
+
+def test_after_a_climb_that_leads_astray_there_is_no_further_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    data = training(60)
+    _, scaling = started(data)
+    climbs: list[Choice] = []
+    monkeypatch.setattr(choosing, "climb", astray(1, climbs))
+    found = choose_all(CHAIN, data, [scaling])
+    assert len(climbs) == len(found.tried) == 2
 
 
 def test_a_robust_choice_knows_whom_not_to_trust() -> None:

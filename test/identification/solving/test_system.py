@@ -174,3 +174,31 @@ def test_a_matrix_that_is_not_finite_is_refused(value: float) -> None:
     gram = np.diag([1.0, value, 1.0])
     with pytest.raises(NotPositiveDefiniteError, match="3"):
         System.factor(gram, np.full(3, 0.1), np.zeros((3, 0)), np.ones(3))
+
+
+@pytest.mark.parametrize(("scale", "tolerance"), [(1.0, 1e-9), (1e14, 1e-4)])
+def test_columns_of_some_rows_explain_beside_others_what_a_fit_says(
+    scale: float, tolerance: float
+) -> None:
+    """Also where the Gram matrix is so large beside the noise that it hardly has a factor."""
+    problem = Problem.random(40, 4, seed=3)
+    low = replace(problem, gram=scale * problem.gram[:, :8] @ problem.gram[:, :8].T)
+    rows = np.arange(0, 40, 2)
+    column = np.random.default_rng(4).normal(size=len(rows))
+    system, known = low.system(), low.design[:, [0, 2]]
+    span, _ = np.linalg.qr(system.white_design[:, [0, 2]])
+    upper, target, squares = system.seen_by(rows, span)
+    both = np.column_stack([known, np.zeros(40)])
+    both[rows, -1] = column
+    own = upper @ column
+    left = squares - (own @ target) ** 2 / (own @ own)
+    assert squares == pytest.approx(replace(low, design=known).system().squares, rel=tolerance)
+    assert left == pytest.approx(replace(low, design=both).system().squares, rel=tolerance)
+
+
+def test_another_basis_takes_the_same_factor() -> None:
+    problem, other = Problem.random(25, 3, seed=5), Problem.random(25, 2, seed=6)
+    found = problem.system().of(other.design, other.target)
+    fresh = replace(problem, design=other.design, target=other.target).system()
+    np.testing.assert_allclose(found.weights, fresh.weights, rtol=1e-12)
+    assert found.log_evidence == pytest.approx(fresh.log_evidence, rel=1e-12)
