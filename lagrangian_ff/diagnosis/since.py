@@ -190,8 +190,7 @@ def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
     if gain < WORTH:
         return None
     prior = replace(ground.prior, change=(boundary, np.inf, share))
-    heavier = ground.relaid(prior)
-    heavier = heavier.relaid(sharpen(heavier, heavier.basis))
+    heavier = ground.relaid(sharpen(ground, ground.basis, prior=prior))
     _, felt = joints_of(heavier)
     size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
     return heavier, Changed(MASSES, (), gain, None, {}, size)

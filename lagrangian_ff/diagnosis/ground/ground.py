@@ -24,6 +24,9 @@ from lagrangian_ff.recording.motion import Motion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+MANY = 64
+"""Columns of a joint from which on its response is worth its making."""
+ROWS_AT_ONCE = 480
 AVERAGED = 0.07  # s, over which samples are averaged at most
 TANGENT = 0.03
 """Relative step by which a shape is varied, so that its error is not taken for an effect."""
@@ -98,9 +101,19 @@ class Ground:
         return np.asarray(np.flatnonzero(np.diff(rows, prepend=-1)), dtype=np.int64)
 
     @cached_property
-    def _coarse(self) -> "NDArray[np.float32]":
-        # Below the diagonal lies what memory held before.
-        return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
+    def _responses(self) -> dict[int, Floats]:
+        return {}
+
+    def response(self, joint: int) -> Floats:
+        """(S, S N) what a torque of one joint at each sample whitens to; zero before the sample.
+
+        That of one joint is kept: columns of a joint have S rows that are not zero, and many of
+        them cost a third of a triangular solve each once these are known.
+        """
+        if joint not in self._responses:
+            self._responses.clear()
+            self._responses[joint] = _response(self.system.upper, self.joints, joint)
+        return self._responses[joint]
 
     def relaid(
         self,
@@ -108,7 +121,11 @@ class Ground:
         basis: Basis | None = None,
         extra: tuple[Extra, ...] | None = None,
     ) -> "Ground":
-        """The same motion with another prior, basis, or what is explained besides; see `lay`."""
+        """The same motion with another prior, basis, or what is explained besides; see `lay`.
+
+        Nothing is factored again where the prior stays.
+        """
+        same = prior is None or prior is self.prior
         return lay(
             self.motion,
             self.index,
@@ -118,6 +135,7 @@ class Ground:
             self.basis if basis is None else basis,
             self.extra if extra is None else extra,
             self.seen,
+            self.system if same else None,
         )
 
     def whiten(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
@@ -125,16 +143,18 @@ class Ground:
 
         Args:
             columns: (S, K) N·m.  joint: whose.
-            coarse: in single precision: twice as fast, and exact enough to choose by.
+            coarse: many at once come in single precision: twice as fast, and exact enough to
+                choose by.
         """
         samples, count = columns.shape
-        upper = self._coarse if coarse else self.system.upper
-        full = np.zeros((samples, self.joints, count), dtype=upper.dtype)
-        full[:, joint, :] = columns / (self.prior.unit[joint] * self.amplitude)
-        flat = full.reshape(samples * self.joints, count)
+        scaled = np.asarray(columns.T) / (self.prior.unit[joint] * self.amplitude)
+        if count >= MANY or joint in self._responses:
+            return _multiplied(scaled, self.response(joint), coarse=coarse)
+        full = np.zeros((count, samples, self.joints))
+        full[:, :, joint] = scaled
+        flat = full.reshape(count, -1).T
         return np.asarray(
-            solve_triangular(upper, flat, trans=1, check_finite=False, overwrite_b=True),
-            dtype=np.float64,
+            solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
         )
 
     def project(self, whitened: Floats) -> Floats:
@@ -215,15 +235,21 @@ def lay(
     basis: Basis,
     extra: Sequence[Extra] = (),
     seen: Inputs | None = None,
+    like: System | None = None,
 ) -> Ground:
     """Factor and whiten a motion; the tangents of the basis' shapes are explained away too.
+
+    Args:
+        motion, index, block, inputs, prior, basis, extra: see `Ground`.
+        seen: the samples used; without them, of the inputs.
+        like: of the same samples and prior, whose factor is taken.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
     seen = seen or inputs.take(index, window_of(index, motion))
     tangents = [*extra, *_tangents(basis, seen)]
-    system = factored(seen.mean(motion.tau), seen, prior, basis, tangents)
+    system = factored(seen.mean(motion.tau), seen, prior, basis, tangents, like)
     span, triangle = np.linalg.qr(system.white_design)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
     span = span[:, ~weak]
@@ -235,9 +261,14 @@ def lay(
 
 
 def factored(
-    tau: Floats, x: Inputs, prior: Prior, basis: Basis, extra: Sequence[Extra] = ()
+    tau: Floats,
+    x: Inputs,
+    prior: Prior,
+    basis: Basis,
+    extra: Sequence[Extra] = (),
+    like: System | None = None,
 ) -> System:
-    """The system of some samples: tau (S, N) N·m, x (S, N)."""
+    """The system of some samples: tau (S, N) N·m, x (S, N); see `lay`."""
     samples, joints = tau.shape
     design = basis.design(x)
     if extra:
@@ -246,12 +277,50 @@ def factored(
             place[:, one.joint, :] = one.columns
         design = np.concatenate([design, *more], axis=2)
     design /= prior.unit[None, :, None]
-    return System.factor(
-        prior.gram(x),
-        np.tile(prior.noise, samples),
-        design.reshape(samples * joints, -1),
-        (tau / prior.unit).ravel(),
-    )
+    flat, target = design.reshape(samples * joints, -1), (tau / prior.unit).ravel()
+    if like is not None:
+        return like.of(flat, target)
+    return System.factor(prior.gram(x), np.tile(prior.noise, samples), flat, target)
+
+
+def _response(upper: Floats, joints: int, joint: int) -> Floats:
+    """(S, S N) rows of U⁻¹ of one joint: block by block, nothing is done where they are zero."""
+    size = len(upper)
+    out = np.zeros((size // joints, size))
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, min(first + ROWS_AT_ONCE, size))
+        for before in range(0, first, ROWS_AT_ONCE):
+            there = slice(before, before + ROWS_AT_ONCE)
+            known = slice(0, _samples(there.stop, joints))
+            out[known, here] -= out[known, there] @ upper[there, here]
+        known = slice(0, _samples(here.stop, joints))
+        own = np.arange(joint, size, joints)
+        own = own[(own >= here.start) & (own < here.stop)]
+        out[own // joints, own] = 1.0
+        corner = upper[here, here]
+        out[known, here] = solve_triangular(
+            corner, out[known, here].T, trans=1, check_finite=False
+        ).T
+    return out
+
+
+def _multiplied(columns: Floats, response: Floats, *, coarse: bool) -> Floats:
+    """(S N, K) the columns (K, S) whitened, nothing done where the response is zero."""
+    kind = np.float32 if coarse else np.float64
+    samples, size = response.shape
+    columns = np.ascontiguousarray(columns, dtype=kind)
+    out = np.empty((len(columns), size), dtype=kind)
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, first + ROWS_AT_ONCE)
+        known = slice(0, _samples(min(here.stop, size), size // samples))
+        part = np.asarray(response[known, here], dtype=kind)
+        out[:, here] = columns[:, known] @ part
+    return out.T
+
+
+def _samples(rows: int, joints: int) -> int:
+    """How many samples these first rows belong to."""
+    return -(-rows // joints)
 
 
 def _tangents(basis: Basis, x: Inputs) -> list[Extra]:

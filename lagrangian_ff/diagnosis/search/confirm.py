@@ -110,7 +110,8 @@ class Unseen:
             torque = candidate.columns(x.whole or x) @ parameters
             tau[:, candidate.joint] -= torque
             torques.append(x.mean(torque))
-        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x)
+        system = ground.system
+        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x, system)
         return cls(ground, tuple(torques))
 
     def trial(self, parts: Sequence[tuple[int, int]]) -> Trial:

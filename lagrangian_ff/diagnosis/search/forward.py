@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.ground import Ground, Prior, sharpen
+from lagrangian_ff.diagnosis.ground import Ground, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
@@ -115,7 +115,7 @@ def search(
         share = len(taken) / (steps + 1)
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = _candidates(ground, range(ground.joints), effects)
-        found = list(scores(ground, candidates, coarse=True))
+        found = scores(ground, candidates, coarse=True)
         causes = _causes(ground.basis)
         lasting = [score for score in found if not score.once]
         looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
@@ -129,8 +129,8 @@ def search(
             change = change_of(ground)
             if change is not None and change.gain > _best_gain(ground, eligible):
                 prior = replace(ground.prior, change=change.prior)
+                prior = sharpen(ground, ground.basis, ground.extra, prior=prior)
                 ground = ground.relaid(prior)
-                ground = ground.relaid(sharpen(ground, ground.basis, ground.extra))
                 continue
             change = None
         if not eligible or len(taken) == steps:
@@ -138,11 +138,12 @@ def search(
         progress(
             share + 0.5 / (steps + 1), f"looking closer at {eligible[0].candidate.source.name}"
         )
-        step, prior = _judge(ground, eligible[0], best, chance, effects)
+        step, judged = _judge(ground, eligible[0], best, chance, effects)
         if step is None:
             break
         taken.append(step)
-        ground = ground.relaid(prior, *_with(ground, step.score.candidate))
+        basis, extra = _with(ground, step.score.candidate)
+        ground = judged.relaid(basis=basis, extra=extra)
     taken, ground = _backward(taken, ground, len(first.basis.terms))
     every, ranking, chance = looks[0]
     return Search(
@@ -242,7 +243,7 @@ def _judge(
     best: Sequence[Score],
     chance: Chance,
     effects: Mapping[str, Effect] | None,
-) -> tuple[Step | None, Prior]:
+) -> tuple[Step | None, Ground]:
     """Look again at one joint, with the noise that is left once the best is taken in.
 
     The best name and the best free curve are each judged with the noise that suits them: with
@@ -261,7 +262,7 @@ def _judge(
     named_view = max(views, key=lambda view: view.total(view.name), default=None)
     free_view = max(views, key=lambda view: view.total(view.free), default=None)
     if named_view is None or free_view is None:
-        return None, ground.prior
+        return None, ground
     chosen, curve = named_view.name, free_view.free
     start = max(view.base for view in views if view.leader is first)
     worth = named_view.total(chosen) - start
@@ -274,14 +275,14 @@ def _judge(
     elif curve is not None:
         found, view = curve, free_view
     else:
-        return None, ground.prior
+        return None, ground
     without = max(evidence_without(ground), *(view.base for view in views))
     gain = min(found.gain, worth_of(found, view.ground, without))
     if gain <= FLOOR:
-        return None, ground.prior
+        return None, ground
     left = rivals(found, named_view.others) if found.candidate.named else ()
     step = Step(replace(found, gain=gain), tuple(left), first.gain, p_value, curve)
-    return step, view.ground.prior
+    return step, view.ground
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,14 @@ class System(Solution):
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
         if not np.isfinite(np.diag(upper)).all():  # which the factorisation need not notice
             raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
+        return cls._whitened(upper, design, target, noise)
+
+    def of(self, design: Floats, target: Floats) -> "System":
+        """The system of the same Gram matrix and noise with another basis and other torques."""
+        return self._whitened(self.upper, design, target, self.noise)
+
+    @classmethod
+    def _whitened(cls, upper: Floats, design: Floats, target: Floats, noise: Floats) -> "System":
         white = solve_triangular(
             upper, np.column_stack([design, target]), trans=1, check_finite=False
         )
