@@ -133,8 +133,8 @@ class Part:
     tau: Floats
     extra: tuple[Extra, ...] = ()
 
-    def system(self, prior: Prior, basis: Basis) -> System:
-        """These samples, factored.
+    def system(self, prior: Prior, basis: Basis, like: System | None = None) -> System:
+        """These samples, factored, or with the factor of a system like theirs.
 
         Raises:
             NotPositiveDefiniteError: the noise is too small for the arithmetic, here or where
@@ -143,15 +143,7 @@ class Part:
         variance = prior.kernel.variance(States(self.x.q, self.x.qd, self.x.qdd)).mean()
         if np.any(prior.noise < LEAST_NOISE * variance):
             raise NotPositiveDefiniteError("too little noise for a ground of many samples")
-        return factored(self.tau, self.x, prior, basis, self.extra)
-
-    def evidence(self, prior: Prior, basis: Basis) -> float:
-        """Log evidence in N·m."""
-        try:
-            system = self.system(prior, basis)
-        except NotPositiveDefiniteError:
-            return -FAILED
-        return system.log_evidence - len(self.x) * float(np.sum(np.log(prior.unit)))
+        return factored(self.tau, self.x, prior, basis, self.extra, like)
 
 
 def part_of(
@@ -166,15 +158,6 @@ def part_of(
         x = ground.seen.take(chosen)
         extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
     return Part(x, x.mean(motion.tau), extra)
-
-
-def evidence_of(
-    motion: Motion, inputs: Inputs, basis: Basis, samples: int, extra: tuple[Extra, ...] = (),
-    ground: Ground | None = None,
-) -> Callable[[Prior], float]:  # fmt: skip
-    """The log evidence in N·m of some of the samples, as a function of the prior."""
-    some = part_of(motion, inputs, samples, extra, ground)
-    return lambda prior: some.evidence(prior, basis)
 
 
 def _climb(
