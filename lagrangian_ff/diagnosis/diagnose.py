@@ -349,7 +349,7 @@ def _unseen(
 
     The model's own stays free, and so do the steps that are to be fitted anew.
     """
-    model = Basis(found.ground.basis.terms[: len(found.first.basis.terms)])
+    model = Basis(found.ground.basis.terms[: found.own])
     parameters = (
         values[:0] if number in anew else values
         for number, (values, _, _) in enumerate(_frozen(found))
@@ -362,8 +362,7 @@ def _unseen(
 def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
     """For each step its parameters with 90 % intervals, all that was found in the model."""
     ground = found.ground
-    own = len(found.first.basis.terms)
-    places = [place for _, place in ground.basis.slices()][own:]
+    places = [place for _, place in ground.basis.slices()][found.own :]
     values = ground.system.coefficients
     deviation = np.sqrt(
         np.maximum(ground.system.amplitude * np.diag(ground.system.covariance), 0.0)

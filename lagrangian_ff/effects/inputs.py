@@ -1,5 +1,6 @@
 """What an effect may look at: the motion, its time, and what the model says of the torque."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -159,21 +160,16 @@ class Inputs:
 
     def step(self, piece: slice) -> float:
         """s between the samples of an uninterrupted stretch; 0 where nothing is known of time."""
-        known, ends = self._steps, (piece.start, piece.stop)
-        if ends not in known:
-            known[ends] = self._step(piece)
-        return known[ends]
-
-    @cached_property
-    def _steps(self) -> dict[tuple[int, int], float]:
-        return {}
-
-    def _step(self, piece: slice) -> float:
         time = self.time[piece]
         if len(time) < 2 or not np.isfinite(time[0]):
             return 0.0
         # Rounded, so that a step does not depend on the last digit of a clock.
         return round(float(np.median(np.diff(time))), 9)
+
+    @cached_property
+    def kept(self) -> dict[Hashable, Floats]:
+        """What effects keep that is dear to make and asked for again."""
+        return {}
 
     def pieces(self) -> list[slice]:
         """The uninterrupted stretches, in order."""

@@ -115,6 +115,10 @@ class Ground:
             self._responses[joint] = _response(self.system.upper, self.joints, joint)
         return self._responses[joint]
 
+    def forget(self) -> None:
+        """Let go of what `response` keeps."""
+        self._responses.clear()
+
     def relaid(
         self,
         prior: Prior | None = None,
@@ -308,13 +312,13 @@ def _multiplied(columns: Floats, response: Floats, *, coarse: bool) -> Floats:
     """(S N, K) the columns (K, S) whitened, nothing done where the response is zero."""
     kind = np.float32 if coarse else np.float64
     samples, size = response.shape
-    columns = np.ascontiguousarray(columns, dtype=kind)
+    given: Floats = np.ascontiguousarray(columns, dtype=kind)
     out = np.empty((len(columns), size), dtype=kind)
     for first in range(0, size, ROWS_AT_ONCE):
         here = slice(first, first + ROWS_AT_ONCE)
         known = slice(0, _samples(min(here.stop, size), size // samples))
-        part = np.asarray(response[known, here], dtype=kind)
-        out[:, here] = columns[:, known] @ part
+        part: Floats = np.asarray(response[known, here], dtype=kind)
+        out[:, here] = given[:, known] @ part
     return out.T
 
 

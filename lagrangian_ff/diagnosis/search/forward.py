@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.ground import Ground, sharpen
+from lagrangian_ff.diagnosis.ground import Ground, Prior, sharpen
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
 from lagrangian_ff.diagnosis.search.chance import Chance
@@ -79,7 +79,7 @@ class Search:
         chance: of the first look.
         change: a load that was taken up on the way, if any.
         ground: the last one, with all steps taken in.
-        first: the ground of the first look.
+        own: how many terms of its basis were there before any step.
     """
 
     steps: tuple[Step, ...]
@@ -89,7 +89,7 @@ class Search:
     chance: Chance
     change: Change | None
     ground: Ground
-    first: Ground
+    own: int
 
 
 def search(
@@ -106,7 +106,7 @@ def search(
         steps: at most so many are found.
         progress: told the share done.
     """
-    first = ground
+    own = len(ground.basis.terms)
     taken: list[Step] = []
     change: Change | None = None
     may_change = effects is None or "payload" in effects
@@ -116,6 +116,7 @@ def search(
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = _candidates(ground, range(ground.joints), effects)
         found = scores(ground, candidates, coarse=True)
+        ground.forget()
         causes = _causes(ground.basis)
         lasting = [score for score in found if not score.once]
         looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
@@ -144,11 +145,11 @@ def search(
         taken.append(step)
         basis, extra = _with(ground, step.score.candidate)
         ground = judged.relaid(basis=basis, extra=extra)
-    taken, ground = _backward(taken, ground, len(first.basis.terms))
+    taken, ground = _backward(taken, ground, own)
     every, ranking, chance = looks[0]
     return Search(
         tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, change, ground,
-        first,
+        own,
     )  # fmt: skip
 
 
@@ -258,10 +259,14 @@ def _judge(
         for score in (name, free)
         if score is not None and (score is first or score.gain > NEAR * first.gain)
     ]
-    views = [_View.of(ground, leader, effects) for leader in leaders]
+    views: list[_View] = []
+    for leader in reversed(leaders):
+        seen = None  # one factor at a time: that of the name, which mostly wins, is made last
+        view, seen = _View.of(ground, leader, effects)
+        views.insert(0, view)
     named_view = max(views, key=lambda view: view.total(view.name), default=None)
     free_view = max(views, key=lambda view: view.total(view.free), default=None)
-    if named_view is None or free_view is None:
+    if named_view is None or free_view is None or seen is None:
         return None, ground
     chosen, curve = named_view.name, free_view.free
     start = max(view.base for view in views if view.leader is first)
@@ -276,13 +281,16 @@ def _judge(
         found, view = curve, free_view
     else:
         return None, ground
+    if view is not views[0]:
+        seen = None
+        seen = ground.relaid(view.prior)
     without = max(evidence_without(ground), *(view.base for view in views))
-    gain = min(found.gain, worth_of(found, view.ground, without))
+    gain = min(found.gain, worth_of(found, seen, without))
     if gain <= FLOOR:
         return None, ground
     left = rivals(found, named_view.others) if found.candidate.named else ()
     step = Step(replace(found, gain=gain), tuple(left), first.gain, p_value, curve)
-    return step, view.ground
+    return step, seen
 
 
 @dataclass(frozen=True)
@@ -291,21 +299,24 @@ class _View:
 
     Attributes:
         leader: that candidate.
-        ground: without it, but with that noise.
-        base: log evidence of the ground.
+        prior: with that noise.
+        base: log evidence of the ground with it, without the candidate.
         name, others: the best name at its best shape, and the other names.
         free: the best free curve.
     """
 
     leader: Score
-    ground: Ground
+    prior: Prior
     base: float
     name: Score | None
     others: tuple[Score, ...]
     free: Score | None
 
     @classmethod
-    def of(cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None) -> "_View":
+    def of(
+        cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None
+    ) -> tuple["_View", Ground]:
+        """The view, and the ground with its prior."""
         prior = sharpen(ground, *_with(ground, leader.candidate))
         again = ground.relaid(prior)
         candidates = _candidates(again, [leader.candidate.joint], effects)
@@ -328,7 +339,9 @@ class _View:
         )
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
         first = names[0] if names else None
-        return cls(leader, again, again.system.log_evidence, first, tuple(names[1:]), free)
+        again.forget()
+        view = cls(leader, prior, again.system.log_evidence, first, tuple(names[1:]), free)
+        return view, again
 
     def total(self, score: Score | None) -> float:
         """Log evidence with a candidate: what can be compared between views."""
