@@ -187,8 +187,13 @@ def diagnose(
         _require_long(one)
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
-    ground = tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding)
-    found = search(ground, effects, steps, part(progress, 0.3, 0.85))
+    # Handed on and not kept: each ground holds a factor.
+    found = search(
+        tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding),
+        effects,
+        steps,
+        part(progress, 0.3, 0.85),
+    )
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
     findings = _confirmed(found, unseen, model, taken_up)

@@ -9,6 +9,7 @@ with a signature of its own is seen although the rigid-body part is unknown.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from scipy.linalg import solve_triangular
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.solving.solution import LeftOut
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
@@ -191,10 +193,8 @@ class Ground:
         holds of the whole motion behind these samples.
         """
         _, place = np.unique(self.block, return_inverse=True)
-        width = np.arange(self.joints)
-        groups = [np.flatnonzero(place == number) for number in range(int(place.max()) + 1)]
-        rows = [(group[:, None] * self.joints + width).ravel() for group in groups]
-        left = list(self.system.left_out(rows))
+        ends = np.flatnonzero(np.diff(place, prepend=-1, append=-1)) * self.joints
+        left = _left_out(self.system, ends.tolist())
         weights = self.system.weights_without(left)
         between = 0.5 * (self.index[1:] + self.index[:-1])
         nearest = place[np.searchsorted(between, np.arange(len(self.inputs)))]
@@ -285,6 +285,38 @@ def factored(
     if like is not None:
         return like.of(flat, target)
     return System.factor(prior.gram(x), np.tile(prior.noise, samples), flat, target)
+
+
+def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
+    """As `System.left_out`, of blocks of rows that follow each other, begun and ended by `ends`.
+
+    Only the rows of U⁻¹ of one block are there at a time.
+    """
+    white = solve_triangular(system.upper, system.white_design, check_finite=False)
+    found = []
+    for first, last in pairwise(ends):
+        half = _inverse_rows(system.upper, first, last)
+        mine = white[first:last]
+        projected = half @ half.T - mine @ system.covariance @ mine.T
+        residual = np.linalg.solve(projected, system.weights[first:last])
+        change = -system.covariance @ (mine.T @ residual)
+        found.append(LeftOut(np.arange(first, last), residual, change))
+    return found
+
+
+def _inverse_rows(upper: Floats, first: int, last: int) -> Floats:
+    """(R, n - first) rows of U⁻¹, from where they are not zero."""
+    size = len(upper) - first
+    out = np.zeros((last - first, size))
+    own = np.triu(upper[first:last, first:last])
+    out[:, : last - first] = solve_triangular(own, np.eye(len(own)), check_finite=False)
+    for begin in range(last - first, size, ROWS_AT_ONCE):
+        here = slice(begin, min(begin + ROWS_AT_ONCE, size))
+        there = slice(first + here.start, first + here.stop)
+        across = -out[:, :begin] @ upper[first : first + begin, there]
+        corner = upper[there, there]
+        out[:, here] = solve_triangular(corner, across.T, trans=1, check_finite=False).T
+    return out
 
 
 def _response(upper: Floats, joints: int, joint: int) -> Floats:

@@ -78,9 +78,7 @@ def tune(
     if any(term.effect.uses for term in basis.terms):
         ground = _lay(motion, inputs, basis, prior, ground.system)
     progress(0.9, "predicting the load")
-    seen = ground.unseen_inputs()
-    # A new system: the inverse that was made to leave blocks out is as large as the factor.
-    ground = replace(ground, seen=seen, system=replace(ground.system))
+    ground = replace(ground, seen=ground.unseen_inputs())
     progress(1.0, "predicting the load")
     return ground
 
