@@ -87,8 +87,8 @@ def main() -> None:
         findings = diagnose(model, first, second).findings
         found.extend(f"{one.effect.name} on {one.joint}" for one in findings)
 
-    took = seconds(whole)
-    print(f"whole diagnosis {took:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}")
+    elapsed = seconds(whole)
+    print(f"whole diagnosis {elapsed:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}")
 
 
 if __name__ == "__main__":
