@@ -88,7 +88,9 @@ def main() -> None:
         found.extend(f"{one.effect.name} on {one.joint}" for one in findings)
 
     elapsed = seconds(whole)
-    print(f"whole diagnosis {elapsed:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}")
+    print(
+        f"whole diagnosis {elapsed:.1f} s (promised: {PROMISED:g} on 2 cores): {', '.join(found)}"
+    )
 
 
 if __name__ == "__main__":
