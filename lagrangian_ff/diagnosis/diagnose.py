@@ -187,8 +187,13 @@ def diagnose(
         _require_long(one)
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
-    ground = tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding)
-    found = search(ground, effects, steps, part(progress, 0.3, 0.85))
+    # Handed on and not kept: each ground holds a factor.
+    found = search(
+        tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding),
+        effects,
+        steps,
+        part(progress, 0.3, 0.85),
+    )
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
     findings = _confirmed(found, unseen, model, taken_up)
@@ -349,7 +354,7 @@ def _unseen(
 
     The model's own stays free, and so do the steps that are to be fitted anew.
     """
-    model = Basis(found.ground.basis.terms[: len(found.first.basis.terms)])
+    model = Basis(found.ground.basis.terms[: found.own])
     parameters = (
         values[:0] if number in anew else values
         for number, (values, _, _) in enumerate(_frozen(found))
@@ -362,8 +367,7 @@ def _unseen(
 def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
     """For each step its parameters with 90 % intervals, all that was found in the model."""
     ground = found.ground
-    own = len(found.first.basis.terms)
-    places = [place for _, place in ground.basis.slices()][own:]
+    places = [place for _, place in ground.basis.slices()][found.own :]
     values = ground.system.coefficients
     deviation = np.sqrt(
         np.maximum(ground.system.amplitude * np.diag(ground.system.covariance), 0.0)

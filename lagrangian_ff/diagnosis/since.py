@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
-from lagrangian_ff.diagnosis.ground import Ground, evidence_of, sharpen, tune
+from lagrangian_ff.diagnosis.ground import Changing, Ground, sharpen, tune
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.change import FELT, FINE, WORTH, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
@@ -180,18 +180,12 @@ def _explained(ground: Ground, change: BodyChange) -> Ground:
 
 def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
     """The ground with another Lagrangian added from the boundary on, if that is worth it."""
-    samples = len(ground.index)
-    evidence = evidence_of(ground.motion, ground.inputs, ground.basis, samples, (), ground)
-    plain = evidence(ground.prior)
-    gain, share = max(
-        (evidence(replace(ground.prior, change=(boundary, np.inf, one))) - plain, one)
-        for one in FINE
-    )
+    changing = Changing.of(ground, len(ground.index))
+    gain, share = max((changing.gain((boundary, np.inf, one)), one) for one in FINE)
     if gain < WORTH:
         return None
     prior = replace(ground.prior, change=(boundary, np.inf, share))
-    heavier = ground.relaid(prior)
-    heavier = heavier.relaid(sharpen(heavier, heavier.basis))
+    heavier = ground.relaid(sharpen(ground, ground.basis, prior=prior))
     _, felt = joints_of(heavier)
     size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
     return heavier, Changed(MASSES, (), gain, None, {}, size)

@@ -50,6 +50,13 @@ class Gear(Effect):
             raise EffectError(
                 f"effect '{self.name}': there is no joint {of}; expected 0 to {x.joints - 1}"
             )
+        # The same on whichever joint it is felt: kept, as all of them are asked for.
+        key = (type(self), *sorted(shape.items()))
+        if key not in x.kept:
+            x.kept[key] = self._carried_beyond(x, of, shape)
+        return x.kept[key]
+
+    def _carried_beyond(self, x: Inputs, of: int, shape: Mapping[str, float]) -> Floats:
         out = np.zeros((len(x), len(self.parameters)))
         for piece in x.pieces():
             step = x.step(piece)

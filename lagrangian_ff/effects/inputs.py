@@ -1,10 +1,13 @@
 """What an effect may look at: the motion, its time, and what the model says of the torque."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
 
 from lagrangian_ff.kernels.states import States
 
@@ -126,14 +129,22 @@ class Inputs:
             return values
         if self.window == 1:
             return np.asarray(values[self.index])
+        flat = self._averages @ values.reshape(len(values), -1)
+        return np.asarray(flat.reshape(-1, *values.shape[1:]))
+
+    @cached_property
+    def _averages(self) -> csr_array:
+        """(M, W) what takes the mean of values of the whole motion about each sample."""
+        assert self.whole is not None
+        assert self.index is not None
         segment, half = self.whole.segment, self.window // 2
         bounds = np.concatenate([[0], np.flatnonzero(np.diff(segment)) + 1, [len(segment)]])
         piece = np.searchsorted(bounds, self.index, side="right")
         first = np.maximum(self.index - half, bounds[piece - 1])
-        last = np.minimum(self.index + half + 1, bounds[piece])
-        sums = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
-        count = (last - first).reshape(-1, *(1,) * (values.ndim - 1))
-        return np.asarray((sums[last] - sums[first]) / count)
+        count = np.minimum(self.index + half + 1, bounds[piece]) - first
+        ends = np.concatenate([[0], np.cumsum(count)])
+        places = np.arange(ends[-1]) + np.repeat(first - ends[:-1], count)
+        return csr_array((np.repeat(1.0 / count, count), places, ends), (len(self), len(segment)))
 
     def sign(self, joint: int) -> Floats:
         """(M,) the smoothed sign of one joint's velocity, tanh(qd / v0)."""
@@ -155,8 +166,17 @@ class Inputs:
         # Rounded, so that a step does not depend on the last digit of a clock.
         return round(float(np.median(np.diff(time))), 9)
 
+    @cached_property
+    def kept(self) -> dict[Hashable, Floats]:
+        """What effects keep that is dear to make and asked for again."""
+        return {}
+
     def pieces(self) -> list[slice]:
         """The uninterrupted stretches, in order."""
+        return self._pieces
+
+    @cached_property
+    def _pieces(self) -> list[slice]:
         ends = np.flatnonzero(np.diff(self.segment)) + 1
         bounds = [0, *ends.tolist(), len(self)]
         return [slice(a, b) for a, b in pairwise(bounds) if b > a]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import two_rods
 from ground_examples import friction, ground_of, inputs, quickly
+from numpy.typing import NDArray
 from sines import sines
 
 from lagrangian_ff.diagnosis.ground import Ground, lay, tune
@@ -50,12 +51,40 @@ def test_what_the_model_has_leaves_nothing(ground: Ground) -> None:
         assert np.linalg.norm(left) < 1e-6 * np.linalg.norm(white)
 
 
-def test_single_precision_is_exact_enough_to_choose_by(ground: Ground) -> None:
-    columns = np.sin(3.0 * ground.seen.q)
-    exact = ground.whiten(columns, 0)
-    np.testing.assert_allclose(
-        ground.whiten(columns, 0, coarse=True), exact, atol=1e-3 * np.abs(exact).max()
-    )
+@pytest.fixture
+def many(ground: Ground) -> NDArray[np.float64]:
+    """Return so many columns that they are whitened together."""
+    return np.sin(np.linspace(0.1, 9.0, 100) * ground.seen.q[:, :1])
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_many_columns_are_whitened_as_each_alone(
+    ground: Ground, many: NDArray[np.float64], joint: int
+) -> None:
+    together = ground.whiten(many, joint)
+    ground.forget()
+    alone = np.hstack([ground.whiten(many[:, [n]], joint) for n in range(many.shape[1])])
+    np.testing.assert_allclose(together, alone, atol=1e-9 * np.abs(alone).max())
+
+
+def test_single_precision_is_exact_enough_to_choose_by(
+    ground: Ground, many: NDArray[np.float64]
+) -> None:
+    exact = ground.whiten(many, 0)
+    coarse = ground.whiten(many, 0, coarse=True)
+    assert coarse.dtype == np.float32
+    np.testing.assert_allclose(coarse, exact, atol=1e-3 * np.abs(exact).max())
+
+
+def test_the_same_prior_is_laid_again_alike(ground: Ground) -> None:
+    basis = Basis(ground.basis.terms[:-1])
+    again = ground.relaid(basis=basis)
+    anew = lay(
+        ground.motion, ground.index, ground.block, ground.inputs, ground.prior, basis,
+        seen=ground.seen,
+    )  # fmt: skip
+    np.testing.assert_allclose(again.residual, anew.residual, atol=1e-9)
+    assert again.system.log_evidence == pytest.approx(anew.system.log_evidence)
 
 
 def test_the_load_is_predicted_without_its_own_block(ground: Ground) -> None:

@@ -9,6 +9,7 @@ with a signature of its own is seen although the rigid-body part is unknown.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from scipy.linalg import solve_triangular
 from lagrangian_ff.diagnosis.ground.prior import Prior
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.solving.solution import LeftOut
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
@@ -24,6 +26,9 @@ from lagrangian_ff.recording.motion import Motion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+MANY = 64
+"""Columns of a joint from which on its response is worth its making."""
+ROWS_AT_ONCE = 480
 AVERAGED = 0.07  # s, over which samples are averaged at most
 TANGENT = 0.03
 """Relative step by which a shape is varied, so that its error is not taken for an effect."""
@@ -98,9 +103,23 @@ class Ground:
         return np.asarray(np.flatnonzero(np.diff(rows, prepend=-1)), dtype=np.int64)
 
     @cached_property
-    def _coarse(self) -> "NDArray[np.float32]":
-        # Below the diagonal lies what memory held before.
-        return np.asarray(np.triu(self.system.upper), dtype=np.float32, order="F")
+    def _responses(self) -> dict[int, Floats]:
+        return {}
+
+    def response(self, joint: int) -> Floats:
+        """(S, S N) what a torque of one joint at each sample whitens to; zero before the sample.
+
+        That of one joint is kept: columns of a joint have S rows that are not zero, and many of
+        them cost a third of a triangular solve each once these are known.
+        """
+        if joint not in self._responses:
+            self._responses.clear()
+            self._responses[joint] = _response(self.system.upper, self.joints, joint)
+        return self._responses[joint]
+
+    def forget(self) -> None:
+        """Let go of what `response` keeps."""
+        self._responses.clear()
 
     def relaid(
         self,
@@ -108,7 +127,11 @@ class Ground:
         basis: Basis | None = None,
         extra: tuple[Extra, ...] | None = None,
     ) -> "Ground":
-        """The same motion with another prior, basis, or what is explained besides; see `lay`."""
+        """The same motion with another prior, basis, or what is explained besides; see `lay`.
+
+        Nothing is factored again where the prior stays.
+        """
+        same = prior is None or prior is self.prior
         return lay(
             self.motion,
             self.index,
@@ -118,6 +141,7 @@ class Ground:
             self.basis if basis is None else basis,
             self.extra if extra is None else extra,
             self.seen,
+            self.system if same else None,
         )
 
     def whiten(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
@@ -125,16 +149,18 @@ class Ground:
 
         Args:
             columns: (S, K) N·m.  joint: whose.
-            coarse: in single precision: twice as fast, and exact enough to choose by.
+            coarse: many at once come in single precision: twice as fast, and exact enough to
+                choose by.
         """
         samples, count = columns.shape
-        upper = self._coarse if coarse else self.system.upper
-        full = np.zeros((samples, self.joints, count), dtype=upper.dtype)
-        full[:, joint, :] = columns / (self.prior.unit[joint] * self.amplitude)
-        flat = full.reshape(samples * self.joints, count)
+        scaled = np.asarray(columns.T) / (self.prior.unit[joint] * self.amplitude)
+        if count >= MANY or joint in self._responses:
+            return _multiplied(scaled, self.response(joint), coarse=coarse)
+        full = np.zeros((count, samples, self.joints))
+        full[:, :, joint] = scaled
+        flat = full.reshape(count, -1).T
         return np.asarray(
-            solve_triangular(upper, flat, trans=1, check_finite=False, overwrite_b=True),
-            dtype=np.float64,
+            solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
         )
 
     def project(self, whitened: Floats) -> Floats:
@@ -167,10 +193,8 @@ class Ground:
         holds of the whole motion behind these samples.
         """
         _, place = np.unique(self.block, return_inverse=True)
-        width = np.arange(self.joints)
-        groups = [np.flatnonzero(place == number) for number in range(int(place.max()) + 1)]
-        rows = [(group[:, None] * self.joints + width).ravel() for group in groups]
-        left = list(self.system.left_out(rows))
+        ends = np.flatnonzero(np.diff(place, prepend=-1, append=-1)) * self.joints
+        left = _left_out(self.system, ends.tolist())
         weights = self.system.weights_without(left)
         between = 0.5 * (self.index[1:] + self.index[:-1])
         nearest = place[np.searchsorted(between, np.arange(len(self.inputs)))]
@@ -215,15 +239,21 @@ def lay(
     basis: Basis,
     extra: Sequence[Extra] = (),
     seen: Inputs | None = None,
+    like: System | None = None,
 ) -> Ground:
     """Factor and whiten a motion; the tangents of the basis' shapes are explained away too.
+
+    Args:
+        motion, index, block, inputs, prior, basis, extra: see `Ground`.
+        seen: the samples used; without them, of the inputs.
+        like: of the same samples and prior, whose factor is taken.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
     seen = seen or inputs.take(index, window_of(index, motion))
     tangents = [*extra, *_tangents(basis, seen)]
-    system = factored(seen.mean(motion.tau), seen, prior, basis, tangents)
+    system = factored(seen.mean(motion.tau), seen, prior, basis, tangents, like)
     span, triangle = np.linalg.qr(system.white_design)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
     span = span[:, ~weak]
@@ -235,9 +265,14 @@ def lay(
 
 
 def factored(
-    tau: Floats, x: Inputs, prior: Prior, basis: Basis, extra: Sequence[Extra] = ()
+    tau: Floats,
+    x: Inputs,
+    prior: Prior,
+    basis: Basis,
+    extra: Sequence[Extra] = (),
+    like: System | None = None,
 ) -> System:
-    """The system of some samples: tau (S, N) N·m, x (S, N)."""
+    """The system of some samples: tau (S, N) N·m, x (S, N); see `lay`."""
     samples, joints = tau.shape
     design = basis.design(x)
     if extra:
@@ -246,12 +281,82 @@ def factored(
             place[:, one.joint, :] = one.columns
         design = np.concatenate([design, *more], axis=2)
     design /= prior.unit[None, :, None]
-    return System.factor(
-        prior.gram(x),
-        np.tile(prior.noise, samples),
-        design.reshape(samples * joints, -1),
-        (tau / prior.unit).ravel(),
-    )
+    flat, target = design.reshape(samples * joints, -1), (tau / prior.unit).ravel()
+    if like is not None:
+        return like.of(flat, target)
+    return System.factor(prior.gram(x), np.tile(prior.noise, samples), flat, target)
+
+
+def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
+    """As `System.left_out`, of blocks of rows that follow each other, begun and ended by `ends`.
+
+    Only the rows of U⁻¹ of one block are there at a time.
+    """
+    white = solve_triangular(system.upper, system.white_design, check_finite=False)
+    found = []
+    for first, last in pairwise(ends):
+        half = _inverse_rows(system.upper, first, last)
+        mine = white[first:last]
+        projected = half @ half.T - mine @ system.covariance @ mine.T
+        residual = np.linalg.solve(projected, system.weights[first:last])
+        change = -system.covariance @ (mine.T @ residual)
+        found.append(LeftOut(np.arange(first, last), residual, change))
+    return found
+
+
+def _inverse_rows(upper: Floats, first: int, last: int) -> Floats:
+    """(R, n - first) rows of U⁻¹, from where they are not zero."""
+    size = len(upper) - first
+    out = np.zeros((last - first, size))
+    own = np.triu(upper[first:last, first:last])
+    out[:, : last - first] = solve_triangular(own, np.eye(len(own)), check_finite=False)
+    for begin in range(last - first, size, ROWS_AT_ONCE):
+        here = slice(begin, min(begin + ROWS_AT_ONCE, size))
+        there = slice(first + here.start, first + here.stop)
+        across = -out[:, :begin] @ upper[first : first + begin, there]
+        corner = upper[there, there]
+        out[:, here] = solve_triangular(corner, across.T, trans=1, check_finite=False).T
+    return out
+
+
+def _response(upper: Floats, joints: int, joint: int) -> Floats:
+    """(S, S N) rows of U⁻¹ of one joint: block by block, nothing is done where they are zero."""
+    size = len(upper)
+    out = np.zeros((size // joints, size))
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, min(first + ROWS_AT_ONCE, size))
+        for before in range(0, first, ROWS_AT_ONCE):
+            there = slice(before, before + ROWS_AT_ONCE)
+            known = slice(0, _samples(there.stop, joints))
+            out[known, here] -= out[known, there] @ upper[there, here]
+        known = slice(0, _samples(here.stop, joints))
+        own = np.arange(joint, size, joints)
+        own = own[(own >= here.start) & (own < here.stop)]
+        out[own // joints, own] = 1.0
+        corner = upper[here, here]
+        out[known, here] = solve_triangular(
+            corner, out[known, here].T, trans=1, check_finite=False
+        ).T
+    return out
+
+
+def _multiplied(columns: Floats, response: Floats, *, coarse: bool) -> Floats:
+    """(S N, K) the columns (K, S) whitened, nothing done where the response is zero."""
+    kind = np.float32 if coarse else np.float64
+    samples, size = response.shape
+    given: Floats = np.ascontiguousarray(columns, dtype=kind)
+    out = np.empty((len(columns), size), dtype=kind)
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, first + ROWS_AT_ONCE)
+        known = slice(0, _samples(min(here.stop, size), size // samples))
+        part: Floats = np.asarray(response[known, here], dtype=kind)
+        out[:, here] = given[:, known] @ part
+    return out.T
+
+
+def _samples(rows: int, joints: int) -> int:
+    """How many samples these first rows belong to."""
+    return -(-rows // joints)
 
 
 def _tangents(basis: Basis, x: Inputs) -> list[Extra]:

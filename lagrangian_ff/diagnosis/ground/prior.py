@@ -37,7 +37,7 @@ class Prior:
         """(S N, S N) of the rigid-body torques, in units of `unit`."""
         gram = self.kernel.gram(States(x.q, x.qd, x.qdd))
         if self.change is not None:
-            rows = np.flatnonzero(np.repeat(self._within(x), x.joints))
+            rows = np.flatnonzero(np.repeat(within(self.change, x), x.joints))
             with np.errstate(all="ignore"):  # what memory held above the diagonal
                 if len(rows) and rows[-1] - rows[0] == len(rows) - 1:
                     part = slice(rows[0], rows[-1] + 1)
@@ -52,22 +52,16 @@ class Prior:
         at, of = States(x.q, x.qd, x.qdd), States(centres.q, centres.qd, centres.qdd)
         torque = kernel.learned(of, weights).torque(at)
         if self.change is not None:
-            inside = weights * self._within(centres)[:, None]
+            inside = weights * within(self.change, centres)[:, None]
             added = kernel.learned(of, inside).torque(at)
-            torque += self.change[2] * added * self._within(x)[:, None]
+            torque += self.change[2] * added * within(self.change, x)[:, None]
         return np.asarray(torque * self.unit)
 
     def second(self, x: Inputs) -> Floats | None:
         """(S N,) m of the Gram matrix K + K ∘ m mᵀ, where there is a change; see `gram`."""
         if self.change is None:
             return None
-        return np.repeat(np.sqrt(self.change[2]) * self._within(x), x.joints)
-
-    def _within(self, x: Inputs) -> NDArray[np.bool_]:
-        """(M,) which samples lie in the interval of the change."""
-        assert self.change is not None
-        since, until, _ = self.change
-        return (x.time >= since) & (x.time < until)
+        return np.repeat(np.sqrt(self.change[2]) * within(self.change, x), x.joints)
 
     def rotors(self, x: Inputs, centres: Inputs, weights: Floats) -> Floats:
         """(M, N) N·m of the rotors, for weights (S, N)."""
@@ -114,3 +108,9 @@ class Prior:
     def with_gain(self, gain: Floats) -> "Prior":
         """The prior with the units of the joints at these ratios."""
         return replace(self, unit=self.unit[0] * gain)
+
+
+def within(change: tuple[float, float, float], x: Inputs) -> NDArray[np.bool_]:
+    """(M,) which samples lie in the interval of a change."""
+    since, until, _ = change
+    return (x.time >= since) & (x.time < until)

@@ -76,7 +76,7 @@ def tune(
     inputs = ground.inputs_of(motion)
     ground = replace(ground, inputs=inputs)
     if any(term.effect.uses for term in basis.terms):
-        ground = _lay(motion, inputs, basis, prior)
+        ground = _lay(motion, inputs, basis, prior, ground.system)
     progress(0.9, "predicting the load")
     ground = replace(ground, seen=ground.unseen_inputs())
     progress(1.0, "predicting the load")
@@ -84,20 +84,35 @@ def tune(
 
 
 def sharpen(
-    ground: Ground, basis: Basis, extra: tuple[Extra, ...] = (), progress: Progress = silent
+    ground: Ground,
+    basis: Basis,
+    extra: tuple[Extra, ...] = (),
+    progress: Progress = silent,
+    prior: Prior | None = None,
 ) -> Prior:
-    """The prior chosen anew with more explained: what is left then stands out more."""
+    """The prior chosen anew with more explained: what is left then stands out more.
+
+    Args:
+        ground: of the motion.
+        basis, extra: what is explained.
+        progress: told the share done.
+        prior: where to begin; None: with that of the ground.
+    """
+    prior = prior or ground.prior
     some = part_of(ground.motion, ground.inputs, FINE, extra, ground)
     states = States(some.x.q, some.x.qd, some.x.qdd)
-    sliding = sliding_of(ground.prior.kernel, ground.joints)
+    sliding = sliding_of(prior.kernel, ground.joints)
     middle = Prior.start(some.tau, states, sliding).vector()
     with threadpool_limits(1):
-        return _climb(some, basis, ground.prior, middle, AGAIN, progress)
+        return _climb(some, basis, prior, middle, AGAIN, progress)
 
 
-def _lay(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Ground:
+def _lay(
+    motion: Motion, inputs: Inputs, basis: Basis, prior: Prior, like: System | None = None
+) -> Ground:
     index = evenly(len(motion), ROWS // len(motion.joints))
-    return lay(motion, index, motion.blocks(BLOCK_SECONDS)[index], inputs, prior, basis)
+    block = motion.blocks(BLOCK_SECONDS)[index]
+    return lay(motion, index, block, inputs, prior, basis, like=like)
 
 
 def _window(motion: Motion) -> int:
@@ -118,8 +133,8 @@ class Part:
     tau: Floats
     extra: tuple[Extra, ...] = ()
 
-    def system(self, prior: Prior, basis: Basis) -> System:
-        """These samples, factored.
+    def system(self, prior: Prior, basis: Basis, like: System | None = None) -> System:
+        """These samples, factored, or with the factor of a system like theirs.
 
         Raises:
             NotPositiveDefiniteError: the noise is too small for the arithmetic, here or where
@@ -128,15 +143,7 @@ class Part:
         variance = prior.kernel.variance(States(self.x.q, self.x.qd, self.x.qdd)).mean()
         if np.any(prior.noise < LEAST_NOISE * variance):
             raise NotPositiveDefiniteError("too little noise for a ground of many samples")
-        return factored(self.tau, self.x, prior, basis, self.extra)
-
-    def evidence(self, prior: Prior, basis: Basis) -> float:
-        """Log evidence in N·m."""
-        try:
-            system = self.system(prior, basis)
-        except NotPositiveDefiniteError:
-            return -FAILED
-        return system.log_evidence - len(self.x) * float(np.sum(np.log(prior.unit)))
+        return factored(self.tau, self.x, prior, basis, self.extra, like)
 
 
 def part_of(
@@ -151,15 +158,6 @@ def part_of(
         x = ground.seen.take(chosen)
         extra = tuple(Extra(one.joint, one.columns[chosen]) for one in extra)
     return Part(x, x.mean(motion.tau), extra)
-
-
-def evidence_of(
-    motion: Motion, inputs: Inputs, basis: Basis, samples: int, extra: tuple[Extra, ...] = (),
-    ground: Ground | None = None,
-) -> Callable[[Prior], float]:  # fmt: skip
-    """The log evidence in N·m of some of the samples, as a function of the prior."""
-    some = part_of(motion, inputs, samples, extra, ground)
-    return lambda prior: some.evidence(prior, basis)
 
 
 def _climb(
@@ -188,8 +186,8 @@ def _climb(
 
 def _gains(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Prior:
     """Units of effort that differ between joints, where the evidence for that is strong."""
-    evidence = evidence_of(motion, inputs, basis, COARSE)
-    first = evidence(prior)
+    evidence = _by_gain(part_of(motion, inputs, COARSE), basis, prior)
+    first = evidence(prior.gain)
     best, gain = first, prior.gain
     steps = np.full(len(gain), 0.25)
     for _ in range(3):
@@ -197,13 +195,36 @@ def _gains(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Prior:
             for sign in (1.0, -1.0):
                 tried = gain.copy()
                 tried[joint] *= np.exp(sign * steps[joint])
-                value = evidence(prior.with_gain(tried))
+                value = evidence(tried)
                 if value > best:
                     best, gain = value, tried
                     break
             else:
                 steps[joint] *= 0.4
     return prior.with_gain(gain) if best - first > GAIN_WORTH else prior
+
+
+def _by_gain(some: Part, basis: Basis, prior: Prior) -> Callable[[Floats], float]:
+    """The log evidence in N·m as a function of the units; they change no Gram matrix."""
+    try:
+        system = some.system(prior, basis)
+    except NotPositiveDefiniteError:
+        return lambda gain: -FAILED
+    joints = len(prior.unit)
+    apart = (system.target.reshape(-1, joints, 1) * np.eye(joints)).reshape(-1, joints)
+    white = solve_triangular(system.upper, apart, trans=1, check_finite=False)
+
+    def evidence(gain: Floats) -> float:
+        unit = prior.with_gain(gain).unit
+        scale = prior.unit / unit
+        scaled = replace(
+            system,
+            white_design=system.white_design * scale[basis.joints],
+            white_target=white @ scale,
+        )
+        return scaled.log_evidence - len(some.x) * float(np.sum(np.log(unit)))
+
+    return evidence
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, basis: Basis, prior: Prior) -> Basis:

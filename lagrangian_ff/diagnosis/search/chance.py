@@ -1,12 +1,12 @@
 """What the best of many candidates gains by chance alone."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.search.gain import Score
+from lagrangian_ff.diagnosis.search.gain import COLUMNS_AT_ONCE, Score, tempered_gain
 
 Floats = NDArray[np.float64]
 
@@ -42,8 +42,12 @@ class Chance:
         largest = np.full(DRAWS, -np.inf)
         if found:
             signs = np.random.default_rng(seed).choice([-1.0, 1.0], (DRAWS, len(found[0].blocks)))
-            for score in found:
-                np.maximum(largest, score.gain_of(signs @ score.blocks), out=largest)
+            for some in _alike(found):
+                sums = signs @ np.stack([score.blocks for score in some])
+                information = np.stack([score.information for score in some])
+                inflation = np.array([score.inflation for score in some])
+                gains = tempered_gain(sums, information, inflation)
+                np.maximum(largest, gains.max(axis=0), out=largest)
         return cls(np.sort(largest))
 
     @property
@@ -59,3 +63,13 @@ class Chance:
         """How often chance does as well."""
         above = len(self.largest) - int(np.searchsorted(self.largest, (1.0 - TIE) * gain))
         return (1.0 + above) / (1.0 + len(self.largest))
+
+
+def _alike(found: Sequence[Score]) -> Iterator[list[Score]]:
+    """The scores, those with as many parameters together, a few hundred at a time."""
+    by_width: dict[int, list[Score]] = {}
+    for score in found:
+        by_width.setdefault(len(score.information), []).append(score)
+    for width, scores in by_width.items():
+        step = max(1, COLUMNS_AT_ONCE // max(1, width))
+        yield from (scores[first : first + step] for first in range(0, len(scores), step))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.ground import Ground, evidence_of
+from lagrangian_ff.diagnosis.ground import Changing, Ground
 from lagrangian_ff.progress import Progress, silent
 
 Floats = NDArray[np.float64]
@@ -210,8 +210,5 @@ def joints_of(ground: Ground) -> tuple[tuple[int, ...], Floats]:
 
 
 def _gains(ground: Ground, samples: int) -> Callable[[Change], float]:
-    evidence = evidence_of(
-        ground.motion, ground.inputs, ground.basis, samples, ground.extra, ground
-    )
-    plain = evidence(replace(ground.prior, change=None))
-    return lambda change: float(evidence(replace(ground.prior, change=change.prior)) - plain)
+    changing = Changing.of(ground, samples, ground.extra)
+    return lambda change: changing.gain(change.prior)

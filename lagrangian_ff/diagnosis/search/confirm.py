@@ -25,6 +25,7 @@ GROUP_NATS = (2.0, 4.0)
 and more makes the groups too few."""
 FEWEST_GROUPS, GROUPS, MOST_GROUPS = 5, 6, 8
 """More groups than the last would be as short as what the model leaves over is correlated."""
+ROUNDING = 1e-9
 SHARE = 0.75
 LEVEL = 0.05
 RATIO = (0.5, 1.6)
@@ -110,7 +111,8 @@ class Unseen:
             torque = candidate.columns(x.whole or x) @ parameters
             tau[:, candidate.joint] -= torque
             torques.append(x.mean(torque))
-        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x)
+        system = ground.system
+        ground = lay(replace(motion, tau=tau), index, block, inputs, prior, model, extra, x, system)
         return cls(ground, tuple(torques))
 
     def trial(self, parts: Sequence[tuple[int, int]]) -> Trial:
@@ -179,7 +181,8 @@ def grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
     for one, hope in zip(gained, expected, strict=True):
         sums += (one, hope)
         reached += hope
-        if sums[1] >= fewest and reached >= (len(groups) + 1) * least:
+        # The last group reaches the total but for rounding.
+        if sums[1] >= fewest and reached >= (1.0 - ROUNDING) * (len(groups) + 1) * least:
             groups.append(sums[0])
             hoped.append(sums[1])
             sums = np.zeros(2)

@@ -79,7 +79,7 @@ class Search:
         chance: of the first look.
         change: a load that was taken up on the way, if any.
         ground: the last one, with all steps taken in.
-        first: the ground of the first look.
+        own: how many terms of its basis were there before any step.
     """
 
     steps: tuple[Step, ...]
@@ -89,7 +89,7 @@ class Search:
     chance: Chance
     change: Change | None
     ground: Ground
-    first: Ground
+    own: int
 
 
 def search(
@@ -106,7 +106,7 @@ def search(
         steps: at most so many are found.
         progress: told the share done.
     """
-    first = ground
+    own = len(ground.basis.terms)
     taken: list[Step] = []
     change: Change | None = None
     may_change = effects is None or "payload" in effects
@@ -115,7 +115,8 @@ def search(
         share = len(taken) / (steps + 1)
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = _candidates(ground, range(ground.joints), effects)
-        found = list(scores(ground, candidates, coarse=True))
+        found = scores(ground, candidates, coarse=True)
+        ground.forget()
         causes = _causes(ground.basis)
         lasting = [score for score in found if not score.once]
         looks.append((found, best_of_each(found, causes), Chance.of(lasting)))
@@ -129,8 +130,8 @@ def search(
             change = change_of(ground)
             if change is not None and change.gain > _best_gain(ground, eligible):
                 prior = replace(ground.prior, change=change.prior)
+                prior = sharpen(ground, ground.basis, ground.extra, prior=prior)
                 ground = ground.relaid(prior)
-                ground = ground.relaid(sharpen(ground, ground.basis, ground.extra))
                 continue
             change = None
         if not eligible or len(taken) == steps:
@@ -138,16 +139,17 @@ def search(
         progress(
             share + 0.5 / (steps + 1), f"looking closer at {eligible[0].candidate.source.name}"
         )
-        step, prior = _judge(ground, eligible[0], best, chance, effects)
+        step, judged = _judge(ground, eligible[0], best, chance, effects)
         if step is None:
             break
         taken.append(step)
-        ground = ground.relaid(prior, *_with(ground, step.score.candidate))
-    taken, ground = _backward(taken, ground, len(first.basis.terms))
+        basis, extra = _with(ground, step.score.candidate)
+        ground = judged.relaid(basis=basis, extra=extra)
+    taken, ground = _backward(taken, ground, own)
     every, ranking, chance = looks[0]
     return Search(
         tuple(taken), tuple(every), tuple(ranking), tuple(looks[-1][1]), chance, change, ground,
-        first,
+        own,
     )  # fmt: skip
 
 
@@ -242,7 +244,7 @@ def _judge(
     best: Sequence[Score],
     chance: Chance,
     effects: Mapping[str, Effect] | None,
-) -> tuple[Step | None, Prior]:
+) -> tuple[Step | None, Ground]:
     """Look again at one joint, with the noise that is left once the best is taken in.
 
     The best name and the best free curve are each judged with the noise that suits them: with
@@ -257,11 +259,15 @@ def _judge(
         for score in (name, free)
         if score is not None and (score is first or score.gain > NEAR * first.gain)
     ]
-    views = [_View.of(ground, leader, effects) for leader in leaders]
+    views: list[_View] = []
+    for leader in reversed(leaders):
+        seen = None  # one factor at a time: that of the name, which mostly wins, is made last
+        view, seen = _View.of(ground, leader, effects)
+        views.insert(0, view)
     named_view = max(views, key=lambda view: view.total(view.name), default=None)
     free_view = max(views, key=lambda view: view.total(view.free), default=None)
-    if named_view is None or free_view is None:
-        return None, ground.prior
+    if named_view is None or free_view is None or seen is None:
+        return None, ground
     chosen, curve = named_view.name, free_view.free
     start = max(view.base for view in views if view.leader is first)
     worth = named_view.total(chosen) - start
@@ -274,14 +280,17 @@ def _judge(
     elif curve is not None:
         found, view = curve, free_view
     else:
-        return None, ground.prior
+        return None, ground
+    if view is not views[0]:
+        seen = None
+        seen = ground.relaid(view.prior)
     without = max(evidence_without(ground), *(view.base for view in views))
-    gain = min(found.gain, worth_of(found, view.ground, without))
+    gain = min(found.gain, worth_of(found, seen, without))
     if gain <= FLOOR:
-        return None, ground.prior
+        return None, ground
     left = rivals(found, named_view.others) if found.candidate.named else ()
     step = Step(replace(found, gain=gain), tuple(left), first.gain, p_value, curve)
-    return step, view.ground.prior
+    return step, seen
 
 
 @dataclass(frozen=True)
@@ -290,21 +299,24 @@ class _View:
 
     Attributes:
         leader: that candidate.
-        ground: without it, but with that noise.
-        base: log evidence of the ground.
+        prior: with that noise.
+        base: log evidence of the ground with it, without the candidate.
         name, others: the best name at its best shape, and the other names.
         free: the best free curve.
     """
 
     leader: Score
-    ground: Ground
+    prior: Prior
     base: float
     name: Score | None
     others: tuple[Score, ...]
     free: Score | None
 
     @classmethod
-    def of(cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None) -> "_View":
+    def of(
+        cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None
+    ) -> tuple["_View", Ground]:
+        """The view, and the ground with its prior."""
         prior = sharpen(ground, *_with(ground, leader.candidate))
         again = ground.relaid(prior)
         candidates = _candidates(again, [leader.candidate.joint], effects)
@@ -327,7 +339,9 @@ class _View:
         )
         free = next((one for one in found if not one.candidate.named and one.gain > 0.0), None)
         first = names[0] if names else None
-        return cls(leader, again, again.system.log_evidence, first, tuple(names[1:]), free)
+        again.forget()
+        view = cls(leader, prior, again.system.log_evidence, first, tuple(names[1:]), free)
+        return view, again
 
     def total(self, score: Score | None) -> float:
         """Log evidence with a candidate: what can be compared between views."""

@@ -10,7 +10,7 @@ noise would let them, after the candidate itself is taken away. What is left whe
 wrong thus counts as the few independent blocks it is, not as so many samples.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,17 +58,18 @@ class Score:
         """Whether it is an event: something that happens once, in a few blocks."""
         return self.candidate.named and self.candidate.effect.kind == "event"
 
-    def gain_of(self, sums: Floats) -> Floats:
-        """(R,) the gain for other sums (R, P) of scaled columns times residual."""
-        return tempered_gain(sums, self.information, self.inflation)
 
+def tempered_gain(sums: Floats, information: Floats, inflation: Floats | float) -> Floats:
+    """(..., R) ½ cᵀ (A + I)⁻¹ c − ½ log |A + I|.
 
-def tempered_gain(sums: Floats, information: Floats, inflation: float) -> Floats:
-    """(R,) ½ cᵀ (A + I)⁻¹ c − ½ log |A + I| for sums (R, P)."""
-    matrix = np.eye(len(information)) + information / inflation
-    c = sums / inflation
-    half = np.linalg.solve(matrix, c.T).T
-    return np.asarray(0.5 * np.sum(c * half, axis=1) - 0.5 * np.linalg.slogdet(matrix)[1])
+    Args:
+        sums: (..., R, P).  information: (..., P, P) and inflation: (...), of as many candidates.
+    """
+    f = np.asarray(inflation)[..., None, None]
+    matrix = np.eye(information.shape[-1]) + information / f
+    c = sums / f
+    squares = np.sum(c @ np.linalg.inv(matrix) * c, axis=-1)
+    return np.asarray(0.5 * squares - 0.5 * np.linalg.slogdet(matrix)[1][..., None])
 
 
 def expected(columns: Floats, spread: float) -> Floats:
@@ -80,69 +81,83 @@ def expected(columns: Floats, spread: float) -> Floats:
     return np.asarray(PRIOR_SHARE * spread / np.where(rms > 0.0, rms, np.inf))
 
 
-def scores(
-    ground: Ground, candidates: Sequence[Candidate], *, coarse: bool = False
-) -> Iterator[Score]:
-    """Hold candidates against the residual of a ground; one triangular solve a column.
+def scores(ground: Ground, candidates: Sequence[Candidate], *, coarse: bool = False) -> list[Score]:
+    """Hold candidates against the residual of a ground.
 
     Args:
         ground: of the motion.
         candidates: which; in any order.
         coarse: in single precision, for a first look at many.
+
+    Returns:
+        Joint by joint, those of a joint in the order given.
     """
     x = ground.seen
+    found: list[Score] = []
     for joint in range(ground.joints):
-        waiting: list[tuple[Candidate, Floats]] = []
-        width = 0
-        for candidate in (one for one in candidates if one.joint == joint):
-            columns = candidate.columns(x)
-            waiting.append((candidate, columns))
-            width += columns.shape[1]
-            if width >= COLUMNS_AT_ONCE:
-                yield from _scored(ground, joint, waiting, coarse)
-                waiting, width = [], 0
-        if waiting:
-            yield from _scored(ground, joint, waiting, coarse)
+        mine = [one for one in candidates if one.joint == joint]
+        columns = [one.columns(x) for one in mine]
+        widths = np.array([one.shape[1] for one in columns])
+        held: dict[int, Score] = {}
+        for width in np.unique(widths).tolist():
+            places = np.flatnonzero(widths == width)
+            for first in range(0, len(places), max(1, COLUMNS_AT_ONCE // max(1, width))):
+                some = places[first : first + max(1, COLUMNS_AT_ONCE // max(1, width))].tolist()
+                raw = np.stack([columns[n] for n in some])
+                made = _scored(ground, [mine[n] for n in some], raw, coarse)
+                held.update(zip(some, made, strict=True))
+        found += [held[n] for n in range(len(mine))]
+    return found
 
 
 def _scored(
-    ground: Ground,
-    joint: int,
-    waiting: Sequence[tuple[Candidate, Floats]],
-    coarse: bool,
-) -> Iterator[Score]:
-    raw = np.hstack([columns for _, columns in waiting])
-    scale = expected(raw, float(ground.spread[joint]))
-    whitened = ground.whiten(raw * scale, joint, coarse=coarse)
-    before = np.sum(whitened**2, axis=0)
-    left = ground.project(whitened)
-    after = np.sum(left**2, axis=0)
-    w = ground.residual
-    first = 0
-    for candidate, columns in waiting:
-        last = first + columns.shape[1]
-        part = slice(first, last)
-        first = last
-        z, own = left[:, part], scale[part]
-        # What the known columns explain but for rounding is not there.
-        z = np.where(
-            after[part] > (1e-7 if coarse else 1e-10) * np.maximum(before[part], 1e-300), z, 0.0
-        )
-        information = z.T @ z
-        sums = z.T @ w
-        found = np.linalg.solve(information + np.eye(len(sums)), sums)
-        fitted = z @ found
-        rest = np.add.reduceat(z * (w - fitted)[:, None], ground.starts, axis=0)
-        trace = float(np.trace(information))
-        inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
-        yield Score(
+    ground: Ground, candidates: Sequence[Candidate], raw: Floats, coarse: bool
+) -> list[Score]:
+    """Scores of candidates on one joint with as many columns each, raw (C, S, P)."""
+    joint = candidates[0].joint
+    count, samples, width = raw.shape
+    flat = raw.transpose(1, 0, 2).reshape(samples, -1)
+    scale = expected(flat, float(ground.spread[joint]))
+    white = ground.whiten(flat * scale, joint, coarse=coarse).T
+    before = np.einsum("kn,kn->k", white, white)
+    span = ground.span.astype(white.dtype)
+    left = white - (white @ span) @ span.T
+    after = np.einsum("kn,kn->k", left, left)
+    # What the known columns explain but for rounding is not there.
+    left[after <= (1e-7 if coarse else 1e-10) * np.maximum(before, 1e-300)] = 0.0
+    z, w = left.reshape(count, width, -1), ground.residual.astype(white.dtype)
+    information = (z @ z.swapaxes(1, 2)).astype(np.float64)
+    blocks = _by_block(z * w, ground)
+    sums = blocks.sum(axis=2)
+    found = np.linalg.solve(information + np.eye(width), sums[:, :, None])[:, :, 0]
+    fitted = (found.astype(z.dtype)[:, None, :] @ z)[:, 0]
+    likelihood = _by_block(fitted * (w - 0.5 * fitted), ground)
+    z *= fitted[:, None]
+    rest = blocks - _by_block(z, ground)
+    trace = np.trace(information, axis1=1, axis2=2)
+    scatter = np.sum(rest**2, axis=(1, 2)) / np.where(trace > 0.0, trace, np.inf)
+    inflation = np.maximum(1.0, scatter)
+    gain = tempered_gain(sums[:, None, :], information, inflation)[:, 0]
+    before, after = (each.reshape(count, width).sum(axis=1) for each in (before, after))
+    survival = np.sqrt(after / np.maximum(before, 1e-300))
+    parameters = found * scale.reshape(count, width)
+    size = np.sqrt(np.mean((raw @ parameters[:, :, None])[:, :, 0] ** 2, axis=1))
+    return [
+        Score(
             candidate,
-            float(tempered_gain(sums[None, :], information, inflation)[0]),
-            inflation,
-            float(np.sqrt(after[part].sum() / max(before[part].sum(), 1e-300))),
-            found * own,
-            float(np.sqrt(np.mean((columns @ (found * own)) ** 2))),
-            np.add.reduceat(z * w[:, None], ground.starts, axis=0),
-            information,
-            np.add.reduceat(fitted * (w - 0.5 * fitted), ground.starts),
+            float(gain[n]),
+            float(inflation[n]),
+            float(survival[n]),
+            parameters[n],
+            float(size[n]),
+            blocks[n].T,
+            information[n],
+            likelihood[n],
         )
+        for n, candidate in enumerate(candidates)
+    ]
+
+
+def _by_block(values: Floats, ground: Ground) -> Floats:
+    """(..., B) sums over blocks of time of values (..., S N)."""
+    return np.add.reduceat(values, ground.starts, axis=-1).astype(np.float64)

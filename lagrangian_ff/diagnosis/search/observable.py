@@ -41,7 +41,7 @@ def expected_gain(score: Score) -> float:
 
 def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable, ...]:
     """Effects by joint that this motion hides, joints that stand still first."""
-    motion = found.first.motion
+    motion = found.ground.motion
     still = np.ptp(motion.q, axis=0) < STILL
     power: dict[tuple[str, int], float] = {}
     seen = {step.score.candidate.key for step in found.steps}

@@ -12,13 +12,16 @@ from lagrangian_ff.kernels.structured.base import Structured
 from lagrangian_ff.loops import loop
 
 Floats = NDArray[np.float64]
-Three = tuple[Floats, Floats, Floats]
 
 SHORT, LONG = 3, 5
 """Functions of a joint of first and of second degree."""
 MOST_JOINTS = 7
 """With more, the polynomial has more coefficients than it is worth: five times for each joint."""
 CHUNK_STATES = 128
+TURN = np.array(
+    [[0, 0, 0, 0, 0], [0, 0, -1, 0, 0], [0, 1, 0, 0, 0], [0, 0, 0, 0, -2], [0, 0, 0, 2, 0]]
+)
+"""What makes of the functions of a joint, 1, cos, sin, cos 2, sin 2, their derivatives."""
 COEFFICIENTS_A_BLOCK = 400
 """Coefficients that cost as much at a state as a pair that `threads` counts."""
 
@@ -57,11 +60,13 @@ def collapsed(kernel: Structured, u: States, a: Floats) -> Polynomial:
         u: (M, N) states.  a: (M, N) coefficients.
     """
     joints = u.joints
-    mass = [np.zeros(size) for size in _sizes(joints)]
-    potential = np.zeros(SHORT**joints)
+    sums = [np.zeros((1 + joints, *size)) for size in _sizes(joints)]
+    whole = np.zeros((joints, SHORT**joints))
     for first in range(0, len(u), CHUNK_STATES):
         part = slice(first, first + CHUNK_STATES)
-        _add(u.take(part), a[part], mass, potential)
+        _add(u.take(part), np.ascontiguousarray(a[part].T), sums, whole)
+    mass = [_slopes_taken(one, k, joints) for k, one in enumerate(sums)]
+    potential = -np.sum([_turned(whole[n], SHORT, n) for n in range(joints)], axis=0)
     for k, (block, (rows, columns)) in enumerate(
         zip(mass, zip(_row_weights(kernel), _tail_weights(kernel), strict=True), strict=True)
     ):
@@ -76,60 +81,75 @@ def _sizes(joints: int) -> list[tuple[int, int]]:
     return [((SHORT ** (k + 1) - 1) // 2, LONG ** (joints - 1 - k)) for k in range(joints)]
 
 
-def _add(u: States, a: Floats, mass: list[Floats], potential: Floats) -> None:
-    """Add what the Euler-Lagrange operator makes of every product of functions, at u along a."""
+def _add(u: States, a: Floats, sums: list[Floats], whole: Floats) -> None:
+    """Add what the Euler-Lagrange operator makes of every product of functions, at u along a.
+
+    The derivative of a product by a joint is again a sum of such products: here they are summed
+    over the states as they are, once for each joint that they are to be derived by.
+
+    Args:
+        u: (M, N) states.  a: (N, M) coefficients.
+        sums: for each k (1 + N, R_k, C_k), first what is taken as it is.
+        whole: (N, 3^N) of the potential.
+    """
     joints = u.joints
-    short = [_functions(u, a, n, SHORT) for n in range(joints)]
-    long = [_functions(u, a, n, LONG) for n in range(joints)]
-    one = _constant(len(u))
+    qd, qdd = (np.ascontiguousarray(values.T) for values in (u.qd, u.qdd))
+    functions = [_functions(u.q[:, n]) for n in range(joints)]
+    one = np.ones((1, len(u)))
     tails = [one]
     for n in range(joints - 1, 0, -1):
-        tails.insert(0, _times(long[n], tails[0]))
-    columns: list[tuple[int, Three]] = []
+        tails.insert(0, _times(functions[n], tails[0]))
+    columns: list[Floats] = []
     for k in range(joints):
-        columns = [(j, _times(middle, short[k])) for j, middle in columns] + [(k, one)]
-        tail, tail_v, tail_a = tails[k]
+        short = functions[k][:SHORT]
+        columns = [*(_times(middle, short) for middle in columns), one]
         row = 0
-        for j, (middle, middle_v, middle_a) in columns:
-            both = (a[:, j] * u.qdd[:, k] + a[:, k] * u.qdd[:, j])[:, None]
-            turned = (a[:, j] * u.qd[:, k] + a[:, k] * u.qd[:, j])[:, None]
-            square = -(u.qd[:, j] * u.qd[:, k])[:, None]
-            here = mass[k][row : row + middle.shape[1]]
-            here += (both * middle + turned * middle_v + square * middle_a).T @ tail
-            here += (turned * middle).T @ tail_v + (square * middle).T @ tail_a
-            row += middle.shape[1]
-    whole = one
+        for j, middle in enumerate(columns):
+            turned = a[j] * qd[k] + a[k] * qd[j]
+            weights = np.vstack([a[j] * qdd[k] + a[k] * qdd[j], turned * qd - qd[j] * qd[k] * a])
+            rows = slice(row, row + len(middle))
+            added = _times(weights, middle) @ tails[k].T
+            sums[k][:, rows] += added.reshape(1 + joints, len(middle), -1)
+            row = rows.stop
+    product = one
     for n in range(joints):
-        whole = _times(whole, short[n])
-    potential -= whole[2].sum(axis=0)
+        product = _times(product, functions[n][:SHORT])
+    whole += a @ product.T
 
 
-def _functions(u: States, a: Floats, joint: int, count: int) -> Three:
-    """(M, F) functions of a joint, and their derivatives along velocity and along a."""
-    q = u.q[:, joint]
-    value = [np.ones_like(q), np.cos(q), np.sin(q), np.cos(2.0 * q), np.sin(2.0 * q)]
-    slope = [np.zeros_like(q), -value[2], value[1], -2.0 * value[4], 2.0 * value[3]]
-    columns, slopes = np.stack(value[:count], axis=1), np.stack(slope[:count], axis=1)
-    return columns, slopes * u.qd[:, [joint]], slopes * a[:, [joint]]
+def _functions(q: Floats) -> Floats:
+    """(F, M) functions of a joint."""
+    return np.stack([np.ones_like(q), np.cos(q), np.sin(q), np.cos(2.0 * q), np.sin(2.0 * q)])
 
 
-def _constant(count: int) -> Three:
-    return np.ones((count, 1)), np.zeros((count, 1)), np.zeros((count, 1))
+def _times(left: Floats, right: Floats) -> Floats:
+    """(F G, M) products of functions."""
+    return np.asarray((left[:, None] * right).reshape(-1, right.shape[-1]))
 
 
-def _times(left: Three, right: Three) -> Three:
-    """(M, F G) products of functions, and their derivatives."""
+def _slopes_taken(sums: Floats, k: int, joints: int) -> Floats:
+    """(R_k, C_k) the sums (1 + N, R_k, C_k), each derived by its joint."""
+    out = sums[0].copy()
+    row = 0
+    for j in range(k + 1):
+        rows = slice(row, row + SHORT ** (k - j))
+        for n in range(j + 1, joints):
+            of = sums[1 + n, rows]
+            if n <= k:
+                out[rows] += _turned(of, SHORT, n - j - 1)
+            else:
+                out[rows] += _turned(of.T, LONG, n - k - 1).T
+        row = rows.stop
+    return out
 
-    def outer(one: Floats, other: Floats) -> Floats:
-        return np.asarray((one[:, :, None] * other[:, None, :]).reshape(len(one), -1))
 
-    value, value_v, value_a = left
-    other, other_v, other_a = right
-    return (
-        outer(value, other),
-        outer(value_v, other) + outer(value, other_v),
-        outer(value_a, other) + outer(value, other_a),
-    )
+def _turned(sums: Floats, count: int, place: int) -> Floats:
+    """The sums (F, ...) of products, of so many functions a joint, derived by the joint at a place.
+
+    The first joint of the products changes slowest.
+    """
+    apart = sums.reshape(count**place, count, -1)
+    return np.asarray((TURN[:count, :count] @ apart).reshape(sums.shape))
 
 
 def _kron(left: Floats, right: Floats) -> Floats:
