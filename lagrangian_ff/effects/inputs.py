@@ -6,8 +6,8 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_array
 
 from lagrangian_ff.kernels.states import States
 
@@ -133,7 +133,7 @@ class Inputs:
         return np.asarray(flat.reshape(-1, *values.shape[1:]))
 
     @cached_property
-    def _averages(self) -> csr_array:
+    def _averages(self) -> "scipy.sparse.csr_array":
         """(M, W) what takes the mean of values of the whole motion about each sample."""
         assert self.whole is not None
         assert self.index is not None
@@ -144,7 +144,9 @@ class Inputs:
         count = np.minimum(self.index + half + 1, bounds[piece]) - first
         ends = np.concatenate([[0], np.cumsum(count)])
         places = np.arange(ends[-1]) + np.repeat(first - ends[:-1], count)
-        return csr_array((np.repeat(1.0 / count, count), places, ends), (len(self), len(segment)))
+        return scipy.sparse.csr_array(
+            (np.repeat(1.0 / count, count), places, ends), (len(self), len(segment))
+        )
 
     def sign(self, joint: int) -> Floats:
         """(M,) the smoothed sign of one joint's velocity, tanh(qd / v0)."""

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 Result = TypeVar("Result")
 Part = TypeVar("Part")
@@ -52,6 +53,21 @@ def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> l
         return [work(part) for part in parts]
     with ThreadPoolExecutor(many) as pool:
         return list(pool.map(work, parts))
+
+
+def side_by_side(work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
+    """Return what the work makes of every part, in their order.
+
+    Each part is done by one thread, its linear algebra with it: threads of BLAS that share a small
+    product mostly wait for each other.
+    """
+
+    def alone(part: Part) -> Result:
+        with limited(1):
+            return work(part)
+
+    with threadpool_limits(1), ThreadPoolExecutor(count()) as pool:
+        return list(pool.map(alone, parts))
 
 
 def over_rows(

@@ -20,7 +20,7 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.solving.solution import LeftOut
 from lagrangian_ff.identification.solving.system import System
-from lagrangian_ff.kernels import States
+from lagrangian_ff.kernels import States, threads
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -109,13 +109,16 @@ class Ground:
     def response(self, joint: int) -> Floats:
         """(S, S N) what a torque of one joint at each sample whitens to; zero before the sample.
 
-        That of one joint is kept: columns of a joint have S rows that are not zero, and many of
-        them cost a third of a triangular solve each once these are known.
+        Those of two joints are kept, for two threads: columns of a joint have S rows that are not
+        zero, and many of them cost a third of a triangular solve each once these are known.
         """
-        if joint not in self._responses:
-            self._responses.clear()
-            self._responses[joint] = _response(self.system.upper, self.joints, joint)
-        return self._responses[joint]
+        found = self._responses.get(joint)
+        if found is None:
+            found = _response(self.system.upper, self.joints, joint)
+            for oldest in list(self._responses)[:-1]:
+                self._responses.pop(oldest, None)
+            self._responses[joint] = found
+        return found
 
     def forget(self) -> None:
         """Let go of what `response` keeps."""
@@ -199,12 +202,15 @@ class Ground:
         between = 0.5 * (self.index[1:] + self.index[:-1])
         nearest = place[np.searchsorted(between, np.arange(len(self.inputs)))]
         load, torque = np.zeros((2, *self.inputs.q.shape))
-        for number, one in enumerate(left):
+
+        def predict(number: int) -> None:
             here = np.flatnonzero(nearest == number)
-            coefficients = (self.system.coefficients + one.change)[: self.basis.size]
+            coefficients = self.system.coefficients + left[number].change
             load[here], torque[here] = self._predicted(
-                self.inputs.take(here), weights[:, number], coefficients
+                self.inputs.take(here), weights[:, number], coefficients[: self.basis.size]
             )
+
+        threads.side_by_side(predict, range(len(left)))
         whole = replace(self.inputs, load=load, torque=torque, rotor=self._rotor)
         return whole.take(self.index, self.seen.window)
 
@@ -293,15 +299,18 @@ def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
     Only the rows of U⁻¹ of one block are there at a time.
     """
     white = solve_triangular(system.upper, system.white_design, check_finite=False)
-    found = []
-    for first, last in pairwise(ends):
+
+    def without(rows: tuple[int, int]) -> LeftOut:
+        first, last = rows
         half = _inverse_rows(system.upper, first, last)
         mine = white[first:last]
         projected = half @ half.T - mine @ system.covariance @ mine.T
         residual = np.linalg.solve(projected, system.weights[first:last])
         change = -system.covariance @ (mine.T @ residual)
-        found.append(LeftOut(np.arange(first, last), residual, change))
-    return found
+        return LeftOut(np.arange(first, last), residual, change)
+
+    system.covariance  # noqa: B018  made once, before the threads ask for it
+    return threads.side_by_side(without, pairwise(ends))
 
 
 def _inverse_rows(upper: Floats, first: int, last: int) -> Floats:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.ground import Ground
 from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.kernels import threads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -25,6 +26,8 @@ Ints = NDArray[np.intp]
 PRIOR_SHARE = 0.3
 """Standard deviation of an effect's torque a priori, in parts of the joint's spread."""
 COLUMNS_AT_ONCE = 256
+MANY = 64
+"""Candidates from which on a second thread is worth its start."""
 
 
 @dataclass(frozen=True)
@@ -92,22 +95,31 @@ def scores(ground: Ground, candidates: Sequence[Candidate], *, coarse: bool = Fa
     Returns:
         Joint by joint, those of a joint in the order given.
     """
-    x = ground.seen
-    found: list[Score] = []
-    for joint in range(ground.joints):
-        mine = [one for one in candidates if one.joint == joint]
-        columns = [one.columns(x) for one in mine]
-        widths = np.array([one.shape[1] for one in columns])
-        held: dict[int, Score] = {}
-        for width in np.unique(widths).tolist():
-            places = np.flatnonzero(widths == width)
-            for first in range(0, len(places), max(1, COLUMNS_AT_ONCE // max(1, width))):
-                some = places[first : first + max(1, COLUMNS_AT_ONCE // max(1, width))].tolist()
-                raw = np.stack([columns[n] for n in some])
-                made = _scored(ground, [mine[n] for n in some], raw, coarse)
-                held.update(zip(some, made, strict=True))
-        found += [held[n] for n in range(len(mine))]
-    return found
+    parts = [[one for one in candidates if one.joint == joint] for joint in range(ground.joints)]
+    parts = [mine for mine in parts if mine]
+    if len(candidates) < MANY:
+        return [score for mine in parts for score in _of_joint(ground, mine, coarse)]
+    if len(parts) == 1:
+        ground.response(parts[0][0].joint)  # once, for both threads
+        half = len(parts[0]) // 2
+        parts = [parts[0][:half], parts[0][half:]]
+    found = threads.side_by_side(lambda mine: _of_joint(ground, mine, coarse), parts)
+    return [score for some in found for score in some]
+
+
+def _of_joint(ground: Ground, candidates: Sequence[Candidate], coarse: bool) -> list[Score]:
+    """Scores of candidates on one joint, in their order."""
+    columns = [one.columns(ground.seen) for one in candidates]
+    widths = np.array([one.shape[1] for one in columns])
+    held: dict[int, Score] = {}
+    for width in np.unique(widths).tolist():
+        places = np.flatnonzero(widths == width)
+        for first in range(0, len(places), max(1, COLUMNS_AT_ONCE // max(1, width))):
+            some = places[first : first + max(1, COLUMNS_AT_ONCE // max(1, width))].tolist()
+            raw = np.stack([columns[n] for n in some])
+            made = _scored(ground, [candidates[n] for n in some], raw, coarse)
+            held.update(zip(some, made, strict=True))
+    return [held[n] for n in range(len(candidates))]
 
 
 def _scored(
