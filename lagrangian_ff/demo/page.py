@@ -53,8 +53,8 @@ def _verdict(findings: Findings, pictures: Pictures) -> Section:
         pictures["tracking_bars"],
         "bars of the RMS tracking error of each joint for the four runs on both motions",
         "RMS of reference position less measured position. The bound is the same arm, simulated "
-        "beside, fed with its own true torques, which only a simulator knows: no model can do "
-        "better.",
+        "beside, fed with its own true torques, which only a simulator knows; what is left "
+        "then is friction at rest, encoders and the controller.",
     )
     busy = html.note(findings.busy.capitalize() + ".") if findings.busy else ""
     return Section("Does it work?", "", html.cards(cards) + bars + busy)

@@ -118,6 +118,9 @@ def configured(executable: str) -> set[str]:
     return set(names(tree, ""))
 
 
+SETTLED = 0.1  # s in which a service hears of its client; an answer before that is lost
+
+
 class Bench:
     """A ROS node of the test, in a context of its own, and the processes it started."""
 
@@ -198,6 +201,7 @@ class Bench:
         """Call a service and return its response."""
         client = self.node.create_client(kind, name)
         self.until(client.service_is_ready, f"service {name}")
+        self.spin(SETTLED)
         future = client.call_async(kind.Request() if request is None else request)
         self.until(future.done, f"the answer of {name}")
         self.node.destroy_client(client)
