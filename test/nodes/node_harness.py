@@ -118,7 +118,7 @@ def configured(executable: str) -> set[str]:
     return set(names(tree, ""))
 
 
-SETTLED = 0.1  # s in which a service hears of its client; an answer before that is lost
+SETTLED = 0.4  # s in which a service hears of its client; an answer before that is lost
 
 
 class Bench:
@@ -132,6 +132,7 @@ class Bench:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._processes: list[Process] = []
+        self._clients: dict[str, Any] = {}
         self._collected: list[tuple[PolledSubscription, deque[Any]]] = []
         self.statuses: dict[str, Any] = {}
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
@@ -199,12 +200,15 @@ class Bench:
 
     def call(self, kind: Any, name: str, request: Any = None) -> Any:
         """Call a service and return its response."""
-        client = self.node.create_client(kind, name)
+        new = name not in self._clients
+        if new:
+            self._clients[name] = self.node.create_client(kind, name)
+        client = self._clients[name]
         self.until(client.service_is_ready, f"service {name}")
-        self.spin(SETTLED)
+        if new:
+            self.spin(SETTLED)
         future = client.call_async(kind.Request() if request is None else request)
         self.until(future.done, f"the answer of {name}")
-        self.node.destroy_client(client)
         return future.result()
 
     def set_parameter(self, node: str, name: str, value: Any) -> Any:
