@@ -11,9 +11,7 @@ VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/nodes
-# Tests in which processes keep time with each other: they get the machine for themselves.
-REALTIME = test/demo
+PROCESSES = test/demo test/nodes
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools setup.py
@@ -49,10 +47,10 @@ test:  ## everything CI checks: style, types, then all tests
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
-	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test \
-		$(addprefix --ignore=,$(PROCESSES) $(REALTIME))
+	@# What takes longest comes first, so that both workers end together.
+	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test/studies test \
+		$(addprefix --ignore=,$(PROCESSES))
 	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PROCESSES)
-	@$(BIN)/python -m pytest $(REALTIME)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04

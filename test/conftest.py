@@ -34,6 +34,11 @@ settings.register_profile(
 settings.load_profile("lagrangian_ff")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Let test processes take files in the order given: those that take longest are named first."""
+    config.option.loadscopereorder = False
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Return the root of the source tree."""

@@ -54,7 +54,9 @@ def build(folder: Path, *options: str) -> Workspace:
     for name in ("setup.py", "setup.cfg", "pyproject.toml", "package.xml"):
         shutil.copy(ROOT / name, source)
     for name in ("lagrangian_ff", "resource", "config", "launch"):
-        ignore = shutil.ignore_patterns("__pycache__", "*.pyc", "*.so")
+        # What is linked to is compiled already, and stays so.
+        compiled = [] if "--symlink-install" in options else ["*.so"]
+        ignore = shutil.ignore_patterns("__pycache__", "*.pyc", *compiled)
         shutil.copytree(ROOT / name, source / name, ignore=ignore)
     bases = [f"--{name}-base={folder / name}" for name in ("build", "install")]
     command = [str(COLCON), f"--log-base={folder / 'log'}", "build", f"--base-paths={source}"]

@@ -150,7 +150,9 @@ def _scored(
     scatter = np.sum(rest**2, axis=(1, 2)) / np.where(trace > 0.0, trace, np.inf)
     inflation = np.maximum(1.0, scatter)
     gain = tempered_gain(sums[:, None, :], information, inflation)[:, 0]
-    before, after = (each.reshape(count, width).sum(axis=1) for each in (before, after))
+    before, after = (
+        each.reshape(count, width).sum(axis=1, dtype=np.float64) for each in (before, after)
+    )
     survival = np.sqrt(after / np.maximum(before, 1e-300))
     parameters = found * scale.reshape(count, width)
     size = np.sqrt(np.mean((raw @ parameters[:, :, None])[:, :, 0] ** 2, axis=1))
