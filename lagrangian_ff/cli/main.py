@@ -21,6 +21,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 when done, 2 for a mistake the user can mend, 130 after Ctrl-C. What argparse refuses
         ends the process with 2 as well.
     """
+    # Else OpenBLAS' second thread goes on turning after each piece of work and takes a processor
+    # from what comes next. Read when NumPy is imported, which no module up to here does.
+    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that has no middle dot
