@@ -11,7 +11,9 @@ VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/demo test/nodes
+PROCESSES = test/nodes
+# The whole demo, which keeps both processors busy: beside it, tests of processes come too late.
+WHOLE = test/demo
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools setup.py
@@ -49,8 +51,9 @@ ifdef ARGS
 else
 	@# What takes longest comes first, so that both workers end together.
 	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test/studies test \
-		$(addprefix --ignore=,$(PROCESSES))
+		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
 	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PROCESSES)
+	@$(BIN)/python -m pytest $(WHOLE)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04

@@ -308,9 +308,10 @@ def test_diagnostics_tell_the_rate_and_the_model(node: Feedforward) -> None:
     assert "held-out error a" in values
     node.hold()
     known = node.bench.until(
-        lambda: node.bench.values("feedforward: certainty").get("doubt a"), "how sure it is"
+        lambda: float(node.bench.values("feedforward: certainty").get("doubt a", "0")),
+        "how sure it is of what it holds",
     )
-    assert 0.0 < float(known) < 1.0
+    assert 0.0 < known < 1.0
     assert (
         "of the largest torque or better" in node.bench.statuses["feedforward: certainty"].message
     )
