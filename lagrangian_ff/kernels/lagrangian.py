@@ -79,7 +79,8 @@ class _Vector(_Universal, LagrangianKernel):
 
     def gram(self, x: States) -> Floats:
         """See `CoupledKernel.gram`."""
-        return self._blocks(prepared(x), prepared(x), lower=True)
+        states = prepared(x)
+        return self._blocks(states, states, lower=True)
 
     def cross(self, x: States, u: States) -> Floats:
         """See `CoupledKernel.cross`."""

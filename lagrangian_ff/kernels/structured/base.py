@@ -100,7 +100,8 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def gram(self, x: States) -> Floats:
         """See `CoupledKernel.gram`."""
         out = np.empty((len(x), x.joints, len(x), x.joints))
-        self._fill(prepared(x), prepared(x), LOWER, out)
+        states = prepared(x)
+        self._fill(states, states, LOWER, out)
         return out.reshape(len(x) * x.joints, -1)
 
     def cross(self, x: States, u: States) -> Floats:
@@ -120,7 +121,8 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def variance(self, x: States) -> Floats:
         """See `Kernel.variance`."""
         out = np.empty((len(x), x.joints, 1, x.joints))
-        self._write(prepared(x), prepared(x), slice(0, len(x)), DIAGONAL, out)
+        states = prepared(x)
+        self._write(states, states, slice(0, len(x)), DIAGONAL, out)
         return np.ascontiguousarray(np.einsum("nmjm->nm", out))
 
     def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
