@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis, Finding
+from lagrangian_ff.diagnosis.reason import for_history
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend
 from lagrangian_ff.progress import Progress, silent
@@ -54,7 +55,8 @@ def consequences(diagnosis: Diagnosis, progress: Progress = silent) -> dict[Find
     for number, finding in enumerate(chosen):
         progress(number / len(chosen), f"adding {finding.effect.name} to see the error fall")
         try:
-            larger = extend(model, finding.effect, finding.joint, finding.shape).model
+            why = for_history(finding, diagnosis)
+            larger = extend(model, finding.effect, finding.joint, finding.shape, why).model
         except ModelError:
             continue
         new = compare(larger, motion).residual

@@ -1,4 +1,4 @@
-"""Why an effect is added to a model, as its history tells it."""
+"""Why an effect is added to a model, as its history says."""
 
 from lagrangian_ff.diagnosis.diagnose import CONFIRMED, Diagnosis, Finding
 
@@ -22,3 +22,13 @@ def reason(finding: Finding, diagnosis: Diagnosis) -> str:
     rivals = f"it may be {' or '.join(finding.rivals)} too" if finding.rivals else ""
     doubt = "; ".join(part for part in (finding.reason, rivals) if part)
     return f"{text}; no more than {finding.verdict}: {doubt}"
+
+
+def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:
+    """Return what the history of a model says of a finding that was added."""
+    return {
+        "why": reason(finding, diagnosis),
+        "verdict": finding.verdict,
+        "evidence_gain": finding.step.score.gain,
+        "p_value": finding.step.p_value,
+    }

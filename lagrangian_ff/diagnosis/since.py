@@ -19,7 +19,7 @@ from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.effects.base import Floats
 from lagrangian_ff.identification import Model, kept
 from lagrangian_ff.identification.sliding import sliding_of
-from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
 PAUSE = 10.0  # s between the two, so that no block holds both
@@ -120,20 +120,21 @@ def changed_since(
     new = replace(new, time=new.time - new.time[0] + boundary)
     both = concatenate([model.data, new])
     sliding = sliding_of(model.kernel, len(model.joints))
-    ground = tune(both, model.inputs_of(both), model.basis, progress, sliding)
-    found = []
-    named = changed_bodies(model, ground, boundary)
-    heavier = _masses(ground, boundary)
-    if named is not None and named.gain > WORTH:
-        found.append(_named(named, ground, model))
-        ground = _explained(heavier[0] if heavier else ground, named)
-    elif heavier is not None:
-        ground, change = heavier
-        felt, _ = joints_of(ground)
-        found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
     # Under names of their own, since the model's own effects may have changed as well.
     later = [_Later(effect, boundary) for effect in EFFECTS.values() if effect.kind != "event"]
-    done = search(ground, {effect.name: effect for effect in later}, steps)
+    # Handed on and not kept: each ground holds a factor.
+    found: list[Changed] = []
+    done = search(
+        _bodies(
+            tune(both, model.inputs_of(both), model.basis, part(progress, 0.0, 0.4), sliding),
+            model,
+            boundary,
+            found,
+        ),
+        {effect.name: effect for effect in later},
+        steps,
+        part(progress, 0.5, 1.0),
+    )
     for step in done.steps:
         if step.named:
             score = step.score
@@ -153,6 +154,21 @@ def changed_since(
                 )
             )
     return tuple(found)
+
+
+def _bodies(ground: Ground, model: Model, boundary: float, found: list[Changed]) -> Ground:
+    """Return the ground with masses that changed explained, which are added to what was found."""
+    named = changed_bodies(model, ground, boundary)
+    heavier = _masses(ground, boundary)
+    if named is not None and named.gain > WORTH:
+        found.append(_named(named, ground, model))
+        return _explained(heavier[0] if heavier else ground, named)
+    if heavier is None:
+        return ground
+    ground, change = heavier
+    felt, _ = joints_of(ground)
+    found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
+    return ground
 
 
 def _named(change: BodyChange, ground: Ground, model: Model) -> Changed:

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
-import scipy
 
 from lagrangian_ff.effects.base import Floats, Parameter, Shape
 from lagrangian_ff.effects.gear import OF, Gear
+from lagrangian_ff.effects.memory import swinging
 
 FASTEST = 0.4
 """The highest resonance that samples show, in parts of their frequency."""
@@ -54,11 +54,7 @@ class Elasticity(Gear):
     ) -> Floats:
         """See `Gear.carried`."""
         w = 2.0 * np.pi * min(shape["f"], FASTEST / step)
-        loss = 2.0 * shape["z"] * w
-        k = 2.0 / step  # s = k (z - 1) / (z + 1), the bilinear transform
-        above = np.array([loss * k + w * w, 2.0 * w * w, w * w - loss * k])
-        below = above + k * k * np.array([1.0, -2.0, 1.0])
-        return np.asarray(part[0] + scipy.signal.lfilter(above, below, part - part[0]))
+        return swinging(part, step, w, shape["z"])
 
     def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
         """See `Gear.tried`."""

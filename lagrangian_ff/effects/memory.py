@@ -52,3 +52,22 @@ def loose(load: Floats, part: Floats, step: float, play: float, blow: float) -> 
     load, part = (np.ascontiguousarray(one, dtype=np.float64) for one in (load, part))
     loop("memory_loose")(load.size, load, part, step, play, blow, out)
     return out
+
+
+def swinging(values: Floats, step: float, w: float, damping: float) -> Floats:
+    """Return values after the filter (2 z w s + w²) / (s² + 2 z w s + w²), at rest before them.
+
+    Args:
+        values: (M,) of an uninterrupted stretch.
+        step: s between samples.
+        w: rad/s, the resonance.  damping: z, in parts of critical.
+    """
+    loss = 2.0 * damping * w
+    k = 2.0 / step  # s = k (z - 1) / (z + 1), the bilinear transform
+    above = np.array([loss * k + w * w, 2.0 * w * w, w * w - loss * k])
+    below = above + k * k * np.array([1.0, -2.0, 1.0])
+    coefficients = np.concatenate([above, below[1:]]) / below[0]
+    out = np.empty(values.size)
+    given = np.ascontiguousarray(values - values[0])
+    loop("memory_filter")(values.size, given, coefficients, out)
+    return out + values[0]

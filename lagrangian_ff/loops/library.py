@@ -66,6 +66,7 @@ _ARGUMENTS = {
     "rigid_regressor": "iiiDDDIDDDDIDDDD",
     "memory_stop": "iDIDdD",
     "memory_loose": "iDDdddD",
+    "memory_filter": "iDDD",
     "exponentials": "iDD",
     "arm_currents": "A",
     "arm_guess": "A",

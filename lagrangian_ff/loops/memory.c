@@ -47,6 +47,18 @@ EXPORT void memory_loose(int samples, const double *load, const double *part, do
     }
 }
 
+/* Write values through a filter of second order, at rest before them, to out; the coefficients are
+   b0 b1 b2 a1 a2, a0 being one. */
+EXPORT void memory_filter(int samples, const double *values, const double *of, double *out)
+{
+    double one = 0.0, two = 0.0;
+    for (int i = 0; i < samples; ++i) {
+        out[i] = of[0] * values[i] + one;
+        one = of[1] * values[i] - of[3] * out[i] + two;
+        two = of[2] * values[i] - of[4] * out[i];
+    }
+}
+
 /* Write exp(x) to out, for x <= 0. */
 EXPORT void exponentials(int count, const double *x, double *out)
 {

@@ -3,8 +3,15 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import wilcoxon
 
-from lagrangian_ff.diagnosis.search.confirm import GROUP_NATS, GROUPS, MOST_GROUPS, grouped
+from lagrangian_ff.diagnosis.search.confirm import (
+    GROUP_NATS,
+    GROUPS,
+    MOST_GROUPS,
+    grouped,
+    signed_ranks,
+)
 
 HOPES = st.lists(st.floats(0.0, 30.0), min_size=1, max_size=120)
 
@@ -31,3 +38,10 @@ def test_bursts_do_not_make_the_groups_fewer() -> None:
         assert expected.sum() == 180.0
         assert len(grouped(expected, expected)[0]) >= GROUPS
     assert len(grouped(bursts, bursts)[0]) == MOST_GROUPS
+
+
+@given(st.lists(st.integers(-1000, 1000), min_size=5, max_size=8, unique_by=abs))
+def test_signed_ranks_are_wilcoxons(gains: list[int]) -> None:
+    few = np.array([0.1 * one for one in gains if one != 0])
+    expected = wilcoxon(few, alternative="greater", method="exact").pvalue
+    np.testing.assert_allclose(signed_ranks(few), expected, rtol=1e-12)

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import bilinear, lfilter
 
 from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.effects.memory import stop
+from lagrangian_ff.effects.memory import stop, swinging
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.kernels import States
@@ -231,6 +232,15 @@ def test_elasticity_lets_what_is_slow_pass(x: Inputs) -> None:
     slow = replace(x, load=5.0 + np.sin(0.2 * x.time)[:, None] * np.ones(3))
     column = EFFECTS["elasticity"].columns(slow, 1, {"of": 1, "f": 5.0, "z": 0.1})[:, 0]
     assert np.abs(column[x.time > 2.0]).max() < 1e-3
+
+
+def test_a_resonance_is_scipys_filter() -> None:
+    values = 3.0 + np.cumsum(np.random.default_rng(0).normal(size=500))
+    step, w, damping = 0.004, 2.0 * np.pi * 5.0, 0.1
+    continuous = [2.0 * damping * w, w * w], [1.0, 2.0 * damping * w, w * w]
+    numerator, denominator = bilinear(*continuous, fs=1.0 / step)
+    expected = values[0] + lfilter(numerator, denominator, values - values[0])
+    np.testing.assert_allclose(swinging(values, step, w, damping), expected, rtol=1e-10)
 
 
 @pytest.mark.parametrize("name", ["elasticity", "backlash"])

@@ -131,10 +131,11 @@ def run(arguments: Namespace) -> int:
     checks = checked(model, motions, confirm)
     say_checks(checks, console)
     steps = MOST_STEPS if arguments.steps is None else arguments.steps
+    changed = _changed(model, motions, steps) if arguments.since else None
     rounds = diagnosed(model, motions, confirm, steps, apply=arguments.apply)
     record = {**_record(rounds, arguments), "preflight": checks}
-    if arguments.since:
-        record["changed"] = _changed(model, motions, steps)
+    if changed is not None:
+        record["changed"] = changed
     after = next((one.after for one in reversed(rounds) if one.after is not None), None)
     if after is not None:
         with whole(arguments.output) as path:
@@ -203,7 +204,7 @@ def _say(
     )
     for number, one in enumerate(rounds, start=1):
         if len(rounds) > 1:
-            console.say(["", f"round {number}: {one.diagnosis.model.name}"])
+            console.say(["", f"round {number}: {one.before.name}"])
         say_diagnosis(one.record, console)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 from lagrangian_ff.cli.common.progress import progress_bar
 
 if TYPE_CHECKING:
-    from lagrangian_ff.diagnosis import Diagnosis
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Motion
 
@@ -17,12 +16,12 @@ class Round:
     """One diagnosis, and the model that it led to.
 
     Attributes:
-        diagnosis: the diagnosis.
-        record: of it, for JSON.
+        before: the model that was diagnosed.
+        record: of the diagnosis, for JSON.
         after: the model with what was confirmed; None where nothing was, or was to be, added.
     """
 
-    diagnosis: "Diagnosis"
+    before: "Model"
     record: dict[str, Any]
     after: "Model | None"
 
@@ -31,7 +30,7 @@ class Round:
         """What was added, in words."""
         if self.after is None:
             return []
-        new = self.after.steps[len(self.diagnosis.model.steps) :]
+        new = self.after.steps[len(self.before.steps) :]
         return [str(step["added"]) for step in new]
 
 
@@ -56,6 +55,7 @@ def diagnosed(
         ModelError, RecordingError: see `lagrangian_ff.diagnosis.diagnose`.
     """
     from lagrangian_ff import diagnosis as engine
+    from lagrangian_ff.diagnosis.consequence import consequences
     from lagrangian_ff.diagnosis.record import diagnosis_record
 
     rounds: list[Round] = []
@@ -64,12 +64,15 @@ def diagnosed(
         with progress_bar(title) as progress:
             found = engine.diagnose(model, motions, confirm, steps=steps, progress=progress)
         with progress_bar("watching the error fall") as progress:
-            record = diagnosis_record(found, progress=progress)
+            made = consequences(found, progress)
+        record = diagnosis_record(found, made)
         if not apply or not found.confirmed:
-            return [*rounds, Round(found, record, None)]
+            return [*rounds, Round(model, record, None)]
+        before = model
         with progress_bar("adding what is confirmed") as progress:
-            model = engine.apply(found, progress)
-        rounds.append(Round(found, record, model))
+            model = engine.apply(found, made, progress)
+        rounds.append(Round(before, record, model))
+        del found, made  # which hold a factor
         if len(rounds) == steps:
             return rounds
 

@@ -18,6 +18,7 @@ from lagrangian_ff.diagnosis.search.tones import tones
 from lagrangian_ff.diagnosis.search.worth import evidence_without, worth_of
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.kernels import threads
 from lagrangian_ff.progress import Progress, silent
 
 MOST_STEPS = 6
@@ -259,10 +260,16 @@ def _judge(
         for score in (name, free)
         if score is not None and (score is first or score.gain > NEAR * first.gain)
     ]
+    if not leaders:
+        return None, ground
+    explained = [(ground.basis, ground.extra), *(_with(ground, one.candidate) for one in leaders)]
+    prior, *priors = threads.side_by_side(lambda one: sharpen(ground, *one), explained)
+    # One factor at a time: that of the name, which mostly wins, is made last.
+    without = evidence_without(ground, prior)
     views: list[_View] = []
-    for leader in reversed(leaders):
-        seen = None  # one factor at a time: that of the name, which mostly wins, is made last
-        view, seen = _View.of(ground, leader, effects)
+    for leader, prior in reversed(list(zip(leaders, priors, strict=True))):
+        seen = None
+        view, seen = _View.of(ground, leader, prior, effects)
         views.insert(0, view)
     named_view = max(views, key=lambda view: view.total(view.name), default=None)
     free_view = max(views, key=lambda view: view.total(view.free), default=None)
@@ -284,7 +291,7 @@ def _judge(
     if view is not views[0]:
         seen = None
         seen = ground.relaid(view.prior)
-    without = max(evidence_without(ground), *(view.base for view in views))
+    without = max(without, *(view.base for view in views))
     gain = min(found.gain, worth_of(found, seen, without))
     if gain <= FLOOR:
         return None, ground
@@ -314,10 +321,9 @@ class _View:
 
     @classmethod
     def of(
-        cls, ground: Ground, leader: Score, effects: Mapping[str, Effect] | None
+        cls, ground: Ground, leader: Score, prior: Prior, effects: Mapping[str, Effect] | None
     ) -> tuple["_View", Ground]:
         """The view, and the ground with its prior."""
-        prior = sharpen(ground, *_with(ground, leader.candidate))
         again = ground.relaid(prior)
         candidates = _candidates(again, [leader.candidate.joint], effects)
         causes = _causes(again.basis)

@@ -6,17 +6,15 @@ was chosen for the candidate, either would seem to gain much more than it does.
 """
 
 import numpy as np
-import scipy
 
-from lagrangian_ff.diagnosis.ground import Ground, sharpen
+from lagrangian_ff.diagnosis.ground import Ground, Prior
 from lagrangian_ff.diagnosis.ground.ground import Extra
 from lagrangian_ff.diagnosis.search.gain import Score, expected
 
 
-def evidence_without(ground: Ground) -> float:
-    """Log evidence of a ground with its prior as it is or chosen anew, whichever suits better."""
-    again = ground.relaid(sharpen(ground, ground.basis, ground.extra))
-    return max(ground.system.log_evidence, again.system.log_evidence)
+def evidence_without(ground: Ground, chosen: Prior) -> float:
+    """Return the log evidence with the prior as it is or chosen anew, whichever suits better."""
+    return max(ground.system.log_evidence, ground.relaid(chosen).system.log_evidence)
 
 
 def worth_of(score: Score, ground: Ground, without: float) -> float:
@@ -35,5 +33,8 @@ def worth_of(score: Score, ground: Ground, without: float) -> float:
     own = slice(ground.basis.size, ground.basis.size + scaled.shape[1])
     # The restricted evidence is that of any size: times the prior's density about the one found.
     covariance = np.eye(scaled.shape[1]) + system.amplitude * system.covariance[own, own]
-    density = scipy.stats.multivariate_normal.logpdf(system.coefficients[own], cov=covariance)
-    return float(system.log_evidence + density - without) / score.inflation
+    found = system.coefficients[own]
+    squares = found @ np.linalg.solve(covariance, found)
+    spread = np.linalg.slogdet(2.0 * np.pi * covariance)[1]
+    density = -0.5 * float(squares + spread)
+    return (system.log_evidence + density - without) / score.inflation
