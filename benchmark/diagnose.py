@@ -1,8 +1,8 @@
 """The parts of a diagnosis of 60 s of 6 joints, each against what it cannot do without, in one run.
 
-- A whole first look at every effect (columns, whitening, projection, gains) against SciPy's solve
+- Scoring every effect once (columns, whitening, projection, evidence) against SciPy's solve
   of as many columns with the same factor, in single precision; bound: 3.
-- Chance, by random signs of blocks, against the bare products of the signs.
+- The null of the maximum, by random signs of blocks, against the bare products of the signs.
 - Blocks left out, and the load predicted without each, against LAPACK's inverse of the factor.
 
 And, for who waits for it, the seconds of a whole diagnosis; what is promised is 15 on two cores.
@@ -16,10 +16,10 @@ from scipy.linalg import lapack, solve_triangular
 from timing import moving, seconds
 
 from lagrangian_ff.diagnosis import diagnose
-from lagrangian_ff.diagnosis.ground import tune
-from lagrangian_ff.diagnosis.search.candidates import named, unnamed
-from lagrangian_ff.diagnosis.search.chance import DRAWS, Chance
-from lagrangian_ff.diagnosis.search.gain import scores
+from lagrangian_ff.diagnosis.search.bayes_factor import scores
+from lagrangian_ff.diagnosis.search.candidates import named, nonparametric
+from lagrangian_ff.diagnosis.search.significance import DRAWS, MaximumNull
+from lagrangian_ff.diagnosis.whitening import fit
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.recording.motion import Motion
 
@@ -49,15 +49,15 @@ def main() -> None:
     options = parser.parse_args()
     first, second = (motion(seed, options.joints, options.seconds) for seed in (1, 2))
     model = identify(first, Settings(train=1.0, samples=200, evaluations=20)).model
-    ground = tune(first, model.inputs_of(first), model.basis)
+    whitened = fit(first, model.inputs_of(first), model.basis)
     joints = range(options.joints)
-    candidates = [*named(ground.seen, ground.basis, joints), *unnamed(ground.seen, joints)]
-    columns = sum(one.columns(ground.seen).shape[1] for one in candidates)
-    upper = np.asarray(ground.system.upper, dtype=np.float32, order="F")
+    candidates = [*named(whitened.x, whitened.basis, joints), *nonparametric(whitened.x, joints)]
+    columns = sum(one.columns(whitened.x).shape[1] for one in candidates)
+    upper = np.asarray(whitened.system.upper, dtype=np.float32, order="F")
     right = np.ones((upper.shape[0], 256), dtype=np.float32, order="F")
 
     def look() -> object:
-        return scores(ground, candidates, coarse=True)
+        return scores(whitened, candidates, coarse=True)
 
     def bare() -> None:
         for _ in range(-(-columns // 256)):
@@ -69,18 +69,23 @@ def main() -> None:
     print(
         f"look {ours:.2f} s, bare solve {bound:.2f} s, ratio {ours / bound:.2f} (bound {BOUND:g})"
     )
-    scored = scores(ground, candidates, coarse=True)
+    scored = scores(whitened, candidates, coarse=True)
     blocks = np.hstack([score.blocks for score in scored])
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (DRAWS, len(blocks)))
     pairs = (
-        ("chance", lambda: Chance.of(scored), "its products", lambda: signs @ blocks),
-        ("left out", ground.unseen_inputs, "inverse", lambda: lapack.dtrtri(ground.system.upper)),
+        ("null", lambda: MaximumNull.of(scored), "its products", lambda: signs @ blocks),
+        (
+            "left out",
+            whitened.inputs_left_out,
+            "inverse",
+            lambda: lapack.dtrtri(whitened.system.upper),
+        ),
     )
     for name, work, against, least in pairs:
         took = np.array([(seconds(work), seconds(least)) for _ in range(options.repeats)])
         ours, bound = np.median(took, axis=0)
         print(f"{name} {ours:.3f} s, {against} {bound:.3f} s, ratio {ours / bound:.2f}")
-    ground.forget()
+    whitened.forget()
     found: list[str] = []
 
     def whole() -> None:

@@ -8,15 +8,14 @@ the Gram matrix by 36 numbers.
 
 import argparse
 
-import numpy as np
 from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.evidence import slopes_of
-from lagrangian_ff.identification.choosing.search import starting_choice
-from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.identification.choosing.evidence import derivatives
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import parse
 
 BOUND = 6.0
@@ -31,17 +30,13 @@ def main() -> None:
     options = parser.parse_args()
     x, tau = states(options.samples, options.joints)
     spec, scaling = parse("chain+fri"), Scaling.of(tau, per_joint=False)
-    choice = starting_choice(spec, x)
-    inputs = Inputs.of(x)
-    basis = choice.basis(spec, options.joints)
-    fold = (np.arange(len(x)) * 5) // len(x)
-    data = TrainingSet(inputs, tau, fold)
+    problem = Problem.started(spec, Samples(Inputs.of(x), tau), scaling)
 
-    def fitted():  # type: ignore[no-untyped-def]
-        return fit_basis(basis, choice, inputs, tau, scaling)
+    def fitted() -> Posterior[System]:
+        return exact(problem)
 
     def gradient() -> None:
-        slopes_of(fitted(), data)
+        derivatives(fitted())
 
     one, all_ = medians([fitted, gradient], options.repeats)
     print(f"fit {one:.3f} s, with gradient {all_:.3f} s, ratio {all_ / one:.2f} (bound {BOUND:g})")

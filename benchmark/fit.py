@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 from timing import seconds, states
 
-from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.search import starting_choice
-from lagrangian_ff.identification.solving.equations import fit
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import CoupledKernel
 
@@ -32,16 +33,16 @@ def main() -> None:
     options = parser.parse_args()
     x, tau = states(options.samples, options.joints)
     spec = parse("vrbfs+fri")
-    choice, scaling = starting_choice(spec, x), Scaling.of(tau)
-    kernel = choice.kernel
+    problem = Problem.started(spec, Samples(Inputs.of(x), tau), Scaling.of(tau))
+    kernel = problem.kernel
     assert isinstance(kernel, CoupledKernel)
     gram = kernel.gram(x)
     size = gram.shape[0]
     gram[np.triu_indices(size, 1)] = gram.T[np.triu_indices(size, 1)]
-    gram.flat[:: size + 1] += np.tile(choice.noise, len(x))
+    gram.flat[:: size + 1] += np.tile(problem.noise, len(x))
 
     def whole() -> None:
-        model = fit(spec, choice, x, tau, scaling)
+        model = exact(problem)
         assert np.isfinite(model.weights).all()
         assert np.isfinite(model.coefficients).all()
 

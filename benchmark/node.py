@@ -138,7 +138,7 @@ def receive(pipe: Connection, middle: Floats, count: int) -> tuple[Floats, int, 
     from rclpy.serialization import deserialize_message
     from sensor_msgs.msg import JointState
 
-    from lagrangian_ff.nodes.common.polled import PolledSubscription
+    from lagrangian_ff.nodes.common.topics import PolledSubscription
 
     rclpy.init()
     node = rclpy.create_node("receiver")

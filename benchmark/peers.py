@@ -25,7 +25,7 @@ from timing import medians
 
 from lagrangian_ff.arm import Arm, exciting_trajectory
 from lagrangian_ff.identification import Settings, identify
-from lagrangian_ff.identification.choosing.training import evenly
+from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.kernels import States, Vrbfs
 from lagrangian_ff.recording.motion import Motion
 

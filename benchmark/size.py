@@ -40,10 +40,9 @@ def motion(samples: int, joints: int) -> tuple[Floats, Floats, Floats, Floats, F
 def fit_one(samples: int, joints: int, landmarks: int) -> float:
     """Seconds of a whole fit on so many samples, without what is compiled at first."""
     from lagrangian_ff.effects import Inputs
-    from lagrangian_ff.identification.choice import Scaling
-    from lagrangian_ff.identification.choosing.search import starting_choice
-    from lagrangian_ff.identification.samples import evenly
-    from lagrangian_ff.identification.solving.landmark_equations import LandmarkEquations
+    from lagrangian_ff.identification.problem import Problem, Scaling
+    from lagrangian_ff.identification.samples import Samples, evenly
+    from lagrangian_ff.identification.solving.posterior import inducing_solver
     from lagrangian_ff.identification.spec import parse
     from lagrangian_ff.kernels import States
 
@@ -52,14 +51,14 @@ def fit_one(samples: int, joints: int, landmarks: int) -> float:
     spec = parse("vrbfs+fri")
     # The same for every length, or the longer ones would differ more from each other.
     at = States.of(*motion(MINUTE, joints)[1:4]).take(evenly(MINUTE, landmarks))
-    choice, scaling = starting_choice(spec, at), Scaling.of(tau)
-    basis = choice.basis(spec, joints)
+    points = Samples(Inputs.of(at), np.zeros_like(at.q))
+    problem = Problem.started(spec, points, Scaling.of(tau))
 
     def fit(count: int) -> float:
         part, groups = x.take(slice(0, count)), np.array_split(np.arange(count), 5)
         began = time.process_time()  # other work on the machine must not count
-        parts = basis, choice, Inputs.of(part), tau[:count], scaling, at, groups
-        found = LandmarkEquations.of(*parts).solve()
+        samples = Samples(Inputs.of(part), tau[:count])
+        found = inducing_solver(problem.of(samples), at, groups)(None)
         assert np.isfinite(found.weights).all()
         assert np.isfinite(found.coefficients).all()
         return time.process_time() - began

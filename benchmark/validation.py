@@ -13,9 +13,10 @@ import numpy as np
 from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.choosing.search import starting_choice, validation_score
-from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.identification.choosing.simplex import validation_score
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.spec import parse
 
 ONE, TEN = 3.0, 6.0
@@ -31,17 +32,14 @@ def main() -> None:
     options = parser.parse_args()
     x, tau = states(options.samples, options.joints)
     spec, scaling = parse("chain+fri"), Scaling.of(tau, per_joint=False)
-    choice, inputs = starting_choice(spec, x), Inputs.of(x)
-    basis = choice.basis(spec, options.joints)
+    problem = Problem.started(spec, Samples(Inputs.of(x), tau), scaling)
     groups = np.array_split(np.arange(len(x)), FOLDS)
 
     def fitted(factor: float = 1.0) -> object:
-        noisier = Choice(choice.kernel, choice.noise * factor, choice.shapes)
-        return fit_basis(basis, noisier, inputs, tau, scaling).coefficients
+        return exact(problem.noisier(factor)).coefficients
 
     def validated(factor: float = 1.0) -> object:
-        noisier = Choice(choice.kernel, choice.noise * factor, choice.shapes)
-        return validation_score(fit_basis(basis, noisier, inputs, tau, scaling), groups)
+        return validation_score(exact(problem.noisier(factor)), groups)
 
     def ten() -> object:
         return [validated(factor) for factor in np.geomspace(0.1, 100.0, 10)]

@@ -1,8 +1,8 @@
-"""The errors a user can mend: their text is the whole message, shown without a traceback."""
+"""Errors that a user can mend: their text is the whole message, shown without a traceback."""
 
 
 class UserError(Exception):
-    """What was expected, what came, where, and what to do, in the user's words.
+    """Says what was expected, what came, where, and what to do, in the user's words.
 
     The command line prints it and ends with exit code 2; the nodes log it and go on.
     """
@@ -22,3 +22,11 @@ class ArmError(UserError):
 
 class EffectError(UserError):
     """A physical effect that is unknown, does not load, or gives what an effect must not."""
+
+
+class DemoError(UserError):
+    """A node of the demo that failed; the text says which, and where its log is."""
+
+
+class LostRunError(DemoError):
+    """A run of the arm that was lost; it may be repeated."""

@@ -1,9 +1,9 @@
-"""How long work tells what it has done: one callable, handed down, never a global."""
+"""Long work reports what it has done to one callable that is handed down, never a global."""
 
 from collections.abc import Callable
 
 Progress = Callable[[float, str], None]
-"""Called with the fraction done (0 to 1) and what is being done now."""
+"""Receives the share done, 0 to 1, and what is being done now."""
 
 
 def silent(fraction: float, label: str) -> None:
@@ -11,5 +11,5 @@ def silent(fraction: float, label: str) -> None:
 
 
 def part(progress: Progress, low: float, high: float) -> Progress:
-    """The progress of a part of the work, which fills the whole from `low` to `high`."""
+    """Return the progress of a part of the work, which fills the whole from `low` to `high`."""
     return lambda share, label: progress(low + share * (high - low), label)

@@ -7,20 +7,21 @@ from typing import Any
 
 
 def to_json(record: Mapping[str, object]) -> str:
-    """A record as text; numbers that are not finite become null, as JSON has no word for them."""
-    return json.dumps(_finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """Return a record as text; numbers that are not finite become null."""
+    return json.dumps(finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def why_of(finding: Mapping[str, Any]) -> dict[str, object]:
-    """What the history of a model tells of a finding of a diagnosis, for which it was enlarged."""
+    """Return what the history of a model keeps of the finding for which an effect was added."""
     return {name: finding[name] for name in ("why", "verdict", "evidence_gain", "p_value")}
 
 
-def _finite(value: object) -> object:
+def finite(value: Any) -> Any:
+    """Return the value as dicts, lists and scalars; numbers that are not finite are None."""
     if isinstance(value, Mapping):
-        return {str(key): _finite(inner) for key, inner in value.items()}
+        return {str(key): finite(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(inner) for inner in value]
+        return [finite(inner) for inner in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

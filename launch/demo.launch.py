@@ -4,30 +4,21 @@
 
 Send the reference to feedforward/reference: it comes out of feedforward/joint_trajectory with
 effort filled in and its start stamped, and goes from there to the arm. Time is the arm's own, on
-/clock: where the machine is busy it goes more slowly. Further nodes take it with use_sim_time.
+/clock: on a busy machine it slows down. Further nodes take it with use_sim_time.
 """
 
-from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
-from launch_ros.actions import Node
-from launch_ros.substitutions import FindPackageShare
+from collections.abc import Mapping
 
-PACKAGE = "lagrangian_ff"
+from launch import LaunchDescription
+from launch_ros.actions import Node
+
+from lagrangian_ff.nodes.launching import PACKAGE, chosen, config, describe
+
 WAIT = 1.0  # s
 
 
-def config(name: str) -> PathJoinSubstitution:
-    """A parameter file of the package."""
-    return PathJoinSubstitution([FindPackageShare(PACKAGE), "config", name])
-
-
-def nodes(context: LaunchContext) -> list[Node]:
-    """The nodes, for the values the arguments have now."""
-    given = {
-        name: LaunchConfiguration(name).perform(context)
-        for name in ("params_file", "namespace", "use_sim_time", "model_file", "record")
-    }
+def nodes(given: Mapping[str, str]) -> list[Node]:
+    """Return the nodes for the values of the arguments."""
     simulated = given["use_sim_time"].lower() == "true"
     time = {"use_sim_time": simulated}
     # The arm waits for the torque of every tick, so that none may be lost on the way.
@@ -38,8 +29,6 @@ def nodes(context: LaunchContext) -> list[Node]:
         for topic in ("joint_states", "feedforward/commands")
     }
     common = {"package": PACKAGE, "namespace": given["namespace"], "output": "screen"}
-    # An empty argument leaves what the parameter file says.
-    model = {"model_file": given["model_file"]} if given["model_file"] else {}
     arm = Node(
         executable="arm",
         name="arm",
@@ -53,7 +42,7 @@ def nodes(context: LaunchContext) -> list[Node]:
     feedforward = Node(
         executable="feedforward",
         name="feedforward",
-        parameters=[given["params_file"], {**time, **model}, reliable],
+        parameters=[given["params_file"], {**time, **chosen(given, "model_file")}, reliable],
         **common,
     )
     if given["record"].lower() != "true":
@@ -68,31 +57,16 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """The arguments and the nodes."""
-    return LaunchDescription(
-        [
-            DeclareLaunchArgument(
-                "params_file",
-                default_value=config("feedforward.yaml"),
-                description="parameters of the feedforward",
-            ),
-            DeclareLaunchArgument(
-                "namespace", default_value="", description="namespace of all nodes"
-            ),
-            DeclareLaunchArgument(
-                "use_sim_time",
-                default_value="true",
-                description="whether time is the arm's own, on /clock, which waits for the "
-                "feedforward; if not, all go by the system's clock",
-            ),
-            DeclareLaunchArgument(
-                "model_file",
-                default_value="",
-                description="identified model to load; empty = what params_file says",
-            ),
-            DeclareLaunchArgument(
-                "record", default_value="true", description="whether to start the recorder, too"
-            ),
-            OpaqueFunction(function=nodes),
-        ]
-    )
+    """Return the arguments and the nodes."""
+    arguments = {
+        "params_file": (config("feedforward.yaml"), "parameters of the feedforward"),
+        "namespace": ("", "namespace of all nodes"),
+        "use_sim_time": (
+            "true",
+            "whether time is the arm's own, on /clock, which waits for the feedforward; if not, "
+            "all nodes use the system's clock",
+        ),
+        "model_file": ("", "identified model to load; empty = what params_file says"),
+        "record": ("true", "whether to start the recorder, too"),
+    }
+    return describe(arguments, nodes)

@@ -11,9 +11,8 @@ from lagrangian_ff.identification import Identification, Settings
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import build
-from lagrangian_ff.identification.choice import Scaling, with_noise
-from lagrangian_ff.identification.choosing.search import starting_choice
-from lagrangian_ff.identification.samples import evenly
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples, evenly
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
@@ -50,17 +49,22 @@ def fitted(
         seen = np.flatnonzero(trained)
         centres = seen[evenly(len(seen), wanted.landmarks)]
     states, spec = States.of(data.q, data.qd, data.qdd), parse(name)
-    start = starting_choice(spec, states.take(index))
-    choice = with_noise(start, np.array([noise]), states.take(index))
+    inputs = Inputs.of(states, data.time, data.segment)
+    samples, scaling = (
+        Samples(inputs.take(index), data.tau[index]),
+        Scaling.of(data.tau[index], per_joint),
+    )
+    start = Problem.started(spec, samples, scaling).with_relative_noise(np.array([noise]))
     blueprint = Blueprint(
         name=spec.basic,
-        choice=choice,
-        scaling=Scaling.of(data.tau[index], per_joint),
-        basis=Basis((*choice.basis(spec, len(data.joints)).terms, *further)),
+        kernel=start.kernel,
+        noise=start.noise,
+        scaling=scaling,
+        basis=Basis((*start.basis.terms, *further)),
         data=data,
         trained=trained,
         index=centres,
         seen=seen,
         settings=wanted,
     )
-    return build(blueprint, Inputs.of(states, data.time, data.segment), {})
+    return build(blueprint, inputs, {})

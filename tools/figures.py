@@ -55,7 +55,7 @@ def main() -> int:
     if options.command == "compare":
         return compared(options.before, options.after)
     recordings = options.recordings or options.folder / "recordings"
-    pairs = {name: simulated(recordings, name) for name in ARMS}
+    pairs: dict[str, tuple[str, ...]] = {name: simulated(recordings, name) for name in ARMS}
     for one in options.measured:
         name, _, files = one.partition("=")
         pairs[name] = tuple(str(Path(file).resolve()) for file in files.split(","))
@@ -145,13 +145,12 @@ def content(path: Path) -> Any:
 
 def whole(array: Any) -> Any:
     """Return an array, or what it holds where that is JSON."""
-    if array.dtype.kind != "U":
+    if array.dtype.kind not in "Uu":
         return array
-    text = str(array) if array.ndim == 0 else array.tolist()
     try:
-        return json.loads(text)
-    except (TypeError, ValueError):
-        return text
+        return json.loads(array.tobytes() if array.dtype.kind == "u" else str(array))
+    except ValueError:
+        return array
 
 
 def differences(old: Any, new: Any, place: str = "") -> Iterator[tuple[str, float | str]]:

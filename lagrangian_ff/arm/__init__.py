@@ -1,6 +1,6 @@
 """The simulated arm: links with the dynamics of PyBullet; drives, servo, sensors and motions.
 
-Names are imported when first asked for, so that a trajectory can be read without PyBullet.
+Names are imported on first use, so that a trajectory can be read without PyBullet.
 """
 
 from lagrangian_ff.lazy import attach

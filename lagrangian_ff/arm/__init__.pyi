@@ -1,6 +1,6 @@
 from lagrangian_ff.arm.arm import Arm as Arm
 from lagrangian_ff.arm.arm import JointSample as JointSample
-from lagrangian_ff.arm.collision import check_clearance as check_clearance
+from lagrangian_ff.arm.body import check_clearance as check_clearance
 from lagrangian_ff.arm.description import HOME as HOME
 from lagrangian_ff.arm.description import JOINTS as JOINTS
 from lagrangian_ff.arm.description import PAPER_LOADS as PAPER_LOADS
@@ -9,11 +9,11 @@ from lagrangian_ff.arm.description import limits as limits
 from lagrangian_ff.arm.description import robot_description as robot_description
 from lagrangian_ff.arm.drawing import picture as picture
 from lagrangian_ff.arm.exciting import exciting_trajectory as exciting_trajectory
-from lagrangian_ff.arm.gear import Gear as Gear
 from lagrangian_ff.arm.joint_effect import JointEffect as JointEffect
 from lagrangian_ff.arm.joint_effect import JointMoment as JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters as ArmParameters
 from lagrangian_ff.arm.plant import Attached as Attached
+from lagrangian_ff.arm.plant import Gear as Gear
 from lagrangian_ff.arm.plant import Plant as Plant
 from lagrangian_ff.arm.plant import true_torque as true_torque
 from lagrangian_ff.arm.servo import SensorEffect as SensorEffect
@@ -22,5 +22,5 @@ from lagrangian_ff.arm.simulation import simulate as simulate
 from lagrangian_ff.arm.trajectory import Trajectory as Trajectory
 from lagrangian_ff.arm.trajectory import check_limits as check_limits
 from lagrangian_ff.arm.trajectory import move_to as move_to
-from lagrangian_ff.arm.trajectory_csv import read_trajectory as read_trajectory
-from lagrangian_ff.arm.trajectory_csv import write_trajectory as write_trajectory
+from lagrangian_ff.arm.trajectory import read_trajectory as read_trajectory
+from lagrangian_ff.arm.trajectory import write_trajectory as write_trajectory

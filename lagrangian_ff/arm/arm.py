@@ -1,25 +1,22 @@
-"""The arm as its user meets it: a reference and a feedforward go in, joint states come out."""
+"""The arm: a reference and a feedforward go in, joint states come out."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import HOME, JOINTS, Load, limits
-from lagrangian_ff.arm.gear import Gear, GearedPlant
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
-from lagrangian_ff.arm.plant import Attached, Plant
+from lagrangian_ff.arm.plant import Attached, Gear, Plant
 from lagrangian_ff.arm.servo import CurrentLoop, PositionLoop, SensorEffect, Sensors
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
-
-Floats = NDArray[np.float64]
 
 
 class JointSample(NamedTuple):
-    """What the driver reports of one instant.
+    """The driver's report of one instant.
 
     Attributes:
         time: s since the reset.
@@ -41,9 +38,9 @@ class Arm:
         seed: of the noise; the same seed and inputs give the same samples.
         loads: kg (or Load) by joint or link.
         effects: further effects in the joints of the plant.
-        sensors: what falsifies the measurements.
-        gears: the joints whose gears give way or have play.
-        attached: loads that take the place of `loads` at a later time.
+        sensors: faults of the measurements.
+        gears: that are elastic or have play.
+        attached: loads that replace `loads` at a later time.
 
     Attributes:
         torques: (4, 6) N·m, the four below.
@@ -68,11 +65,7 @@ class Arm:
         attached: Attached | None = None,
     ) -> None:
         self.parameters = parameters or ArmParameters()
-        self.plant = (
-            GearedPlant(self.parameters, loads, effects, attached, gears)
-            if gears
-            else Plant(self.parameters, loads, effects, attached)
-        )
+        self.plant = Plant(self.parameters, loads, effects, attached, gears)
         self._current = CurrentLoop(self.parameters)
         self._position = PositionLoop(self.parameters)
         self._sensors = Sensors(self.parameters, seed, sensors)
@@ -82,7 +75,7 @@ class Arm:
         self.reset(np.array(HOME))
 
     def reset(self, q: Floats) -> None:
-        """Put the arm at rest at q (6,) rad, motors without current, clock and noise begun anew.
+        """Put the arm at rest at q (6,) rad; currents, clock and noise start again.
 
         Raises:
             ArmError: q is not finite or outside the limits; names the joint.
@@ -104,18 +97,18 @@ class Arm:
 
     @property
     def time(self) -> float:
-        """s since the reset."""
+        """Return the time since the reset, s."""
         return self._ticks * self.parameters.tick
 
     def step(self, q_ref: Floats, qd_ref: Floats, feedforward: Floats | None = None) -> JointSample:
-        """Measure, control, and let one tick of time pass.
+        """Measure, control, and advance by one tick.
 
         Args:
-            q_ref: (6,) rad, where the arm should be now.  qd_ref: (6,) rad/s.
+            q_ref: (6,) rad, the reference now.  qd_ref: (6,) rad/s.
             feedforward: (6,) N·m added to the torque of the position loop; None for none.
 
         Returns:
-            What was measured at the beginning of the tick, the instant q_ref is meant for.
+            The measurement at the beginning of the tick, the instant of q_ref.
 
         Raises:
             ArmError: an input that is not six finite numbers; names joint and time. The arm has
@@ -153,8 +146,8 @@ class Arm:
                 f"{what}: expected {len(JOINTS)} values ({', '.join(JOINTS)}), "
                 f"got shape {array.shape}"
             )
-        # The sum of squares is finite wherever all are, but for absurd numbers: at every tick, a
-        # third of the time of looking at each.
+        # The sum of squares is finite if all are, but for absurd numbers; it takes a third of the
+        # time of checking each.
         if not (isfinite(array.dot(array)) or np.isfinite(array).all()):
             n = int(np.argmin(np.isfinite(array)))
             when = getattr(self, "_ticks", 0) * self.parameters.tick

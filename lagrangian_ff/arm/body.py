@@ -1,25 +1,26 @@
-"""The links of the arm in one PyBullet world."""
+"""The links of the arm in a PyBullet world, and their distance from each other and the floor."""
 
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
-from types import TracebackType
+from contextlib import AbstractContextManager
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
-from lagrangian_ff.arm.description import JOINTS, URDF, Load, on_links, robot_description
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.arm.description import JOINTS, LINKS, URDF, Load, on_links, robot_description
+from lagrangian_ff.arm.trajectory import Trajectory
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.errors import ArmError
 
 GRAVITY = 9.81  # m/s², down along z of the base
+CHECK_EVERY = 0.05  # s between poses of a trajectory that are checked
 
 
-class Body:
+class Body(AbstractContextManager["Body"]):
     """Rigid links and frictionless joints, as PyBullet computes them.
 
-    A world of its own without a window (p.DIRECT); close it, or use it in a `with` block.
+    In a separate world without a window (p.DIRECT); close it, or use it in a `with` block.
 
     Args:
         loads: kg (or Load) by joint or link.
@@ -43,15 +44,10 @@ class Body:
             pybullet.getJointInfo(self.id, k, **self._args)[1].decode(): k for k in range(count)
         }
         self.index = [names[joint] for joint in JOINTS]
-        # Bullet damps velocities and holds joints with motors of its own unless told not to.
+        # By default Bullet damps velocities and holds joints with motors.
         for link in range(-1, count):
             pybullet.changeDynamics(
-                self.id,
-                link,
-                linearDamping=0.0,
-                angularDamping=0.0,
-                jointDamping=0.0,
-                **self._args,
+                self.id, link, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0, **self._args
             )
         pybullet.setJointMotorControlArray(
             self.id,
@@ -77,33 +73,25 @@ class Body:
     def set_state(self, q: Floats, qd: Floats) -> None:
         """Put the joints at q (6,) rad, moving at qd (6,) rad/s."""
         pybullet.resetJointStatesMultiDof(
-            self.id,
-            self.index,
-            [[x] for x in q.tolist()],
-            [[x] for x in qd.tolist()],
-            **self._args,
+            self.id, self.index, [[x] for x in q.tolist()], [[x] for x in qd.tolist()], **self._args
         )
 
     def state(self) -> tuple[Floats, Floats]:
-        """Positions and velocities of the joints, (6,) rad and (6,) rad/s."""
+        """Return positions and velocities of the joints, (6,) rad and (6,) rad/s."""
         states = pybullet.getJointStates(self.id, self.index, **self._args)
         return np.array([s[0] for s in states]), np.array([s[1] for s in states])
 
     def advance(self, torque: Floats) -> None:
         """Let the joint torques (6,) N·m act for one step."""
         pybullet.setJointMotorControlArray(
-            self.id,
-            self.index,
-            pybullet.TORQUE_CONTROL,
-            forces=torque.tolist(),
-            **self._args,
+            self.id, self.index, pybullet.TORQUE_CONTROL, forces=torque.tolist(), **self._args
         )
         pybullet.stepSimulation(**self._args)
 
     def dynamics(
         self, q: list[float], qd: list[float]
     ) -> tuple[Sequence[Sequence[float]], Sequence[float]]:
-        """The rows of the mass matrix in kg·m² and the bias in N·m, of q rad and qd rad/s.
+        """Return the rows of the mass matrix, kg·m², and the bias, N·m, at q rad and qd rad/s.
 
         The bias is the gravity, Coriolis and centrifugal torque.
         """
@@ -113,15 +101,15 @@ class Body:
         return mass, bias
 
     def mass_matrix(self, q: Floats) -> Floats:
-        """(6, 6) kg·m² of the links at q (6,)."""
+        """Return (6, 6) kg·m² of the links at q (6,)."""
         return np.array(self.dynamics(q.tolist(), self._rest)[0])
 
     def bias(self, q: Floats, qd: Floats) -> Floats:
-        """Gravity, Coriolis and centrifugal torque (6,) N·m at q and qd, (6,) each."""
+        """Return gravity, Coriolis and centrifugal torque (6,) N·m at q and qd, (6,) each."""
         return np.array(self.dynamics(q.tolist(), qd.tolist())[1])
 
     def inverse_dynamics(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-        """The torques (M, 6) N·m of the links alone in states (M, 6)."""
+        """Return the torques (M, 6) N·m of the links alone in states (M, 6)."""
         torque = np.empty(q.shape)
         call, body, client = pybullet.calculateInverseDynamics, self.id, self.client
         states = zip(q.tolist(), qd.tolist(), qdd.tolist(), strict=True)
@@ -130,14 +118,14 @@ class Body:
         return torque
 
     def tool_jacobian(self, q: Floats) -> Floats:
-        """(3, 6) m: how the last link's origin moves with the joints, along the base's axes."""
+        """Return (3, 6) m/rad: the Jacobian of the last link's origin, along the base's axes."""
         linear = pybullet.calculateJacobian(
             self.id, self.index[-1], [0.0] * 3, q.tolist(), self._rest, self._rest, **self._args
         )[0]
         return np.array(linear)
 
     def potential_energy(self) -> float:
-        """J of the links in gravity, from the floor up, at the present state."""
+        """Return the links' potential energy, J above the floor, at the present state."""
         energy = 0.0
         for link in range(pybullet.getNumJoints(self.id, **self._args)):
             mass = pybullet.getDynamicsInfo(self.id, link, **self._args)[0]
@@ -153,17 +141,88 @@ class Body:
             pybullet.disconnect(**self._args)
             self.client = -1
 
-    def __enter__(self) -> "Body":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __del__(self) -> None:
         if getattr(self, "client", -1) >= 0 and pybullet is not None:
             self.close()
+
+
+class Surroundings(AbstractContextManager["Surroundings"]):
+    """The arm over a floor, in a separate world.
+
+    Links that share a joint touch by design and are not compared; the loads on a link count as
+    part of it.
+
+    Args:
+        loads: kg (or Load) by joint or link.
+        margin: m, nearer is a contact.
+    """
+
+    def __init__(
+        self, loads: Mapping[str, float | Load] | None = None, *, margin: float = 0.0
+    ) -> None:
+        self._margin = margin
+        self._body = Body(loads)
+        self._args = {"physicsClientId": self._body.client}
+        plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, **self._args)
+        self._floor = pybullet.createMultiBody(0, plane, **self._args)
+        self._pairs, self._low = self._candidates()
+
+    def _candidates(self) -> tuple[list[tuple[int, int]], list[int]]:
+        order = {"base_link": 0} | {name: n for n, name in enumerate(LINKS, start=1)}
+        links = [(-1, 0)]
+        for k in range(pybullet.getNumJoints(self._body.id, **self._args)):
+            name = pybullet.getJointInfo(self._body.id, k, **self._args)[12].decode()
+            links.append((k, order[name.removeprefix("load_on_")]))
+        pairs = [
+            (a, b) for a, rank_a in links for b, rank_b in links if rank_b - rank_a > 1 and a != b
+        ]
+        # The base and the first link cannot reach the floor.
+        return pairs, [k for k, rank in links if rank > 1]
+
+    def first_contact(self, q: Floats) -> str | None:
+        """Return what is nearer than the margin at q (6,) rad, in words; None if nothing is."""
+        body, floor, args = self._body.id, self._floor, self._args
+        self._body.set_state(q, np.zeros_like(q))
+        for a, b in self._pairs:
+            if pybullet.getClosestPoints(body, body, self._margin, a, b, **args):
+                return f"{self._name(a)} and {self._name(b)}"
+        for link in self._low:
+            if pybullet.getClosestPoints(body, floor, self._margin, link, **args):
+                return f"{self._name(link)} and the floor"
+        return None
+
+    def _name(self, link: int) -> str:
+        if link < 0:
+            return "base_link"
+        return str(pybullet.getJointInfo(self._body.id, link, **self._args)[12].decode())
+
+    def close(self) -> None:
+        """End the world."""
+        self._body.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def check_clearance(
+    trajectory: Trajectory, loads: Mapping[str, float | Load] | None = None
+) -> None:
+    """Require that the arm can follow a trajectory without touching itself or the floor.
+
+    Args:
+        trajectory: of the arm's joints; checked every 50 ms.
+        loads: kg (or Load) by joint or link.
+
+    Raises:
+        ArmError: it cannot; names what touches, and when.
+    """
+    count = int(np.ceil(trajectory.duration / CHECK_EVERY)) + 1
+    times = np.linspace(trajectory.time[0], trajectory.time[-1], count)
+    with Surroundings(loads) as surroundings:
+        for time, q in zip(times, trajectory.select(JOINTS).sample(times)[0], strict=True):
+            contact = surroundings.first_contact(q)
+            if contact is not None:
+                raise ArmError(f"trajectory: {contact} touch at {time:.2f} s")

@@ -1,4 +1,4 @@
-"""What the arm is: its joints, limits, links and the loads that can be put on them."""
+"""The arm's joints, limits and links, and loads on them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,11 +8,9 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
-
-Floats = NDArray[np.float64]
 
 URDF = Path(__file__).with_name("arm6.urdf")
 JOINTS: tuple[str, ...] = tuple(f"joint_{n}" for n in range(1, 7))
@@ -45,7 +43,7 @@ class Load:
 
     @property
     def radius(self) -> float:
-        """The radius of the ball in m."""
+        """Return the radius of the ball, m."""
         return float((3.0 * self.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0))
 
 
@@ -54,7 +52,7 @@ PAPER_LOADS: Mapping[str, float | Load] = {"joint_1": 2.5, "joint_2": 1.0}
 
 
 class Limits(NamedTuple):
-    """What the URDF allows each joint: rad, rad, rad/s and N·m, (6,) each."""
+    """The limits of the joints in the URDF: rad, rad, rad/s and N·m, (6,) each."""
 
     lower: Floats
     upper: Floats
@@ -64,7 +62,7 @@ class Limits(NamedTuple):
 
 @lru_cache(maxsize=1)
 def limits() -> Limits:
-    """The limits of the joints, read from the URDF."""
+    """Return the limits of the joints, read from the URDF."""
     found = {
         joint.get("name"): joint.find("limit") for joint in ElementTree.parse(URDF).iter("joint")
     }
@@ -79,7 +77,7 @@ def limits() -> Limits:
 
 
 def on_links(loads: Mapping[str, float | Load] | None) -> dict[str, Load]:
-    """The loads by link: a joint's name stands for the link it moves, a number for kg.
+    """Return the loads by link: a joint's name stands for the link it moves, a number for kg.
 
     Raises:
         ArmError: no such joint or link, or a mass that is not positive and finite.
@@ -103,7 +101,7 @@ def on_links(loads: Mapping[str, float | Load] | None) -> dict[str, Load]:
 
 
 def robot_description(loads: Mapping[str, float | Load] | None = None) -> str:
-    """The URDF of the arm, each load a ball fixed to its link.
+    """Return the URDF of the arm, each load a ball fixed to its link.
 
     Args:
         loads: kg (or a Load) by joint or link.

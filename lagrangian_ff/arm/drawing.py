@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
 from lagrangian_ff.arm.description import Load
+from lagrangian_ff.arrays import Floats
 
-Floats = NDArray[np.float64]
 Mesh = tuple[Floats, Floats, NDArray[np.int64]]
 Pose = tuple[Sequence[float], Sequence[float]]
 
@@ -78,7 +78,7 @@ def _render(body: Body, size: int) -> Floats:
 
 
 def _replace_by_fine_meshes(body: Body) -> None:
-    """Draw every shape anew: the renderer's own cylinders have visible corners."""
+    """Replace every shape: the renderer's own cylinders have visible corners."""
     args = {"physicsClientId": body.client}
     for shape in pybullet.getVisualShapeData(body.id, **args):
         _, link, kind, size, _, place, turn, colour = shape[:8]
@@ -127,7 +127,7 @@ def _mesh(kind: int, size: Sequence[float]) -> Mesh:
 
 
 def _turned(profile: Floats, *, smooth: bool) -> Mesh:
-    """The solid that a profile of (radius, height) makes, turned about z."""
+    """Return the solid of a profile of (radius, height) turned about z."""
     around = np.linspace(0.0, 2.0 * np.pi, SIDES + 1)
     ring = np.stack([np.cos(around), np.sin(around)], axis=1)
     vertices, normals, triangles = [], [], []
@@ -148,7 +148,7 @@ def _turned(profile: Floats, *, smooth: bool) -> Mesh:
 
 
 def _box(size: Floats) -> Mesh:
-    """A box with chamfered edges: six faces, twelve edges, eight corners."""
+    """Return a box with chamfered edges: six faces, twelve edges, eight corners."""
     half = 0.5 * size
     inner = half - CHAMFER
     vertices: list[Floats] = []
@@ -157,7 +157,7 @@ def _box(size: Floats) -> Mesh:
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
 
     def corner(sign: Floats, axis: int) -> Floats:
-        """Each corner of the box became three: the one on the face across `axis`."""
+        """Return one of three points that replace a corner: on the face across `axis`."""
         point = sign * inner
         point[axis] = sign[axis] * half[axis]
         return point

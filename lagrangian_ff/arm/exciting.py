@@ -2,23 +2,21 @@
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from lagrangian_ff.arm.collision import Surroundings
+from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.arm.description import HOME, JOINTS, PAPER_LOADS, limits
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Plant
 from lagrangian_ff.arm.trajectory import Trajectory
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
-
-Floats = NDArray[np.float64]
 
 SPEEDS = range(1, 11)
 MEAN_NORM = 0.38  # rad/s of mean velocity norm for each speed number
 DURATION, SHORTEST, LONGEST = 35.0, 30.0, 40.0  # s
 GRID = 0.01  # s, the spacing of the points
 MARGIN = 0.02  # m, kept from the floor and between links
-CHECK = 4  # every so many points are checked for collisions
+CHECK = 4  # points; every fourth is checked for collisions
 REACH = 0.85  # share of the joint ranges that via points are drawn from
 USED_VELOCITY, USED_EFFORT, USED_RANGE = 0.95, 0.85, 0.98
 REPAIRS = 300
@@ -32,19 +30,19 @@ def exciting_trajectory(
     *,
     parameters: ArmParameters | None = None,
 ) -> Trajectory:
-    """A quintic spline (C⁴) through random via points, from home at rest to home at rest.
+    """Return a quintic spline (C⁴) through random via points, from home at rest to home at rest.
 
     Every stretch of four via points draws each joint once from every quarter of its range, so
     that the workspace is covered early. Via points beside which the motion would leave 95 % of
     the velocity limits or 85 % of the torque limits (the plant's true torques, with and without
     the paper's loads), or come within 2 cm of the floor or of another link (loads included), are
-    drawn anew.
+    drawn again.
 
     Args:
         speed: 1 to 10; the mean norm of velocity rises with it, by 0.38 rad/s each.
         seed: the same seed, speed and duration give the same motion.
         duration: s; None for what gives that mean velocity, 30 to 40 s.
-        parameters: the drives whose torque counts.
+        parameters: of the drives.
 
     Returns:
         Points every 10 ms.
@@ -89,7 +87,7 @@ def _range() -> tuple[Floats, Floats]:
 
 
 def _via_points(random: np.random.Generator, path: float) -> Floats:
-    """Home, enough via points for the path's length in rad, home: (K, 6) rad."""
+    """Return home, enough via points for the path's length in rad, and home: (K, 6) rad."""
     low, high = _range()
     vias = [np.array(HOME)]
     length, goal = 0.0, max(path, 6.0)
@@ -105,7 +103,7 @@ def _via_points(random: np.random.Generator, path: float) -> Floats:
 
 
 def _times(vias: Floats, duration: float) -> Floats:
-    """When each via point is passed: (K,) s on the grid, by the distance between them."""
+    """Return the time of each via point, (K,) s on the grid, by the distances between them."""
     steps = np.abs(np.diff(vias, axis=0))
     weight = np.max(steps / limits().velocity, axis=1) + 0.3 * np.linalg.norm(steps, axis=1)
     # From rest and to rest the arm needs longer.
@@ -128,7 +126,7 @@ def _mean_norm(trajectory: Trajectory) -> float:
 
 
 def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroundings) -> Floats:
-    """The times at which something is amiss; the cheap checks come first."""
+    """Return the times of failed checks; the cheap checks come first."""
     bounds = limits()
     q, qd, qdd = trajectory.q, trajectory.qd, trajectory.qdd
     amiss = np.any(
@@ -148,7 +146,7 @@ def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroun
 
 
 def _replace(vias: Floats, times: Floats, failures: Floats, random: np.random.Generator) -> None:
-    """Draw the inner via points nearest to the failures anew."""
+    """Draw the inner via points nearest to the failures again."""
     low, high = _range()
     nearest = np.argmin(np.abs(failures[:, None] - times[None, 1:-1]), axis=1) + 1
     for k in np.unique(nearest):

@@ -1,23 +1,21 @@
-"""The seam for what acts in the joints of the plant: friction, and whatever comes later."""
+"""The interface of effects in the joints of the plant, and the friction of the drives."""
 
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.parameters import ArmParameters
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
 
 
 class JointMoment(NamedTuple):
-    """What an effect may know about the joints, (6,) each, on the link's side of the gear.
+    """The state of the joints that an effect sees, (6,) each, on the link's side of the gear.
 
     Attributes:
         time: s since the reset.  dt: s, the step of the integration.
         q: rad.  qd: rad/s.
         motor: N·m of the motor through the gear during this step.
-        load: N·m that went on into the links in the step before.
+        load: N·m that went into the links in the step before.
     """
 
     time: float
@@ -29,27 +27,29 @@ class JointMoment(NamedTuple):
 
 
 class JointEffect(Protocol):
-    """A physical effect in the joints of the plant, with a state of its own if it needs one.
+    """A physical effect in the joints of the plant, perhaps with a state.
 
     The plant integrates implicitly in velocity: within one step it may ask for the torque at
     several velocities, and then advances the state once.
     """
 
     def reset(self, q: Floats) -> None:
-        """Forget the past; the arm rests at q, (6,) rad."""
+        """Reset the state, if any; the arm rests at q, (6,) rad."""
+        return
 
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """What the motor must supply for the effect, without changing the state.
+        """Return the torque that the motor must supply for the effect; the state stays.
 
         Returns:
             (6,) N·m, positive where it resists positive motion, and
             (6,) N·m·s/rad ≥ 0, a slope over velocity: for what dissipates the chord
-            torque / qd, otherwise the derivative; zeros where it does not depend on velocity.
+            torque / qd, otherwise the derivative; zeros if it does not depend on velocity.
             The slope only steers the iteration, not the result.
         """
 
     def advance(self, moment: JointMoment) -> None:
-        """Move the state over one step; the moment holds q and qd at its end."""
+        """Advance the state, if any, by one step; the moment has q and qd at its end."""
+        return
 
 
 class Friction:
@@ -62,7 +62,7 @@ class Friction:
 
     @property
     def numbers(self) -> dict[str, Floats]:
-        """(6,) of each number that the loops in C know friction by."""
+        """Return the parameters of the loops in C, (6,) each."""
         return {
             "viscous": self._viscous,
             "steepest": self._coulomb * self._per_velocity,
@@ -70,5 +70,5 @@ class Friction:
         }
 
     def at(self, qd: Floats) -> Floats:
-        """The torque at velocities (..., 6) rad/s, in N·m."""
+        """Return the torque at velocities (..., 6) rad/s, in N·m."""
         return self._viscous * qd + self._coulomb * np.tanh(qd * self._per_velocity)

@@ -1,14 +1,13 @@
-"""The numbers of the drives, the sensors and the servo."""
+"""The parameters of the drives, the sensors and the servo."""
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import JOINTS
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
 
-Floats = NDArray[np.float64]
 PerJoint = tuple[float, ...]
 
 
@@ -78,22 +77,22 @@ class ArmParameters:
 
     @property
     def tick(self) -> float:
-        """Seconds between two measurements."""
+        """Return the time between two measurements, s."""
         return 1.0 / self.sample_rate
 
     @property
     def reflected_inertia(self) -> Floats:
-        """(6,) kg·m², the rotors felt through their gears: g²J."""
+        """Return (6,) kg·m², the rotors' inertia at the joints: g²J."""
         return np.square(self.gear_ratio) * np.asarray(self.rotor_inertia)
 
     @property
     def torque_per_ampere(self) -> Floats:
-        """(6,) N·m/A at the joint."""
+        """Return (6,) N·m/A at the joint."""
         return np.multiply(self.gear_ratio, self.torque_constant)
 
     @property
     def encoder_step(self) -> Floats:
-        """(6,) rad of the joint between two counts."""
+        """Return (6,) rad of the joint between two counts."""
         return 2.0 * np.pi / (self.encoder_counts * np.asarray(self.gear_ratio))
 
 

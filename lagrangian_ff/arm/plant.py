@@ -1,20 +1,18 @@
-"""The plant: links by PyBullet; rotors, friction and joint effects that PyBullet lacks."""
+"""The plant: links by PyBullet; rotors, gears, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
 from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
 from lagrangian_ff.arm.description import JOINTS, Load, limits
 from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
 from lagrangian_ff.loops import loop
-
-Floats = NDArray[np.float64]
 
 ITERATIONS = 8
 SETTLED = 1e-6  # rad/s
@@ -38,7 +36,7 @@ NUMBERS = np.dtype(
         *((name, *PER_JOINT) for name in ("bias", *RESULTS)),
     ]
 )
-"""What `loops/arm.c` works on."""
+"""The data of `loops/arm.c`."""
 _GIVEN = Struct(f"{len(JOINTS) * (len(JOINTS) + 2)}d")  # mass, bias and motor
 
 
@@ -46,7 +44,7 @@ _TORQUES, _MOTION = len(TORQUES), len(TORQUES) + len(MOTION)
 
 
 def _result(name: str) -> property:
-    """Read one result of the last step; most are not asked for at every step."""
+    """Return a property that reads one result of the last step."""
     row = RESULTS.index(name)
 
     def read(plant: "Plant") -> Floats:
@@ -56,10 +54,10 @@ def _result(name: str) -> property:
 
 
 class Attached(NamedTuple):
-    """Loads that an arm takes up while it moves.
+    """Loads that an arm picks up while it moves.
 
     Attributes:
-        time: s since the reset, from when on the arm carries them.
+        time: s since the reset, when the arm picks them up.
         loads: kg (or Load) by joint or link: all that it carries from then on.
     """
 
@@ -67,19 +65,41 @@ class Attached(NamedTuple):
     loads: Mapping[str, float | Load]
 
 
+class Gear(NamedTuple):
+    """The gear between the rotor and the link of one joint, elastic or with play.
+
+    Attributes:
+        joint: 0 to 5.
+        stiffness: N·m/rad of the twist beyond the play, at the joint.
+        damping: N·m·s/rad of that twist.
+        play: rad, the whole dead zone at the joint; 0 for none.
+    """
+
+    joint: int
+    stiffness: float
+    damping: float
+    play: float = 0.0
+
+
 class Plant:
     """The arm from motor torque to motion.
 
     Each step solves (M + A) qdd + h + f = tau for qdd, with mass matrix M and bias h by PyBullet, A
     the reflected rotor inertia and f the joint effects at the *new* velocity (backward Euler: stiff
-    friction stays stable); the new velocity then moves the joints. Where one is at its stop,
+    friction stays stable); the new velocity then moves the joints. When a joint is at its stop,
     PyBullet takes the step, under the torque h + M qdd.
+
+    A joint with a `Gear` has two masses (Spong, J. Dyn. Sys. Meas. Control 109, 1987): the rotor
+    obeys g²J qdd_m + f(qd_m) = tau − s and the link M qdd + h = s. A spring and a damper over the
+    twist q_m − q beyond the play give s (Nordin and Gutman, Automatica 38, 2002). Friction
+    and effects act on the rotor's side, as do encoder and back-EMF.
 
     Args:
         parameters: rotors, friction and the rate of the integration.
         loads: kg (or Load) by joint or link.
-        effects: what acts in the joints besides viscous and Coulomb friction.
-        attached: loads that take the place of `loads` at a later time.
+        effects: in the joints, besides viscous and Coulomb friction.
+        attached: loads that replace `loads` at a later time.
+        gears: at most one a joint; the other joints are stiff.
 
     Attributes:
         time: s since the reset.
@@ -98,6 +118,7 @@ class Plant:
         loads: Mapping[str, float | Load] | None = None,
         effects: Sequence[JointEffect] = (),
         attached: Attached | None = None,
+        gears: Sequence[Gear] = (),
     ) -> None:
         self.parameters = parameters or ArmParameters()
         self.dt = 1.0 / self.parameters.physics_rate
@@ -110,6 +131,10 @@ class Plant:
         self._effects = tuple(effects)
         self._armature = self.parameters.reflected_inertia
         self._lay_out()
+        for gear in gears:
+            self._numbers["stiffness"][gear.joint] = gear.stiffness
+            self._numbers["damping"][gear.joint] = gear.damping
+            self._numbers["half_play"][gear.joint] = 0.5 * gear.play
         self.reset(np.zeros(len(JOINTS)))
 
     def reset(self, q: Floats) -> None:
@@ -124,7 +149,7 @@ class Plant:
             effect.reset(self.q)
 
     def _lay_out(self) -> None:
-        """Put down the numbers that the loops in C work on, and where they are."""
+        """Fill in the data of the loops in C, and keep views of them."""
         numbers = self._numbers = np.zeros((), NUMBERS)
         numbers["dt"], numbers["tolerance"] = self.dt, SETTLED
         numbers["lower"], numbers["upper"], *_ = limits()
@@ -143,7 +168,7 @@ class Plant:
         )
 
     def _read(self) -> None:
-        """Take over what came of the step; the arrays are new ones."""
+        """Copy the results of the step to new arrays."""
         self._now = self._results.copy()
         self.torques, self.motion = self._now[:_TORQUES], self._now[_TORQUES:_MOTION]
 
@@ -158,18 +183,18 @@ class Plant:
 
     @property
     def body(self) -> Body:
-        """The links in PyBullet, in the present state."""
+        """Return the links in PyBullet, in the present state."""
         self._body.set_state(self.q, self.qd)
         return self._body
 
     @property
     def encoder(self) -> Floats:
-        """(6,) rad of the motors through their gears, which is where the encoders sit."""
+        """Return (6,) rad of the motors through their gears, where the encoders are."""
         return self._rotor_q
 
     @property
     def rotor_velocity(self) -> Floats:
-        """(6,) rad/s of the motors through their gears."""
+        """Return (6,) rad/s of the motors through their gears."""
         return self._rotor_qd
 
     def step(self, motor: Floats) -> None:
@@ -180,7 +205,7 @@ class Plant:
         """
         self._take_up()
         (a, b, c, d, e, f), bias = self._body.dynamics(self.q.tolist(), self.qd.tolist())
-        # In one go: to make arrays of them takes ten times as long.
+        # Making arrays of them would take ten times as long.
         _GIVEN.pack_into(self._given, 0, *a, *b, *c, *d, *e, *f, *bias, *motor.tolist())
         if self._effects:
             self._step_with_effects(motor)
@@ -194,7 +219,7 @@ class Plant:
             self._advance_effects(motor)
 
     def _step_with_effects(self, motor: Floats) -> None:
-        """Ask the effects anew for every guess of the velocity."""
+        """Evaluate the effects at every guess of the velocity."""
         q, load = self._rotor_q, self.load_torque
         first, *further = self._effects
         self._guess_first(self._address)
@@ -211,12 +236,12 @@ class Plant:
         self._move(self._address, 1)
 
     def _take_up(self) -> None:
-        """Change to the body with the attached loads when its time has come."""
+        """Change to the body with the attached loads at their time."""
         if self.time >= self._attached_at:
             self._body = self._bodies[-1]
 
     def _stop(self) -> None:
-        """Let PyBullet move the links in this step, as it has stops."""
+        """Let PyBullet, which has stops, move the links in this step."""
         body, numbers = self.body, self._numbers
         body.advance(numbers["load"])
         numbers["q"], numbers["qd"] = body.state()
@@ -225,19 +250,23 @@ class Plant:
         numbers["rotor_qd"][rigid] = numbers["qd"][rigid]
 
     def _advance_effects(self, motor: Floats) -> None:
-        """Let the states of the effects catch up with the motion."""
+        """Advance the states of the effects."""
         q, qd = self._rotor_q, self._rotor_qd
         moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
         for effect in self._effects:
             effect.advance(moment)
 
     def energy(self) -> float:
-        """J of links and rotors, kinetic and potential, at the present state."""
-        inertia = self._body.mass_matrix(self.q) + np.diag(self._armature)
-        return float(0.5 * self.qd @ inertia @ self.qd) + self.body.potential_energy()
+        """Return the energy, J, of links, rotors and springs at the present state."""
+        mass, half = self._body.mass_matrix(self.q), self._numbers["half_play"]
+        twist = self._rotor_q - self.q
+        beyond = twist - np.clip(twist, -half, half)
+        kinetic = 0.5 * (self.qd @ mass @ self.qd + self._armature @ self._rotor_qd**2)
+        spring = 0.5 * float(self._numbers["stiffness"] @ beyond**2)
+        return float(kinetic) + spring + self.body.potential_energy()
 
     def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:
-        """The motor torque through the gears that makes this motion, without further effects.
+        """Return the motor torque through the gears for this motion, without further effects.
 
         Args:
             q: (M, 6) or (6,) rad.  qd: rad/s, qdd: rad/s², of the same shape.
@@ -285,7 +314,7 @@ def true_torque(
     loads: Mapping[str, float | Load] | None = None,
     friction: bool = True,
 ) -> Floats:
-    """The plant's own inverse dynamics, the bound for any feedforward; see Plant.true_torque."""
+    """Return the plant's own inverse dynamics, the ideal feedforward; see Plant.true_torque."""
     plant = Plant(parameters, loads)
     try:
         return plant.true_torque(q, qd, qdd, friction=friction)

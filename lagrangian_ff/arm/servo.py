@@ -4,13 +4,11 @@ from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import JOINTS
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.loops import loop
-
-Floats = NDArray[np.float64]
 
 NOISES = 1000  # samples
 NUMBERS = np.dtype(
@@ -22,7 +20,7 @@ NUMBERS = np.dtype(
         ),
     ]
 )
-"""What `arm_currents` in loops/arm.c works on."""
+"""The data of `arm_currents` in loops/arm.c."""
 
 
 class CurrentLoop:
@@ -53,12 +51,12 @@ class CurrentLoop:
         self._step, self._address = loop("arm_currents"), self._numbers.ctypes.data
 
     def reset(self) -> None:
-        """No current, empty integrator."""
+        """Set current and integrator to zero."""
         self._numbers["current"] = self._numbers["integrator"] = 0.0
 
     @property
     def current(self) -> Floats:
-        """(6,) A now."""
+        """Return the present current, (6,) A."""
         return self._current.copy()
 
     def step(self, torque: Floats, qd: Floats) -> Floats:
@@ -76,7 +74,7 @@ class CurrentLoop:
 
 
 def one_period(resistance: float, inductance: float, bandwidth: float, period: float) -> Floats:
-    """(5, 5) F of CurrentLoop: z = (i, w, r, E, ∫i dt) over one period of the PI loop."""
+    """Return (5, 5) F of CurrentLoop: z = (i, w, r, E, ∫i dt) over one period of the PI loop."""
     decay = np.exp(-resistance / inductance * period)
     rise = (1.0 - decay) / resistance
     gain = inductance * bandwidth
@@ -95,7 +93,7 @@ def one_period(resistance: float, inductance: float, bandwidth: float, period: f
 
 
 class PositionLoop:
-    """PD on position; its velocity is the difference of the encoder over its own period."""
+    """PD on position; its velocity is the difference of the encoder over one period."""
 
     def __init__(self, parameters: ArmParameters) -> None:
         self._stiffness = np.asarray(parameters.stiffness)
@@ -104,11 +102,11 @@ class PositionLoop:
         self._before: Floats | None = None
 
     def reset(self) -> None:
-        """Forget the last position."""
+        """Drop the last position."""
         self._before = None
 
     def torque(self, q_ref: Floats, qd_ref: Floats, position: Floats) -> Floats:
-        """(6,) N·m for a reference and a measured position; call at the rate of the loop."""
+        """Return (6,) N·m for a reference and a measured position; call at the rate of the loop."""
         before = position if self._before is None else self._before
         velocity = (position - before) * self._rate
         self._before = position
@@ -116,13 +114,14 @@ class PositionLoop:
 
 
 class SensorEffect(Protocol):
-    """What stands between the truth and what the sensors sample, with a state if it needs one."""
+    """A fault between the true values and the sensors, perhaps with a state."""
 
     def reset(self) -> None:
-        """Forget the past."""
+        """Reset the state, if any."""
+        return
 
     def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
-        """What reaches the sensors, called once a sample.
+        """Return the values that reach the sensors; called once a sample.
 
         Args:
             time: s since the reset.
@@ -140,7 +139,7 @@ class Sensors:
     Args:
         parameters: resolution, rate and noise.
         seed: of the noise.
-        effects: what falsifies the truth before it is sampled, one after the other.
+        effects: faults that change the true values before sampling, in this order.
     """
 
     def __init__(
@@ -156,7 +155,7 @@ class Sensors:
         self.reset()
 
     def reset(self) -> None:
-        """Begin again, with the same noise."""
+        """Start again, with the same noise."""
         self._random = np.random.default_rng(self._seed)
         self._noises: Iterator[Floats] = iter(())
         self._before: Floats | None = None
@@ -165,7 +164,7 @@ class Sensors:
             effect.reset()
 
     def sample(self, q: Floats, current: Floats) -> tuple[Floats, Floats, Floats]:
-        """Measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m at the joints."""
+        """Return measured position (6,) rad, velocity (6,) rad/s and effort (6,) N·m."""
         if self._effects:
             q, current = self._falsified(q, current)
         position = np.rint(q / self._step) * self._step
@@ -175,7 +174,7 @@ class Sensors:
         return position, velocity, (current + self._next_noise()) * self._torque_per_ampere
 
     def _next_noise(self) -> Floats:
-        """(6,) A; drawn for many samples at once, in the order of the samples."""
+        """Return (6,) A; drawn for many samples at once, in the order of the samples."""
         noise = next(self._noises, None)
         if noise is None:
             drawn = self._random.standard_normal((NOISES, len(self._noise)))

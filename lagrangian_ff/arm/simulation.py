@@ -1,26 +1,25 @@
-"""Drive the simulated arm along a trajectory, faster than time passes, and keep what came out."""
+"""Drive the simulated arm along a trajectory, faster than real time, and record it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.arm import Arm
-from lagrangian_ff.arm.collision import check_clearance
+from lagrangian_ff.arm.body import check_clearance
 from lagrangian_ff.arm.description import JOINTS, Load
-from lagrangian_ff.arm.gear import Gear
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
-from lagrangian_ff.arm.plant import Attached
+from lagrangian_ff.arm.plant import Attached, Gear
 from lagrangian_ff.arm.servo import SensorEffect
 from lagrangian_ff.arm.trajectory import Trajectory, check_limits
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.recording import Recording
 
-Floats = NDArray[np.float64]
 Torque = Callable[[Floats, Floats, Floats], Floats]
 Feedforward = Literal["true", "trajectory"] | Torque | Floats | None
 
@@ -29,14 +28,14 @@ SETTLING = 1.0  # s at the start pose before the record begins
 
 @dataclass(frozen=True)
 class Run:
-    """What happened along a trajectory: what was measured, and what only a simulator knows.
+    """A run along a trajectory: the measurements, and values that only a simulator knows.
 
     Attributes:
         recording: joint states as the driver reports them.
         reference: the trajectory at the instants of the recording.
         feedforward: (M, 6) N·m that was added.
         position: (M, 6) rad and velocity: (M, 6) rad/s of the links, without the sensors' errors.
-        encoder: (M, 6) rad of the motors through the gears; the position, where gears are stiff.
+        encoder: (M, 6) rad of the motors through the gears; equals position for stiff gears.
         motor_torque: (M, 6) N·m through the gears, mean of the tick after each sample.
         effect_torque: (M, 6) N·m of it lost to friction and effects.
         added_torque: (M, 6) N·m of it lost to the effects besides friction.
@@ -58,7 +57,7 @@ class Run:
 
     @property
     def tracking_error(self) -> Floats:
-        """(M, 6) rad, reference less measured position."""
+        """Return (M, 6) rad, reference less measured position."""
         return self.reference.q - self.recording.position
 
 
@@ -75,17 +74,17 @@ def simulate(
     seed: int = 0,
     progress: Progress = silent,
 ) -> Run:
-    """Drive the arm along a trajectory.
+    """Drive the arm along a trajectory; return the run.
 
     Args:
         trajectory: the reference; the arm starts at rest at its first point.
         feedforward: torque added to the position loop. None; a function (q, qd, qdd) -> tau of
             (M, 6) arrays, such as a model's `predict`; an array (K, 6) N·m at the points of the
             trajectory, linear between them; "trajectory" for the trajectory's own effort; "true"
-            for the plant's own torques, the bound of what feedforward can do.
+            for the plant's own torques, the ideal feedforward.
         parameters, loads, effects, sensors, gears, attached: the arm; see Arm.
         seed: of the noise.
-        progress: told the fraction done.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         ArmError: other joints than the arm's; a motion outside its limits or through itself or
@@ -110,9 +109,7 @@ def simulate(
 
 
 def _on_ticks(
-    trajectory: Trajectory,
-    parameters: ArmParameters,
-    loads: Mapping[str, float | Load] | None,
+    trajectory: Trajectory, parameters: ArmParameters, loads: Mapping[str, float | Load] | None
 ) -> Trajectory:
     unknown = [name for name in trajectory.joints if name not in JOINTS]
     if unknown:
@@ -153,14 +150,7 @@ def _torque(
                 f"feedforward: got shape {points.shape}, expected {trajectory.q.shape}, "
                 "one row for each point of the trajectory"
             )
-        carrier = Trajectory(
-            trajectory.time,
-            trajectory.q,
-            trajectory.qd,
-            trajectory.qdd,
-            trajectory.joints,
-            points,
-        )
+        carrier = replace(trajectory, effort=points)
         torque = carrier.select(JOINTS).effort_at(trajectory.time[0] + reference.time)
     bad = np.argwhere(~np.isfinite(torque))
     if bad.size:
@@ -191,14 +181,8 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
         if k % report == 0:
             progress(k / count, "driving the arm")
     progress(1.0, "driving the arm")
-    recording = Recording(
-        joints=JOINTS,
-        time=reference.time,
-        position=measured[0],
-        velocity=measured[1],
-        effort=measured[2],
-        source="simulated arm",
-    )
+    state = measured[0], measured[1], measured[2]
+    recording = Recording(JOINTS, reference.time, *state, source="simulated arm")
     return Run(
         recording=recording,
         reference=reference,

@@ -1,15 +1,17 @@
-"""Reference motions: quintic splines through points with velocity and acceleration."""
+"""Reference motions: quintic splines through points with velocity and acceleration; CSV."""
 
+import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import scipy
+from numpy.typing import ArrayLike
 
 from lagrangian_ff.arm.description import JOINTS, limits
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
-
-Floats = NDArray[np.float64]
 
 # Coefficients of 1, s, ... s⁵ from the values at s = 0 and 1: (q0, v0, a0, q1, v1, a1) in units of
 # the segment's duration.
@@ -23,7 +25,8 @@ _QUINTIC = np.array(
         [-6.0, -3.0, -0.5, 6.0, -3.0, 0.5],
     ]
 )
-_POWERS = np.arange(6)
+COLUMNS = {"q": "position", "qd": "velocity", "qdd": "acceleration", "effort": "effort"}
+"""Columns of a CSV beside time, each followed by /<joint>."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +37,8 @@ class Trajectory:
         time: (K,) s, increasing.
         q: (K, N) rad.  qd: (K, N) rad/s.  qdd: (K, N) rad/s².
         joints: N names.
-        effort: (K, N) N·m of feedforward at the points, linear between them; None where none.
-        notes: what was filled in on the way, in words.
+        effort: (K, N) N·m of feedforward at the points, linear between them; None if none.
+        notes: values that the reader filled in, in words.
 
     Raises:
         ArmError: shapes that do not fit, time that does not increase, a value that is not finite.
@@ -82,11 +85,11 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
-        """s from the first point to the last."""
+        """Return s from the first point to the last."""
         return float(self.time[-1] - self.time[0])
 
     def sample(self, time: ArrayLike) -> tuple[Floats, Floats, Floats]:
-        """q, qd and qdd at these times: (..., N) each.
+        """Return q, qd and qdd at these times: (..., N) each.
 
         Before the first point and after the last the arm rests there.
         """
@@ -121,7 +124,7 @@ class Trajectory:
         )
 
     def effort_at(self, time: ArrayLike) -> Floats:
-        """Feedforward torque (..., N) N·m at these times, the ends held outside.
+        """Return feedforward torque (..., N) N·m at these times, constant outside the ends.
 
         Raises:
             ArmError: the trajectory carries none.
@@ -133,9 +136,9 @@ class Trajectory:
         return np.stack(columns, axis=-1)
 
     def resample(self, rate: float) -> "Trajectory":
-        """The same motion with points at `rate` Hz from its start, and its last point.
+        """Return the same motion with points at `rate` Hz from its start, and its last point.
 
-        Exact where every old point is a new one too; otherwise off by the sixth power of the
+        Exact if every old point is a new one too; otherwise the error is of sixth order in the
         spacing around the old points that are not.
         """
         count = int(np.floor(self.duration * rate + 1e-9)) + 1
@@ -147,7 +150,7 @@ class Trajectory:
         return Trajectory(time, q, qd, qdd, self.joints, effort, self.notes)
 
     def select(self, joints: Sequence[str]) -> "Trajectory":
-        """Keep these joints, in this order.
+        """Return the trajectory of these joints, in this order.
 
         Raises:
             ArmError: a joint is not in the trajectory; names both lists.
@@ -159,22 +162,15 @@ class Trajectory:
             )
         columns = [self.joints.index(name) for name in joints]
         effort = None if self.effort is None else self.effort[:, columns]
-        return Trajectory(
-            self.time,
-            self.q[:, columns],
-            self.qd[:, columns],
-            self.qdd[:, columns],
-            tuple(joints),
-            effort,
-            self.notes,
-        )
+        motion = {name: getattr(self, name)[:, columns] for name in ("q", "qd", "qdd")}
+        return replace(self, **motion, joints=tuple(joints), effort=effort)
 
 
 def check_limits(trajectory: Trajectory) -> None:
-    """Whether position and velocity at the points of an arm's trajectory stay in its limits.
+    """Require that position and velocity at the points of an arm's trajectory are within limits.
 
     Raises:
-        ArmError: they do not; names the first joint and time.
+        ArmError: they are not; names the first joint and time.
     """
     bounds = limits()
     slack = 1e-6
@@ -192,7 +188,7 @@ def check_limits(trajectory: Trajectory) -> None:
 
 
 def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> Trajectory:
-    """From rest to rest along a quintic, at most at 40 % of the arm's velocity limits.
+    """Return a quintic from rest to rest, at most at 40 % of the arm's velocity limits.
 
     Args:
         start, goal: (6,) rad.
@@ -215,3 +211,105 @@ def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> 
     duration = max(1.0, float(np.max(15.0 / 8.0 * distance / (0.4 * bounds.velocity))))
     still = np.zeros_like(q)
     return Trajectory(np.array([0.0, duration]), q, still, still)
+
+
+def write_trajectory(path: str | Path, trajectory: Trajectory) -> None:
+    """Write the points, and effort if the trajectory has it.
+
+    Raises:
+        ArmError: the file cannot be written.
+    """
+    header, table = ["time"], [trajectory.time[:, None]]
+    for field, label in COLUMNS.items():
+        values = getattr(trajectory, field)
+        if values is not None:
+            header += [f"{label}/{joint}" for joint in trajectory.joints]
+            table.append(values)
+    try:
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(header)
+            writer.writerows(np.hstack(table).tolist())
+    except OSError as error:
+        raise ArmError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def read_trajectory(path: str | Path) -> Trajectory:
+    """Return the trajectory in a file; joints are those of the position columns, in their order.
+
+    Missing velocities and accelerations are those of the quintic spline through the positions,
+    at rest at both ends; the trajectory's notes say so.
+
+    Raises:
+        ArmError: no such file, no time or position, a value that is no number, time that does
+            not increase; names file, line and column.
+    """
+    header, rows = _table(Path(path))
+    if "time" not in header:
+        raise ArmError(f"{path}: no column 'time'; the header is {', '.join(header)}")
+    joints = tuple(c.removeprefix("position/") for c in header if c.startswith("position/"))
+    if not joints:
+        raise ArmError(f"{path}: no column 'position/<joint>'; the header is {', '.join(header)}")
+    time = rows[:, header.index("time")]
+    late = np.flatnonzero(~(np.diff(time) > 0))
+    if late.size:
+        raise ArmError(f"{path}: line {late[0] + 3}: time does not increase at {time[late[0] + 1]}")
+    fields: dict[str, Floats | None] = {}
+    for field, label in COLUMNS.items():
+        names = [f"{label}/{joint}" for joint in joints]
+        given = [name for name in names if name in header]
+        if given and len(given) < len(names):
+            missing = next(name for name in names if name not in header)
+            raise ArmError(f"{path}: has {given[0]} but not {missing}: give all joints or none")
+        fields[field] = rows[:, [header.index(name) for name in names]] if given else None
+    notes = _fill(path, time, fields)
+    q, qd, qdd = fields["q"], fields["qd"], fields["qdd"]
+    assert q is not None and qd is not None and qdd is not None  # noqa: PT018
+    return Trajectory(time, q, qd, qdd, joints, fields["effort"], notes)
+
+
+def _table(path: Path) -> tuple[list[str], Floats]:
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            lines = list(csv.reader(file))
+    except FileNotFoundError:
+        raise ArmError(f"{path}: no such file") from None
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ArmError(f"{path}: cannot be read as CSV: {error}") from error
+    if len(lines) < 2:
+        raise ArmError(f"{path}: expected a header and at least one point")
+    header = [column.strip() for column in lines[0]]
+    rows = np.empty((len(lines) - 1, len(header)))
+    for number, line in enumerate(lines[1:], start=2):
+        if len(line) != len(header):
+            raise ArmError(f"{path}: line {number}: {len(line)} values, expected {len(header)}")
+        for column, text in enumerate(line):
+            try:
+                rows[number - 2, column] = float(text)
+            except ValueError:
+                rows[number - 2, column] = np.nan
+            if not np.isfinite(rows[number - 2, column]):
+                raise ArmError(
+                    f"{path}: line {number}: {header[column]} is {text!r}, not a finite number"
+                )
+    return header, rows
+
+
+def _fill(path: str | Path, time: Floats, fields: dict[str, Floats | None]) -> tuple[str, ...]:
+    missing = [field for field in ("qd", "qdd") if fields[field] is None]
+    q = fields["q"]
+    assert q is not None
+    if not missing:
+        return ()
+    if len(time) < 2:
+        for field in missing:
+            fields[field] = np.zeros_like(q)
+        return (f"{path}: one point without velocity or acceleration: taken as rest",)
+    still = np.zeros(q.shape[1])
+    rest = [(1, still), (2, still)]
+    spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+    for field, order in (("qd", 1), ("qdd", 2)):
+        if field in missing:
+            fields[field] = spline(time, order)
+    words = " and ".join(COLUMNS[field] for field in missing)
+    return (f"{path}: {words} filled in from the quintic spline through the positions",)

@@ -1,8 +1,7 @@
-"""The whole main job over ROS 2: record the simulated arm, identify it, and track better.
+"""The main job over ROS 2: record the simulated arm, identify it, and track better.
 
-`run` starts the nodes as processes of their own, drives them through a `Conductor`, and leaves
-figures, numbers and one page that shows them. rclpy is imported when `run` is called and not
-before.
+`run` starts the nodes as separate processes, drives them through a `Conductor`, and leaves figures,
+numbers and one page that shows them. Only `run` imports rclpy.
 """
 
 from lagrangian_ff.demo.options import QUICK, Options

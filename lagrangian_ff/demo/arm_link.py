@@ -1,31 +1,141 @@
-"""The arm seen from the conductor: it is sent references, and what it reports is kept."""
+"""The link to the arm: references go to it, and its joint states are kept."""
 
 import time
+from array import array
+from dataclasses import dataclass, fields
 
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+import numpy as np
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from lagrangian_ff.arm import Trajectory
-from lagrangian_ff.demo.capture import Tape, Track, tracking
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.demo.conductor import Conductor
-from lagrangian_ff.demo.errors import LostRunError
-from lagrangian_ff.nodes.common.messages import nanoseconds, stamp
+from lagrangian_ff.errors import LostRunError
+from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
+from lagrangian_ff.nodes.common.topics import RELIABLE, PolledSubscription, nanoseconds, stamp
+from lagrangian_ff.recording import Recording
 from lagrangian_ff.report import Tracking
 
-RELIABLE = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST, depth=10, reliability=ReliabilityPolicy.RELIABLE
-)
-BEFORE = 0.5  # s of the arm in which it comes to rest before anything is asked of it
-LEAD = 2.0  # s of the arm between sending a reference and its start, in which it is read
+BEFORE = 0.5  # s of the arm in which it comes to rest
+LEAD = 2.0  # s of the arm between sending a reference and its start, for reading it
 AFTER = 0.5  # s that are kept after the end of a trajectory
 RATE = 500.0  # Hz of joint states
+EVERYTHING = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
+LEAST = 0.99  # least share of the samples of a run that is judged
+
+
+@dataclass(frozen=True)
+class Track:
+    """Joint states as they came.
+
+    Attributes:
+        joints: N names.
+        stamp: (M,) ns, increasing.
+        position, velocity, effort: (M, N).
+    """
+
+    joints: tuple[str, ...]
+    stamp: Ints
+    position: Floats
+    velocity: Floats
+    effort: Floats
+
+    def between(self, first: int, last: int) -> "Track":
+        """Return the samples stamped in this time."""
+        inside = (self.stamp >= first) & (self.stamp <= last)
+        return Track(self.joints, *(getattr(self, f.name)[inside] for f in fields(self)[1:]))
+
+
+class Tape:
+    """Keeps the joint states of a topic as they come.
+
+    An executor takes half a millisecond for each message, too much for 1000 a second: messages are
+    fetched many at once, serialised.
+
+    Args:
+        node: that listens.
+        topic: of type JointState.
+    """
+
+    def __init__(self, node: Node, topic: str) -> None:
+        self._subscription = PolledSubscription(node, JointState, topic, EVERYTHING, raw=True)
+        self._messages: list[bytes] = []
+        self._reader = JointStateReader()
+        self._latest = 0
+
+    def latest(self) -> int:
+        """Fetch new messages; return the stamp of the last in ns, 0 before the first."""
+        came = [data for data, _ in self._subscription.take()]
+        if came:
+            self._messages += came
+            self._latest = self._reader.read(came[-1]).stamp
+        return self._latest
+
+    def clear(self) -> None:
+        """Drop all messages so far, but keep the stamp of the last."""
+        self.latest()
+        self._messages.clear()
+
+    def track(self) -> Track:
+        """Return all messages as arrays, in the order of their stamps, each stamp once.
+
+        Raises:
+            LostRunError: there are none.
+        """
+        if not self._messages:
+            raise LostRunError("no joint states came from the arm")
+        stamps = array("q")
+        values: dict[str, list[Floats]] = {"position": [], "velocity": [], "effort": []}
+        joints: tuple[str, ...] = ()
+        for data in self._messages:
+            view = self._reader.read(data)
+            joints = view.names
+            stamps.append(view.stamp)
+            for name, rows in values.items():
+                rows.append(getattr(view, name))
+        stamp, first = np.unique(np.array(stamps, dtype=np.int64), return_index=True)
+        return Track(joints, stamp, *(np.array(rows)[first] for rows in values.values()))
+
+
+def tracking(
+    label: str, measured: Track, trajectory: Trajectory, start: int, rate: float
+) -> Tracking:
+    """Return the error of a run, from the start of its trajectory to the end.
+
+    Args:
+        start: ns, when the trajectory began.
+        rate: Hz of the joint states.
+
+    Raises:
+        LostRunError: too many samples are missing.
+    """
+    inside = measured.between(start, start + round(trajectory.duration * 1e9))
+    expected = trajectory.duration * rate
+    if len(inside.stamp) < LEAST * expected:
+        raise LostRunError(
+            f"run '{label}': {len(inside.stamp)} of {expected:.0f} joint states came"
+        )
+    time = (inside.stamp - start) / 1e9
+    wanted, _, _ = trajectory.select(measured.joints).sample(trajectory.time[0] + time)
+    return Tracking(label, measured.joints, time, wanted - inside.position)
+
+
+def recording_of(track: Track, source: str) -> Recording:
+    """Return joint states as a recording."""
+    time, start = (track.stamp - track.stamp[0]) / 1e9, float(track.stamp[0]) / 1e9
+    return Recording(
+        track.joints, time, track.position, track.velocity, track.effort, start, source
+    )
 
 
 class ArmLink:
     """The topics and parameters of the arm node.
 
-    Args:
-        conductor: talks for us.
+    Attributes:
+        measured: the joint states since `listen`.
     """
 
     name = "/arm"
@@ -34,31 +144,31 @@ class ArmLink:
     def __init__(self, conductor: Conductor) -> None:
         self._conductor = conductor
         node, topic = conductor.node, f"{self.name}/joint_trajectory"
-        self._measured = Tape(node, "/joint_states")
+        self.measured = Tape(node, "/joint_states")
         self._until = round(BEFORE * 1e9)
         self._starts: list[int] = []
         self._direct = node.create_publisher(JointTrajectory, topic, RELIABLE)
         node.create_subscription(JointTrajectory, topic, self._on_trajectory, RELIABLE)
 
     def ready(self) -> bool:
-        """Whether we can hear each other."""
+        """Return whether both sides have met."""
         return (
             self._conductor.node.count_publishers("/joint_states") > 0
             and self._direct.get_subscription_count() >= 2
         )
 
     def feed(self, source: str) -> None:
-        """Where its feedforward comes from: none, stream, trajectory or true."""
+        """Set the source of its feedforward: none, stream, trajectory or true."""
         self._conductor.set_parameters(self.name, {"feedforward_source": source})
 
     def run_clock(self, until: float = 0.0) -> None:
-        """Let its clock go on until this time in s; 0 for ever."""
+        """Let its clock run until this time, s; 0 for ever."""
         self._conductor.set_parameters(self.name, {"clock_until": until})
 
     def send(self, trajectory: Trajectory) -> "Drive":
-        """Send a trajectory straight to the arm, whose clock stands still soon after its end.
+        """Send a trajectory straight to the arm, whose clock stops soon after its end.
 
-        So what happens meanwhile takes no time of the arm's, and recordings are always the same.
+        The arm then waits for slower nodes, and recordings are always the same.
         """
         drive = self.listen(trajectory)
         start = self._until + round(LEAD * 1e9)
@@ -68,8 +178,8 @@ class ArmLink:
         return drive
 
     def listen(self, trajectory: Trajectory) -> "Drive":
-        """The run of a trajectory that somebody is about to send to the arm."""
-        self._measured.clear()
+        """Return the run of a trajectory that is about to be sent to the arm."""
+        self.measured.clear()
         self._starts.clear()
         return Drive(self, trajectory)
 
@@ -78,24 +188,16 @@ class ArmLink:
 
     @property
     def start(self) -> int:
-        """Ns of the start of the last trajectory that was sent to it; 0 before there was one."""
+        """Return the start, ns, of the last trajectory that was sent to it; 0 before the first."""
         return self._starts[-1] if self._starts else 0
 
     def refused(self) -> int:
-        """How many references it refused since it started."""
+        """Return how many references it refused since it started."""
         return int(self._conductor.status(self._status).get("refused trajectory", "0"))
 
     def refusal(self) -> str:
-        """Why it refused the last one."""
+        """Return why it refused the last one."""
         return self._conductor.status(self._status).get("last refusal", "")
-
-    def reported(self) -> int:
-        """The arm's time: ns of the last joint state that came, 0 before the first."""
-        return self._measured.latest()
-
-    def track(self) -> Track:
-        """What was measured since `listen`."""
-        return self._measured.track()
 
 
 class Drive:
@@ -114,21 +216,21 @@ class Drive:
 
     @property
     def fraction(self) -> float:
-        """Done so far, 0 to 1."""
+        """Return the share done, 0 to 1."""
         if not self._link.start:
             return 0.0
-        elapsed = (self._link.reported() - self._link.start) / 1e9
+        elapsed = (self._link.measured.latest() - self._link.start) / 1e9
         return min(1.0, max(0.0, elapsed / self._trajectory.duration))
 
     def over(self) -> bool:
-        """Whether the arm has come to the end and a little further.
+        """Return whether the arm has reached the end and a little more.
 
         Raises:
             LostRunError: the arm refused the trajectory.
         """
         if self._link.refused() > self._refused:
             raise LostRunError(f"{self._link.name} refused the motion: {self._link.refusal()}")
-        start, now, real = self._link.start, self._link.reported(), time.monotonic()
+        start, now, real = self._link.start, self._link.measured.latest(), time.monotonic()
         if not start or now < start:
             return False
         if self._began is None:
@@ -141,24 +243,19 @@ class Drive:
         return self._link.start + round((self._trajectory.duration + AFTER) * 1e9)
 
     def result(self, label: str) -> tuple[Tracking, Track]:
-        """The tracking error, and what was measured.
+        """Return the tracking error and the joint states.
 
         Raises:
             LostRunError: too many samples are missing.
         """
-        measured, start = self._link.track(), self._link.start
+        measured, start = self._link.measured.track(), self._link.start
         found = tracking(label, measured, self._trajectory, start, RATE)
         # The filter of the conditioning settles while the arm still stands.
         return found, measured.between(start - round(AFTER * 1e9), self._end)
 
 
 def message_of(trajectory: Trajectory, start: int) -> JointTrajectory:
-    """A trajectory as a message.
-
-    Args:
-        trajectory: its effort is not sent.
-        start: ns; 0 leaves it to the receiver.
-    """
+    """Return a trajectory without its effort as a message; `start` in ns, 0 for the receiver's."""
     message = JointTrajectory(joint_names=list(trajectory.joints))
     message.header.stamp = stamp(start)
     for k in range(len(trajectory)):

@@ -1,6 +1,6 @@
-"""The bound: how well the arm tracks when it is fed with its own true torques.
+"""The bound: tracking of the arm that is fed with its own true torques.
 
-It needs no ROS, so it is simulated in a process of its own while the arm moves.
+It needs no ROS; a separate process simulates it while the arm moves.
 """
 
 import os
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from multiprocessing import TimeoutError, get_context
 from typing import TYPE_CHECKING
 
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.errors import DemoError
 from lagrangian_ff.report import Tracking
 
 if TYPE_CHECKING:
@@ -21,13 +21,9 @@ PATIENCE = 300.0  # s
 
 @contextmanager
 def bound_of(trajectories: "list[Trajectory]", seed: int) -> Iterator[Callable[[], list[Tracking]]]:
-    """Begin to track the trajectories; what is yielded waits for the end and gives the errors.
+    """Start to track the trajectories; yield a function that waits for the errors.
 
-    Leaving the context ends it.
-
-    Args:
-        trajectories: where the arm should be.
-        seed: of the sensors' noise.
+    Leaving the context ends it. The seed is that of the sensors' noise.
     """
     # A fork would take ROS's threads with it.
     with get_context("spawn").Pool(1, _leave_the_terminal) as pool:
@@ -43,14 +39,14 @@ def bound_of(trajectories: "list[Trajectory]", seed: int) -> Iterator[Callable[[
 
 
 def track(trajectory: "Trajectory", seed: int) -> Tracking:
-    """The tracking error of the arm fed with its true torques."""
-    from lagrangian_ff.arm import simulate  # PyBullet, which talks when it is imported
+    """Return the tracking error of the arm fed with its true torques."""
+    from lagrangian_ff.arm import simulate  # PyBullet, which prints when it is imported
 
     run = simulate(trajectory, "true", seed=seed)
     return Tracking("bound", run.recording.joints, run.reference.time, run.tracking_error)
 
 
 def _leave_the_terminal() -> None:
-    """Leave Ctrl-C to the process that started this one, and say nothing, as PyBullet would."""
+    """Leave Ctrl-C to the parent process, and discard what PyBullet prints."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -1,54 +1,30 @@
-"""The folder the demo writes into, and what of an earlier demo it replaces."""
+"""The output folder of the demo; it replaces an earlier demo."""
 
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 from lagrangian_ff.errors import UserError
 
 
-@dataclass(frozen=True)
 class Folder:
     """Paths of everything the demo leaves behind.
 
     Attributes:
         root: the folder.
+        page: shows everything.  record: all numbers as JSON.  model: the identified model.
+        recording: folder of the identify node's bag.
+        unseen: bag of the motion the model never saw.
+        logs: output of the nodes.
     """
 
-    root: Path
-
-    @property
-    def page(self) -> Path:
-        """The page that shows everything."""
-        return self.root / "index.html"
-
-    @property
-    def record(self) -> Path:
-        """All numbers as JSON."""
-        return self.root / "demo.json"
-
-    @property
-    def model(self) -> Path:
-        """The identified model."""
-        return self.root / "model.npz"
-
-    @property
-    def recording(self) -> Path:
-        """Where the identify node puts its bag."""
-        return self.root / "recording"
-
-    @property
-    def unseen(self) -> Path:
-        """Bag of the motion the model never saw."""
-        return self.root / "unseen_motion"
-
-    @property
-    def logs(self) -> Path:
-        """What the nodes print."""
-        return self.root / "logs"
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.page, self.record = root / "index.html", root / "demo.json"
+        self.model, self.recording = root / "model.npz", root / "recording"
+        self.unseen, self.logs = root / "unseen_motion", root / "logs"
 
     def picture(self, name: str) -> Path:
-        """A picture of this name."""
+        """Return the path of a picture."""
         return self.root / f"{name}.png"
 
     def prepare(self) -> None:
@@ -70,16 +46,12 @@ class Folder:
             ) from error
 
     def bag(self) -> Path:
-        """The bag the identify node made."""
+        """Return the bag the identify node made."""
         return max(path for path in self.recording.iterdir() if path.is_dir())
 
 
 def _remove(path: Path) -> None:
-    """Remove a folder of an earlier demo, but not one that holds something else.
-
-    Raises:
-        UserError: it does.
-    """
+    """Remove a folder of an earlier demo; raise UserError if it holds something else."""
     if not path.exists():
         return
     ours = (".mcap", ".yaml", ".npz", ".log", ".part")

@@ -1,4 +1,4 @@
-"""What a user may choose about the demo."""
+"""The options of the demo."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,18 +14,18 @@ class Options:
     """The demo's settings.
 
     Attributes:
-        output: the folder everything is put in; made where it is missing.
+        output: folder of the results; made if it is missing.
         speed: 1 to 10, of both trajectories.
         seed: of the trajectory that is learned from; the one never seen has the next.
         duration: s of the trajectory that is learned from.
         unseen_duration: s of the other one.
         model: kernel and effects to identify.
-        samples: how many samples the kernel is built on.
+        samples: number of samples the kernel is built on.
         train: share of the recording that is learned from, from its beginning.
-        through: how the torque reaches the arm: "stream", torque by torque while it moves, or
+        through: the torque's way to the arm: "stream", torque by torque while it moves, or
             "trajectory", with the points of the trajectory before it moves.
-        clock_speed: times real time that the arm's clock goes where the machine can keep up.
-        domain: ROS domain to use; None looks for one that nobody uses.
+        clock_speed: of the arm's clock, times real time, if the machine keeps up.
+        domain: ROS domain to use; None looks for an unused one.
     """
 
     output: Path = Path("out")
@@ -42,13 +42,9 @@ class Options:
 
     def __post_init__(self) -> None:
         for name, low, high in (
-            ("duration", 8.0, 600.0),
-            ("unseen_duration", 4.0, 600.0),
-            ("train", 0.05, 1.0),
-            ("samples", 10, 5000),
-            ("speed", 1, 10),
-            ("clock_speed", 0.1, 100.0),
-        ):
+            ("duration", 8.0, 600.0), ("unseen_duration", 4.0, 600.0), ("train", 0.05, 1.0),
+            ("samples", 10, 5000), ("speed", 1, 10), ("clock_speed", 0.1, 100.0),
+        ):  # fmt: skip
             value = getattr(self, name)
             if not low <= value <= high:
                 raise UserError(f"{name} is {value}, expected {low:g} to {high:g}")
@@ -59,9 +55,6 @@ class Options:
 
 
 QUICK: dict[str, Any] = {
-    "duration": 8.0,
-    "unseen_duration": 5.0,
-    "samples": 300,
-    "model": "chain+fri",
-}
+    "duration": 8.0, "unseen_duration": 5.0, "samples": 300, "model": "chain+fri",
+}  # fmt: skip
 """Short motions, to see everything work in a minute."""

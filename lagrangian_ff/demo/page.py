@@ -1,26 +1,54 @@
-"""The page of the demo: its sections, listed once."""
+"""The page of the demo, its pictures and its JSON."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from lagrangian_ff import __version__
+from lagrangian_ff import __version__, arm
 from lagrangian_ff.arm import ArmParameters
 from lagrangian_ff.demo.findings import NAMES, TARGETS, Findings
+from lagrangian_ff.demo.folder import Folder
+from lagrangian_ff.numbers import mrad, percent, typeset
 from lagrangian_ff.report import Section, html, write_page
-from lagrangian_ff.report.numbers import mrad, number, percent
-from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
+from lagrangian_ff.report.sections.effects import effects_section
+from lagrangian_ff.report.sections.torque import torque_figure, torque_section
+from lagrangian_ff.report.sections.tracking import (
+    tracking_bars_figure,
+    tracking_section,
+    tracking_time_figure,
+)
+from lagrangian_ff.report.style import png
 
 Pictures = Mapping[str, bytes]
+
+
+def write_results(findings: Findings, folder: Folder) -> None:
+    """Write pictures, page and JSON."""
+    compared = findings.comparison
+    assert compared is not None
+    arm.picture(folder.picture("arm"))
+    pictures = {
+        "torque": torque_figure(compared.motion, compared.predicted, compared.interval),
+        "tracking_bars": tracking_bars_figure(
+            {f"on {NAMES[name]}": findings.runs(name) for name in NAMES}
+        ),
+        **{f"tracking_{name}": tracking_time_figure(findings.runs(name)) for name in NAMES},
+    }
+    drawn = {name: png(figure) for name, figure in pictures.items()}
+    for name, data in drawn.items():
+        folder.picture(name).write_bytes(data)
+    drawn["arm"] = folder.picture("arm").read_bytes()
+    write_demo_page(findings, drawn, folder.page)
+    text = json.dumps(findings.record(), indent=2, ensure_ascii=False) + "\n"
+    folder.record.write_text(text, encoding="utf-8")
 
 
 def write_demo_page(findings: Findings, pictures: Pictures, path: Path) -> None:
     """Write the page.
 
     Args:
-        findings: of a demo that came to its end.
         pictures: PNG files by name: arm, tracking_bars, tracking_training, tracking_unseen,
             torque.
-        path: of the page.
     """
     sections = [make(findings, pictures) for make in SECTIONS]
     title = (
@@ -101,7 +129,7 @@ def _story(findings: Findings, pictures: Pictures) -> Section:
     picture = html.figure(pictures["arm"], "the simulated six-joint arm")
     return Section(
         "What happened",
-        "Three ROS 2 nodes, each a process of its own, talked over DDS as they would with a real "
+        "Three ROS 2 nodes, each a separate process, talked over DDS as they would with a real "
         "robot; only the arm is simulated (PyBullet, geared motors, friction, noisy sensors).",
         html.beside(steps, picture),
     )
@@ -115,12 +143,10 @@ def _through(through: str) -> str:
 
 def _unseen(findings: Findings, pictures: Pictures) -> Section:
     return tracking_section(
-        findings.runs("unseen"),
-        pictures["tracking_unseen"],
+        findings.runs("unseen"), pictures["tracking_unseen"],
         "Tracking a motion the model never saw",
-        "What counts in use: the model must get right what it was not shown.",
-        strong=2,
-    )
+        "What counts in use: the model must get right what it was not shown.", strong=2,
+    )  # fmt: skip
 
 
 def _training(findings: Findings, pictures: Pictures) -> Section:
@@ -146,13 +172,13 @@ def _torque(findings: Findings, pictures: Pictures) -> Section:
 
 
 def _effects(findings: Findings, pictures: Pictures) -> Section:
-    arm = ArmParameters()
+    true = ArmParameters()
     return effects_section(
         findings.identification,
         truth={
-            ("viscous", "B"): arm.viscous,
-            ("coulomb", "F_c"): arm.coulomb,
-            ("offset", "c"): (0.0,) * len(arm.viscous),
+            ("viscous", "B"): true.viscous,
+            ("coulomb", "F_c"): true.coulomb,
+            ("offset", "c"): (0.0,) * len(true.viscous),
         },
         remark="The true values are those of the simulated arm; identification did not know them. "
         "A universal kernel can take over part of an effect, so that values drift from the truth "
@@ -188,22 +214,18 @@ def _numbers(findings: Findings, pictures: Pictures) -> Section:
 def _options(findings: Findings) -> dict[str, str]:
     options = findings.options
     return {
-        "speed": str(options.speed),
-        "seed": str(options.seed),
-        "duration": f"{options.duration:g} s",
-        "unseen duration": f"{options.unseen_duration:g} s",
-        "model": options.model,
-        "samples": str(options.samples),
-        "clock speed": f"{options.clock_speed:g}",
-        "train": f"{options.train:g}",
+        "speed": str(options.speed), "seed": str(options.seed),
+        "duration": f"{options.duration:g} s", "unseen duration": f"{options.unseen_duration:g} s",
+        "model": options.model, "samples": str(options.samples),
+        "clock speed": f"{options.clock_speed:g}", "train": f"{options.train:g}",
         "through": options.through,
-    }
+    }  # fmt: skip
 
 
 def _value(value: object) -> str:
     if isinstance(value, list):
-        return ", ".join(number(float(one)) for one in value)
-    return number(float(value)) if isinstance(value, (int, float)) else str(value)
+        return ", ".join(typeset(float(one)) for one in value)
+    return typeset(float(value)) if isinstance(value, (int, float)) else str(value)
 
 
 SECTIONS = (_verdict, _story, _unseen, _training, _torque, _effects, _numbers)

@@ -1,4 +1,4 @@
-"""The nodes as processes of their own, which always end when the demo does."""
+"""The nodes as separate processes, which end with the demo, and the processor time they take."""
 
 import contextlib
 import ctypes
@@ -7,14 +7,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 
-from lagrangian_ff.demo.errors import DemoError
+from lagrangian_ff.errors import DemoError
 
 PATIENCE = 5.0  # s for a node to end after SIGINT
 TAIL = 15  # lines of a log that are shown
+BUSY = 8  # columns of /proc/stat: user, nice, system, idle, iowait, irq, softirq, steal
+IDLE = (3, 4)
 
 # Looked up before any fork: between fork and exec as little as possible may happen.
 _PRCTL = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
@@ -22,7 +23,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 class NodeProcess:
-    """One node in a session of its own, its output in a file.
+    """One node in its own session, with its output in a file.
 
     Args:
         name: of the executable, a module of lagrangian_ff.nodes.
@@ -33,14 +34,9 @@ class NodeProcess:
     """
 
     def __init__(
-        self,
-        name: str,
-        log: Path,
-        *,
-        parameters: Mapping[str, object],
-        remap: Mapping[str, str],
+        self, name: str, log: Path, *, parameters: Mapping[str, object], remap: Mapping[str, str],
         environment: Mapping[str, str],
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.name = log.stem
         self.log = log
         arguments = ["--ros-args"]
@@ -52,24 +48,20 @@ class NodeProcess:
         command = [sys.executable, "-m", f"lagrangian_ff.nodes.{name}", *arguments]
         with log.open("wb") as file:
             self._process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=file,
-                stderr=subprocess.STDOUT,
-                env=dict(environment),
-                start_new_session=True,
+                command, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
+                env=dict(environment), start_new_session=True,
                 preexec_fn=_end_with_parent if _PRCTL else None,
-            )
+            )  # fmt: skip
         self.peak = 0
 
     @property
     def number(self) -> int:
-        """Of the process."""
+        """Return the process id."""
         return self._process.pid
 
     @property
     def alive(self) -> bool:
-        """Whether it still runs."""
+        """Return whether it still runs."""
         return self._process.poll() is None
 
     def check(self) -> None:
@@ -81,12 +73,12 @@ class NodeProcess:
             )
 
     def tail(self) -> str:
-        """The last lines of its log."""
+        """Return the last lines of its log."""
         lines = self.log.read_text(encoding="utf-8", errors="replace").splitlines()
         return "\n".join(f"  {line}" for line in lines[-TAIL:]) or "  (nothing was printed)"
 
     def measure(self) -> int:
-        """Bytes of memory it held at most, 0 where the system does not tell."""
+        """Return the most memory it has held, bytes; 0 if the system does not report it."""
         with contextlib.suppress(OSError, StopIteration, ValueError):
             status = Path(f"/proc/{self._process.pid}/status").read_text()
             line = next(line for line in status.splitlines() if line.startswith("VmHWM:"))
@@ -99,7 +91,7 @@ class NodeProcess:
             os.killpg(self._process.pid, number)
 
     def wait(self, seconds: float) -> bool:
-        """Whether it has ended within this time."""
+        """Return whether it has ended within this time."""
         try:
             self._process.wait(max(0.0, seconds))
         except subprocess.TimeoutExpired:
@@ -107,8 +99,8 @@ class NodeProcess:
         return True
 
 
-class Nodes:
-    """All processes of a demo; leaving the context ends them, whatever happened.
+class Nodes(contextlib.AbstractContextManager["Nodes"]):
+    """All processes of a demo; leaving the context ends them.
 
     Args:
         logs: folder for their output.
@@ -122,20 +114,13 @@ class Nodes:
         self._peaks: dict[str, int] = {}
 
     def start(
-        self,
-        executable: str,
-        *,
-        parameters: Mapping[str, object] | None = None,
-        remap: Mapping[str, str] | None = None,
-        log: str | None = None,
-    ) -> NodeProcess:
-        """Start a node; returns at once."""
+        self, executable: str, *, parameters: Mapping[str, object] | None = None,
+        remap: Mapping[str, str] | None = None, log: str | None = None,
+    ) -> NodeProcess:  # fmt: skip
+        """Start a node; return at once."""
+        file, given = self._logs / f"{log or executable}.log", parameters or {}
         process = NodeProcess(
-            executable,
-            self._logs / f"{log or executable}.log",
-            parameters=parameters or {},
-            remap=remap or {},
-            environment=self._environment,
+            executable, file, parameters=given, remap=remap or {}, environment=self._environment
         )
         self._running.append(process)
         return process
@@ -146,20 +131,20 @@ class Nodes:
             process.check()
 
     def peaks(self) -> dict[str, int]:
-        """Bytes of memory each held at most."""
+        """Return the most memory each has held, bytes."""
         self._peaks |= {process.name: process.measure() for process in self._running}
         return dict(self._peaks)
 
     def numbers(self) -> list[int]:
-        """Of the processes that were not ended."""
+        """Return the ids of the processes that were not ended."""
         return [process.number for process in self._running]
 
     def tails(self) -> str:
-        """The end of every log."""
+        """Return the end of every log."""
         return "\n".join(f"{process.log}:\n{process.tail()}" for process in self._running)
 
     def end(self, *names: str) -> None:
-        """Ask these to end, then make them.
+        """Ask these to end, then kill them.
 
         Args:
             names: as in `peaks`; none for all.
@@ -169,15 +154,7 @@ class Nodes:
         self._running = [process for process in self._running if process not in ending]
         _end(ending)
 
-    def __enter__(self) -> "Nodes":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.end()
 
 
@@ -196,7 +173,7 @@ def _end(processes: Sequence[NodeProcess]) -> None:
 
 
 def _end_with_parent() -> None:
-    """Let the kernel end this process when the demo dies without a word (SIGKILL)."""
+    """Let the kernel end this process if the demo is killed (SIGKILL)."""
     assert _PRCTL is not None
     _PRCTL(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
@@ -207,3 +184,53 @@ def _yaml(value: object) -> str:
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_yaml, value)) + "]"
     return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+class OtherWork:
+    """Processors that other programs keep busy, from the moment this is made.
+
+    Args:
+        ours: seconds of processor that our own processes took so far.
+        stat: text of /proc/stat.
+    """
+
+    def __init__(
+        self,
+        ours: Callable[[], float],
+        stat: Callable[[], str] = lambda: Path("/proc/stat").read_text(),
+    ) -> None:
+        self._ours, self._stat = ours, stat
+        self._before = self._look()
+
+    def processors(self) -> float:
+        """Return how many processors others took; 0 if the system does not report it."""
+        passed, busy, ours = (
+            now - before for now, before in zip(self._look(), self._before, strict=True)
+        )
+        count = os.cpu_count() or 1
+        return max(0.0, busy - ours) / passed * count if passed > 0.0 else 0.0
+
+    def _look(self) -> tuple[float, float, float]:
+        """Return processor seconds passed, those used, and those that we used."""
+        try:
+            columns = [int(text) for text in self._stat().split("\n", 1)[0].split()[1 : BUSY + 1]]
+        except (OSError, ValueError):
+            return 0.0, 0.0, 0.0
+        ticks = os.sysconf("SC_CLK_TCK")
+        idle = sum(columns[k] for k in IDLE)
+        return sum(columns) / ticks, (sum(columns) - idle) / ticks, self._ours()
+
+
+def processor_seconds(processes: Iterable[int]) -> float:
+    """Return processor seconds that this process and those of these ids took."""
+    mine = os.times()
+    total = mine.user + mine.system
+    for number in processes:
+        try:
+            # The name in parentheses may hold blanks; user and system time are the 12th and 13th
+            # column behind it.
+            columns = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        total += (int(columns[11]) + int(columns[12])) / os.sysconf("SC_CLK_TCK")
+    return total

@@ -15,35 +15,32 @@ from lagrangian_ff.demo.options import Options
 from lagrangian_ff.demo.stages import Stages
 from lagrangian_ff.errors import UserError
 
-WIDTH = 100  # of what is printed where there is no terminal
+WIDTH = 100  # of the output without a terminal
 
 
 def run(options: Options | None = None) -> int:
-    """Record, identify and drive the simulated arm over ROS 2; show how it went.
-
-    Args:
-        options: see `Options`.
+    """Record, identify and drive the simulated arm over ROS 2; show the results.
 
     Returns:
-        0 when it came to its end, whatever the figures; they are printed, in `demo.json` and on
-        the page.
+        0 once it is complete, whatever the figures; they are printed, in `demo.json` and on the
+        page.
 
     Raises:
         UserError: ROS is missing, the folder cannot be written, or a node failed.
     """
     options = options or Options()
     try:
-        # First of all: the wheels of ROS start Python anew once, to set their library path.
+        # First of all: the wheels of ROS restart Python once, to set their library path.
         import rclpy  # noqa: F401
     except ImportError as error:
         raise UserError(
             f"the demo needs ROS 2 ({error}): source ROS 2 Jazzy, or install the extra: "
             "pip install -e '.[ros]' in the source folder"
         ) from error
-    from lagrangian_ff.demo.graph import own_graph
-    from lagrangian_ff.demo.present import print_findings, write_results
-    from lagrangian_ff.demo.scenario import Scenario
-    from lagrangian_ff.demo.trajectories import make_motions
+    from lagrangian_ff.demo.conductor import own_graph
+    from lagrangian_ff.demo.findings import print_findings
+    from lagrangian_ff.demo.page import write_results
+    from lagrangian_ff.demo.scenario import Scenario, motions_of
 
     console = Console(file=sys.stdout)
     if not console.is_terminal:
@@ -54,7 +51,7 @@ def run(options: Options | None = None) -> int:
     console.print("[bold]From joint states to feedforward torque[/], over ROS 2", highlight=False)
     with _terminated_as_interrupted():
         with stages.stage("motions", "two motions through the workspace are planned"):
-            motions = make_motions(options)
+            motions = motions_of(options)
         scenario = Scenario(options, motions, folder, stages)
         with own_graph(options.domain) as (context, domain):
             console.print(
@@ -71,7 +68,7 @@ def run(options: Options | None = None) -> int:
 
 
 def _add_own_memory(memory: dict[str, int]) -> None:
-    """Bytes that the conductor and the largest process below the nodes held at most."""
+    """Add the most memory, bytes, of the conductor and of the largest process below the nodes."""
     kilobyte = 1024
     memory["conductor"] = kilobyte * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # The identification is a child of the identify node, which has waited for it by now.

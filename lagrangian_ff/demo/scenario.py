@@ -1,9 +1,9 @@
-"""What the demo does, step by step: record, identify, then track with more and more feedforward."""
+"""The steps of the demo: record, identify, then track with more and more feedforward."""
 
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -15,20 +15,17 @@ from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from lagrangian_ff.arm import Trajectory
-from lagrangian_ff.demo.arm_link import BEFORE, LEAD, RATE, ArmLink, Drive, message_of
+from lagrangian_ff.arm import Trajectory, exciting_trajectory
+from lagrangian_ff.demo import arm_link
 from lagrangian_ff.demo.bound import bound_of
-from lagrangian_ff.demo.capture import Track, recording_of
 from lagrangian_ff.demo.conductor import Conductor
-from lagrangian_ff.demo.errors import DemoError, LostRunError
 from lagrangian_ff.demo.findings import Findings
 from lagrangian_ff.demo.folder import Folder
-from lagrangian_ff.demo.load import OtherWork, processor_seconds
 from lagrangian_ff.demo.options import Options
-from lagrangian_ff.demo.processes import Nodes
+from lagrangian_ff.demo.processes import Nodes, OtherWork, processor_seconds
 from lagrangian_ff.demo.stages import Stages
-from lagrangian_ff.demo.trajectories import Motions
 from lagrangian_ff.diagnosis import compare
+from lagrangian_ff.errors import DemoError, LostRunError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import condition, write_bag
@@ -48,20 +45,29 @@ FEEDFORWARD = (
     (SetParameters, "/feedforward/set_parameters"),
     (ChangeState, "/feedforward/change_state"),
 )
-# The arm's time is its own, and the stream answers each of its joint states: so that tracking shows
-# the model, and not what else the machine does.
+# The arm keeps its own time, and the stream answers each joint state: tracking shows the model, not
+# the load of the machine.
 WAIT = 1.0  # s for an answer
-TICK = 1.0 / RATE
+TICK = 1.0 / arm_link.RATE
 OWN_CLOCK = {
     "publish_clock": True,
     "wait_for_command": WAIT,
     "qos_overrides./arm/commands.subscription.reliability": "reliable",
 }
 RELIABLE_STATES = {"qos_overrides./joint_states.subscription.reliability": "reliable"}
-FEEDFORWARD_TO_ARM = {
-    "~/joint_trajectory": "/arm/joint_trajectory",
-    "~/commands": "/arm/commands",
-}
+FEEDFORWARD_TO_ARM = {"~/joint_trajectory": "/arm/joint_trajectory", "~/commands": "/arm/commands"}
+
+
+def motions_of(options: Options) -> dict[str, Trajectory]:
+    """Return exciting trajectories, `training` and `unseen`, from and to the arm's home position.
+
+    Raises:
+        ArmError: none was found within the arm's limits.
+    """
+    return {
+        "training": exciting_trajectory(options.speed, options.seed, options.duration),
+        "unseen": exciting_trajectory(options.speed, options.seed + 1, options.unseen_duration),
+    }
 
 
 class Scenario:
@@ -69,12 +75,14 @@ class Scenario:
 
     Args:
         options: what was asked for.
-        motions: the two trajectories.
-        folder: where results go.
-        stages: told what is going on.
+        motions: see `motions_of`.
+        folder: of the results.
+        stages: shows the progress.
     """
 
-    def __init__(self, options: Options, motions: Motions, folder: Folder, stages: Stages) -> None:
+    def __init__(
+        self, options: Options, motions: Mapping[str, Trajectory], folder: Folder, stages: Stages
+    ) -> None:
         self._options = options
         self._motions = motions
         self._folder = folder
@@ -82,22 +90,22 @@ class Scenario:
         self.findings = Findings(options)
 
     def play(self, context: Context, domain: int) -> Findings:
-        """Do it all; every process has ended when this returns or raises.
+        """Play all steps; every process has ended when this returns or raises.
 
         Raises:
-            DemoError: a node did not do what was asked of it.
+            DemoError: a node failed.
         """
         environment = {**os.environ, **_surroundings(domain)}
         with Nodes(self._folder.logs, environment) as self._nodes:
             self._start_arm_and_recorder()
             with closing(Conductor(context, self._nodes)) as self._conductor:
-                self._arm = ArmLink(self._conductor)
+                self._arm = arm_link.ArmLink(self._conductor)
                 with self._stages.stage("start", "the arm and the recorder start"):
                     self._conductor.until(self._arm.ready, "the arm")
                     for kind, service in ARM_AND_RECORDER:
                         self._conductor.meet(kind, service)
-                motions, seed = self._motions.named(), self._options.seed + 1
-                with bound_of(list(motions.values()), seed) as bound:
+                seed = self._options.seed + 1
+                with bound_of(list(self._motions.values()), seed) as bound:
                     self._record()
                     self._identify()
                     self._load()
@@ -116,38 +124,32 @@ class Scenario:
         self._nodes.start(
             "arm",
             parameters={
-                "feedforward_source": "none",
-                "seed": options.seed,
-                "clock_speed": options.clock_speed,
-                "clock_until": BEFORE,
-                **OWN_CLOCK,
+                "feedforward_source": "none", "seed": options.seed,
+                "clock_speed": options.clock_speed, "clock_until": arm_link.BEFORE, **OWN_CLOCK,
             },
-        )
+        )  # fmt: skip
         self._nodes.start(
             "identify",
             parameters={
-                "model": options.model,
-                "train": options.train,
-                "samples": options.samples,
+                "model": options.model, "train": options.train, "samples": options.samples,
                 "output_directory": str(folder.recording.absolute()),
-                "model_file": str(folder.model.absolute()),
-                **RELIABLE_STATES,
+                "model_file": str(folder.model.absolute()), **RELIABLE_STATES,
             },
-        )
+        )  # fmt: skip
 
     def _start_feedforward(self) -> None:
-        """It imports what it needs and then sleeps until there is a model."""
+        """Start the node, which sleeps until there is a model."""
         self._nodes.start(
             "feedforward",
             parameters={
                 "autostart": False,
                 "use_sim_time": True,
                 # The arm reads a whole trajectory before it starts.
-                "start_delay": LEAD,
+                "start_delay": arm_link.LEAD,
                 # A torque acts a tick after the joint state that it answers.
                 "lead_time": TICK,
-                # Where the unseen motion is faster than what was learned from, the torque is sent
-                # all the same: the arm is simulated, and what the model knows there is to be seen.
+                # The torque is sent even if the unseen motion is faster than that learned from: the
+                # arm is simulated, and the demo shows how well the model extrapolates.
                 "out_of_range": "allow",
                 **RELIABLE_STATES,
             },
@@ -155,33 +157,33 @@ class Scenario:
         )
 
     def _record(self) -> None:
-        trajectory = self._motions.training
+        trajectory = self._motions["training"]
         doing = f"the arm moves for {trajectory.duration:.0f} s and is recorded"
-        with self._stages.stage("record", doing) as tell:
+        with self._stages.stage("record", doing) as report:
             self._settle()
             self._conductor.trigger("/identify/start")
-            self._run("training", "none", lambda: self._arm.send(trajectory), tell)
+            self._run("training", "none", lambda: self._arm.send(trajectory), report)
             self._settle()
             self._conductor.trigger("/identify/stop")
 
     def _identify(self) -> None:
-        """The identification runs in its own process, so the arm moves on meanwhile."""
-        trajectory, options = self._motions.unseen, self._options
+        """Identify in another process, while the arm moves on."""
+        trajectory, options = self._motions["unseen"], self._options
         doing = (
             f"identify learns {options.model} from it; meanwhile the arm makes "
             f"{trajectory.duration:.0f} s of another motion"
         )
-        with self._stages.stage("identify", doing) as tell:
+        with self._stages.stage("identify", doing) as report:
             self._conductor.trigger("/identify/identify")
             self._start_feedforward()
-            self._unseen = self._run("unseen", "none", lambda: self._arm.send(trajectory), tell)
+            self._unseen = self._run("unseen", "none", lambda: self._arm.send(trajectory), report)
 
             def identified() -> str:
                 failure = self._conductor.complaint(IDENTIFICATION)
                 if failure:
                     raise DemoError(f"identify: {failure}")
                 state = self._conductor.status(IDENTIFICATION)
-                tell(float(state.get("progress", 1.0)), state.get("label", ""))
+                report(float(state.get("progress", 1.0)), state.get("label", ""))
                 return state.get("model file", "")
 
             self._conductor.until(identified, "the model", SLOWEST_IDENTIFICATION)
@@ -214,64 +216,67 @@ class Scenario:
         run = "all" if friction else "without_friction"
         said = "with friction" if friction else "without its friction part"
         self._conductor.set_parameters("/feedforward", {"terms.friction": friction})
-        for name, trajectory in self._motions.named().items():
+        for name, trajectory in self._motions.items():
             doing = f"feedforward {said} on the {name} motion"
-            with self._stages.stage(f"{name}_{run}", doing) as tell:
-                self._run(name, run, partial(self._refer, trajectory), tell)
+            with self._stages.stage(f"{name}_{run}", doing) as report:
+                self._run(name, run, partial(self._refer, trajectory), report)
 
-    def _refer(self, trajectory: Trajectory) -> Drive:
+    def _refer(self, trajectory: Trajectory) -> arm_link.Drive:
         """Send a trajectory to the arm by way of the feedforward."""
         drive = self._arm.listen(trajectory)
-        self._references.publish(message_of(trajectory, 0))
+        self._references.publish(arm_link.message_of(trajectory, 0))
         return drive
 
     def _run(
-        self, name: str, run: str, send: Callable[[], Drive], tell: Progress, tries: int = TRIES
-    ) -> Track:
-        """One run of the arm, done again where joint states were lost; what was measured.
+        self,
+        name: str,
+        run: str,
+        send: Callable[[], arm_link.Drive],
+        report: Progress,
+        tries: int = TRIES,
+    ) -> arm_link.Track:
+        """Drive the arm once, again if joint states were lost; return the joint states.
 
         Raises:
             LostRunError: none of the tries was whole.
         """
         drive = send()
         try:
-            self._wait(drive, tell)
+            self._wait(drive, report)
             found, measured = drive.result(run)
         except LostRunError:
             if tries == 1:
                 raise
-            return self._run(name, run, send, tell, tries - 1)
+            return self._run(name, run, send, report, tries - 1)
         self.findings.keep(name, run, found, drive.speed)
         return measured
 
-    def _wait(self, drive: Drive, tell: Progress) -> None:
+    def _wait(self, drive: arm_link.Drive, report: Progress) -> None:
         longest = max(self._options.duration, self._options.unseen_duration)
         self._conductor.until(
-            drive.over,
-            "the end of the motion",
-            patience=longest / SLOWEST_CLOCK + 60.0,
-            meanwhile=lambda: tell(drive.fraction, ""),
-        )
+            drive.over, "the end of the motion", patience=longest / SLOWEST_CLOCK + 60.0,
+            meanwhile=lambda: report(drive.fraction, ""),
+        )  # fmt: skip
 
     def _settle(self) -> None:
-        """Let the last joint states arrive everywhere; the arm's clock stands still."""
+        """Let the last joint states arrive everywhere while the arm's clock stands still."""
         end = time.monotonic() + SETTLING
         self._conductor.until(lambda: time.monotonic() >= end, "a moment of rest")
 
     def _judge(self, bound: Callable[[], list[Tracking]]) -> None:
-        """Hold the model against the motion it never saw, and tracking against its bound."""
-        with self._stages.stage("judge", "the model is held against the motion it never saw"):
+        """Compare the model with the motion it never saw, and tracking with its bound."""
+        with self._stages.stage("judge", "the model is compared with the motion it never saw"):
             model = Model.load(self._folder.model)
-            recording = recording_of(self._unseen, "the motion never seen")
+            recording = arm_link.recording_of(self._unseen, "the motion never seen")
             write_bag(self._folder.unseen, recording)
             self.findings.identification = dict(model.record)
             self.findings.comparison = compare(model, condition(recording), intervals=True)
-            for name, found in zip(self._motions.named(), bound(), strict=True):
+            for name, found in zip(self._motions, bound(), strict=True):
                 self.findings.keep(name, "bound", found)
 
 
 def _surroundings(domain: int) -> dict[str, str]:
-    """What the nodes' environment says besides that of the demo."""
+    """Return what the nodes' environment has besides that of the demo."""
     prefixes = [path for path in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if path]
     if sys.prefix not in prefixes and (Path(sys.prefix) / "share/ament_index").is_dir():
         prefixes.append(sys.prefix)

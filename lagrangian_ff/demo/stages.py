@@ -1,4 +1,4 @@
-"""Saying what is going on: a bar while a stage runs, a line when it is done."""
+"""The progress of the demo: a bar while a stage runs, a line when it is done."""
 
 import time
 from collections.abc import Iterator
@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from lagrangian_ff.progress import Progress as Tell
+from lagrangian_ff.progress import Progress as Report
 
 
 class Stages:
     """Shows the stages of the demo one after the other.
 
     Attributes:
-        seconds: each stage took, by name.
+        seconds: of each stage, by name.
     """
 
     def __init__(self, console: Console) -> None:
@@ -22,8 +22,8 @@ class Stages:
         self.seconds: dict[str, float] = {}
 
     @contextmanager
-    def stage(self, name: str, doing: str) -> Iterator[Tell]:
-        """Show a stage while the block runs.
+    def stage(self, name: str, doing: str) -> Iterator[Report]:
+        """Show a stage while the block runs; yield the receiver of its progress.
 
         Args:
             name: for the record.
@@ -31,24 +31,19 @@ class Stages:
         """
         began = time.monotonic()
         bar = Progress(
-            TextColumn("  {task.description}"),
-            BarColumn(bar_width=28),
-            TextColumn("{task.fields[label]}"),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-            console=self._console,
-            transient=True,
-            disable=not self._console.is_terminal,
-        )
+            TextColumn("  {task.description}"), BarColumn(bar_width=28),
+            TextColumn("{task.fields[label]}"), TimeElapsedColumn(), TimeRemainingColumn(),
+            console=self._console, transient=True, disable=not self._console.is_terminal,
+        )  # fmt: skip
         if not self._console.is_terminal:
             self._console.print(f"  … {doing}", highlight=False, soft_wrap=True)
         with bar:
             task = bar.add_task(doing, total=1.0, label="")
 
-            def tell(fraction: float, label: str) -> None:
+            def report(fraction: float, label: str) -> None:
                 bar.update(task, completed=fraction, label=label)
 
-            yield tell
+            yield report
         took = time.monotonic() - began
         self.seconds[name] = self.seconds.get(name, 0.0) + took
         self._console.print(

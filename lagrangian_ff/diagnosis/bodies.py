@@ -1,30 +1,24 @@
-"""What changed of a known robot's bodies: a payload, a tilted base, another mass of one link.
+"""Changes of a known robot's bodies: a payload, a tilted base, another mass of one link.
 
 The regressor of a robot that a URDF describes gives the torque of such a change on all joints at
-once, linear in physical parameters. Each is a candidate from a boundary of time on, held against
-the whitened residual as effects of single joints are (see `search.gain`).
+once, linear in physical parameters. Each change is a candidate from a boundary of time on and gets
+a log Bayes factor as effects of single joints do (see `search.bayes_factor`).
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.ground import Ground
-from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, tempered_gain
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, tempered_log_bf
+from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.identification import Model
-from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.rigid import Robot
 from lagrangian_ff.kernels.rigid.known import Known
 
-Floats = NDArray[np.float64]
-
 PAYLOAD, TILT, MASS = "payload", "tilted base", "mass"
-LEARNED = 0.5
-"""Of a parameter's variance a priori: with more left, the motion says nothing of it."""
-ALIKE = 3.0
-"""Nats within which another change is as good."""
 
 
 @dataclass(frozen=True)
@@ -33,35 +27,36 @@ class BodyChange:
 
     Attributes:
         what: `payload`, `tilted base`, or `mass of` the link that a joint moves.
-        gain: nats of log evidence, tempered.
-        parameters: by name the change and its standard deviation, and the unit.
-        torque: (S, N) N·m that it adds, on the samples of the ground.
+        log_bayes_factor: nats, tempered.
+        parameters: by name the change, its standard deviation, and the unit.
+        torque: (S, N) N·m that it adds, at the samples of the whitened motion.
         rivals: other changes that explain as much.
     """
 
     what: str
-    gain: float
+    log_bayes_factor: float
     parameters: dict[str, tuple[float, float, str]]
     torque: Floats
     rivals: tuple[str, ...] = ()
 
 
-def changed_bodies(model: Model, ground: Ground, boundary: float) -> BodyChange | None:
-    """The change that explains most from a boundary on; None where no robot is known.
+def changed_bodies(model: Model, whitened: Whitened, boundary: float) -> BodyChange | None:
+    """Return the change that explains most from a boundary on; None without a URDF.
 
     Args:
-        model: identified with a URDF, or not.
-        ground: of the motion before and after.
+        model: identified with or without a URDF.
+        whitened: the motion before and after the boundary.
         boundary: s.
     """
     if not isinstance(model.kernel, Known):
         return None
     found = sorted(
-        (_judged(ground, one, boundary) for one in _candidates(model, ground)),
-        key=lambda change: -change.gain,
+        (_judged(whitened, one, boundary) for one in _candidates(model, whitened)),
+        key=lambda change: -change.log_bayes_factor,
     )
     best = found[0]
-    rivals = tuple(one.what for one in found[1:] if best.gain - one.gain < ALIKE)
+    least = best.log_bayes_factor - thresholds.USED.alike
+    rivals = tuple(one.what for one in found[1:] if one.log_bayes_factor > least)
     return replace(best, rivals=rivals)
 
 
@@ -74,12 +69,11 @@ class _Candidate:
     columns: Floats
 
 
-def _candidates(model: Model, ground: Ground) -> Iterator[_Candidate]:
+def _candidates(model: Model, whitened: Whitened) -> Iterator[_Candidate]:
     kernel, robot = model.kernel, model.kernel.mechanism
     assert isinstance(kernel, Known)
     assert isinstance(robot, Robot)
-    seen = ground.seen
-    x = States(seen.q, seen.qd, seen.qdd)
+    x = whitened.problem.samples.states
     by_body = robot.tree.regressor(x).reshape(len(x), x.joints, robot.tree.bodies, 10)
     inertia = [("I", "kg·m²")] * 6
     moments = [("mx", "kg·m"), ("my", "kg·m"), ("mz", "kg·m")]
@@ -102,36 +96,37 @@ def _candidates(model: Model, ground: Ground) -> Iterator[_Candidate]:
             )
 
 
-def _judged(ground: Ground, candidate: _Candidate, boundary: float) -> BodyChange:
-    columns = candidate.columns * (ground.seen.time >= boundary)[:, None, None]
-    share = np.sqrt(np.mean(columns**2, axis=0)) / ground.spread[:, None]
+def _judged(whitened: Whitened, candidate: _Candidate, boundary: float) -> BodyChange:
+    """Return a candidate fitted and judged from the boundary on."""
+    columns = candidate.columns * (whitened.x.time >= boundary)[:, None, None]
+    share = np.sqrt(np.mean(columns**2, axis=0)) / whitened.spread[:, None]
     largest = share.max(axis=0)
     scale = PRIOR_SHARE / np.where(largest > 0.0, largest, np.inf)
     scaled = columns * scale
-    whitened = sum(ground.whiten(scaled[:, n], n) for n in range(ground.joints))
-    z, w = ground.project(np.asarray(whitened)), ground.residual
+    white = sum(whitened.whitened(scaled[:, n], n) for n in range(whitened.joints))
+    z, w = whitened.project(np.asarray(white)), whitened.residual
     information, sums = z.T @ z, z.T @ w
     fitted = np.linalg.solve(information + np.eye(len(sums)), sums)
-    rest = np.add.reduceat(z * (w - z @ fitted)[:, None], ground.starts, axis=0)
+    rest = np.add.reduceat(z * (w - z @ fitted)[:, None], whitened.starts, axis=0)
     trace = float(np.trace(information))
-    inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
-    gain = float(tempered_gain(sums[None, :], information, inflation)[0])
-    covariance = np.linalg.inv(information / inflation + np.eye(len(sums)))
+    variance_inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
+    log_bf = float(tempered_log_bf(sums[None, :], information, variance_inflation)[0])
+    covariance = np.linalg.inv(information / variance_inflation + np.eye(len(sums)))
     variance = np.diag(covariance)
     parameters = {
         name: (float(value), float(deviation), unit)
         for (name, unit), value, deviation, left in zip(
             candidate.parameters, fitted * scale, np.sqrt(variance) * scale, variance, strict=True
         )
-        if left < LEARNED and name != "I"
+        if left < thresholds.USED.learned and name != "I"
     }
     if candidate.what == PAYLOAD:
         parameters = _centre(parameters)
-    return BodyChange(candidate.what, gain, parameters, scaled @ fitted)
+    return BodyChange(candidate.what, log_bf, parameters, scaled @ fitted)
 
 
 def _centre(parameters: dict[str, tuple[float, float, str]]) -> dict[str, tuple[float, float, str]]:
-    """The first moments of a payload as its centre of mass, in the frame of the last joint."""
+    """Return the parameters with a payload's centre of mass, in the frame of the last joint."""
     if "m" not in parameters:
         return parameters
     mass, deviation, _ = parameters["m"]

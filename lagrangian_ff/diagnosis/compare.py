@@ -1,30 +1,78 @@
-"""A model held against a motion: predicted and measured torque, and the error per joint."""
+"""The comparison of a model with a motion: predicted torque, errors, and 90 % intervals."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.interval import Interval, interval, quick_interval
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.identification import Model, Score
+from lagrangian_ff.identification.certainty.calibration import LEVEL
+from lagrangian_ff.identification.certainty.uncertainty import quick_factor
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
-Floats = NDArray[np.float64]
+MOST = 1500
+"""Samples with an interval unless all are asked for: as many as a page draws."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The 90 % intervals of predicted torques, and the measured torques inside them.
+
+    Attributes:
+        joints: N names.
+        at: (S,) the samples of the motion.
+        reach: (S, N) N·m to both sides of the prediction.
+        covered: (N,) the share of measured torques inside.
+        seconds: s of motion; each second counts as one independent sample.
+    """
+
+    joints: tuple[str, ...]
+    at: Ints
+    reach: Floats
+    covered: Floats
+    seconds: int
+
+    @property
+    def too_sure(self) -> tuple[str, ...]:
+        """Return the joints with far fewer than 90 % of the torques inside, the worst first."""
+        margin = thresholds.USED.covered_deviations * np.sqrt(LEVEL * (1.0 - LEVEL) / self.seconds)
+        limit = min(thresholds.USED.covered_least, LEVEL - margin)
+        order = np.argsort(self.covered)
+        return tuple(self.joints[n] for n in order if self.covered[n] < limit)
+
+    def words(self) -> str:
+        """Return a sentence if the model is too sure; else an empty string."""
+        share = dict(zip(self.joints, self.covered, strict=True))
+        few = ", ".join(f"{share[name]:.0%} of {name}" for name in self.too_sure)
+        if not few:
+            return ""
+        return (
+            f"The model is surer than it should be: of the measured torques only {few} lie inside "
+            f"its {LEVEL:.0%} intervals. Something changed since it was identified, or is missing"
+        )
+
+    def record(self) -> dict[str, object]:
+        """Return the interval for JSON."""
+        return {
+            "covered": dict(zip(self.joints, map(float, self.covered), strict=True)),
+            "too_sure": self.words(),
+        }
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Torques side by side.
+    """Predicted and measured torques.
 
     Attributes:
         motion: the measured motion, its joints in the model's order.
         predicted: (M, N) N·m.
         score: the error per joint.
-        outside: the share of samples outside the range the model was identified on.
-        interval: the 90 % intervals at some of the samples, where they were asked for.
-        load: (M, N) N·m, the model's rigid-body torque; None where it was not kept.
+        outside: the share of samples outside the range that the model was identified on.
+        interval: the 90 % intervals at some samples, if asked for.
+        load: (M, N) N·m, the model's rigid-body torque; None if not kept.
     """
 
     motion: Motion
@@ -36,11 +84,11 @@ class Comparison:
 
     @property
     def residual(self) -> Floats:
-        """(M, N) N·m, measured minus predicted."""
+        """Return measured minus predicted torque, (M, N) N·m."""
         return self.motion.tau - self.predicted
 
     def record(self) -> dict[str, object]:
-        """For JSON."""
+        """Return the comparison for JSON."""
         return {
             **self.score.record(),
             "samples": len(self.motion),
@@ -58,14 +106,14 @@ def compare(
     *,
     intervals: bool = False,
 ) -> Comparison:
-    """Predict the torque of a motion and measure the error.
+    """Return the comparison of a model with a motion.
 
     Args:
         model: the model.
         motion: measured; may hold more joints than the model, in any order.
-        margin: how far outside the identified range still counts as inside, in parts of it.
-        progress: told the share done.
-        intervals: whether to ask how sure the model is, too, at as many samples as a page draws.
+        margin: excess over the identified range that still counts as inside, relative to it.
+        progress: receives the share done, 0 to 1.
+        intervals: whether to add intervals, at as many samples as a page draws.
 
     Raises:
         ModelError: the motion lacks a joint of the model; names both lists.
@@ -88,15 +136,55 @@ def compare(
 
 
 def with_intervals(model: Model, comparison: Comparison, progress: Progress = silent) -> Comparison:
-    """The same comparison with the interval of every sample.
+    """Return the same comparison with the interval of every sample.
 
     Args:
-        model: that was compared.
-        comparison: of it with a motion.
-        progress: told the share done.
+        model: the compared model.
+        comparison: of the model with a motion.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         ModelError: see `interval`.
     """
     found = interval(model, comparison.motion, comparison.predicted, progress=progress)
     return replace(comparison, interval=found)
+
+
+def every(motion: Motion) -> Ints:
+    """Return evenly spaced positions of at most `MOST` samples of a motion."""
+    return np.arange(0, len(motion), max(1, -(-len(motion) // MOST)))
+
+
+def interval(
+    model: Model,
+    motion: Motion,
+    predicted: Floats,
+    at: Ints | None = None,
+    progress: Progress = silent,
+) -> Interval:
+    """Return the 90 % intervals along a motion, from the model's quick uncertainty.
+
+    Args:
+        model: the model.
+        motion: measured, its joints in the model's order.
+        predicted: (M, N) N·m.
+        at: (S,) the samples; None takes all.
+        progress: receives the share done, 0 to 1.
+
+    Raises:
+        ModelError: the model's file is older than its calibration, and it cannot be calibrated now.
+    """
+    at = np.arange(len(motion)) if at is None else at
+    states = motion.q, motion.qd, motion.qdd
+    certain = model.quick_uncertainty
+    reach = certain.reach(*states, LEVEL, progress, time=motion.time, segment=motion.segment, at=at)
+    inside = np.abs(motion.tau[at] - predicted[at]) <= reach
+    seconds = int(motion.blocks(1.0)[-1]) + 1
+    return Interval(model.joints, at, reach, inside.mean(axis=0), seconds)
+
+
+def quick_interval(model: Model, motion: Motion, predicted: Floats) -> Interval | None:
+    """Return the intervals at a few samples; None if the model's file has no quick uncertainty."""
+    if quick_factor(model) is None or not len(motion):
+        return None
+    return interval(model, motion, predicted, every(motion))

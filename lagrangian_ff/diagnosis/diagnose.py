@@ -1,158 +1,35 @@
-"""From a model and a recording to the physical effects that the model lacks."""
+"""The diagnosis: from a model and a recording to the physical effects that the model lacks."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
-from lagrangian_ff.diagnosis.ground import Ground, tune
-from lagrangian_ff.diagnosis.search.change import AGAIN, Change, change_of, joints_of
-from lagrangian_ff.diagnosis.search.confirm import Trial, Unseen
-from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, search
-from lagrangian_ff.diagnosis.search.observable import NotObservable, not_observable
-from lagrangian_ff.diagnosis.search.rivals import rivals
-from lagrangian_ff.diagnosis.search.unnamed import told
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.partial_residual import partial_residual
+from lagrangian_ff.diagnosis.results import (
+    Change,
+    Diagnosis,
+    Doubt,
+    Finding,
+    HoldOut,
+    Ranked,
+    Reason,
+    TakenUp,
+    Unexplained,
+    sorted_findings,
+)
+from lagrangian_ff.diagnosis.search.change import change_of, joints_of
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
+from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
+from lagrangian_ff.diagnosis.search.nonparametric import with_joint_names
+from lagrangian_ff.diagnosis.search.significance import rivals
+from lagrangian_ff.diagnosis.whitening import Whitened, fit
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
-from lagrangian_ff.identification import Model, kept
-from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.build import seconds
-from lagrangian_ff.identification.sliding import sliding_of
+from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
-
-Floats = NDArray[np.float64]
-
-CONFIRMED, SUGGESTED, AMBIGUOUS = "confirmed", "suggested", "ambiguous"
-SHORTEST = 6.0  # s
-HELD_BACK = 1.0 / 3.0
-"""Share of the only recording, from its end, that confirms what the rest suggests."""
-LARGE_REST = 0.5
-"""A name is no more than suggested where a free curve still gains this share of what it did."""
-
-
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """An effect that is missing.
-
-    Attributes:
-        step: how it was found.
-        joint: the name of the joint whose torque it adds to.
-        cause: the name of the joint whose hardware it is, mostly the same.
-        parameters: (P,) frozen, with all that was found in the model.
-        low, high: (P,) ends of their 90 % intervals.
-        trial: how it did on motion that was not used to find it.
-        rivals: names of what the data cannot tell from it.
-        verdict: `confirmed`, `ambiguous` (one of several is there) or `suggested`.
-        reason: why it is no more than suggested.
-    """
-
-    step: Step
-    joint: str
-    cause: str
-    parameters: Floats
-    low: Floats
-    high: Floats
-    trial: Trial
-    rivals: tuple[str, ...]
-    verdict: str
-    reason: str
-
-    @property
-    def effect(self) -> Effect:
-        """Which."""
-        return self.step.score.candidate.effect
-
-    @property
-    def shape(self) -> Mapping[str, float]:
-        """Its nonlinear parameters, but for those that each model searches for itself."""
-        return self.effect.transferable(self.step.score.candidate.shape)
-
-
-@dataclass(frozen=True)
-class TakenUp:
-    """A load that the arm took up on the way.
-
-    Attributes:
-        change: when, and what knowing it is worth.
-        joints: that feel it, the most affected first.
-        again: where the unseen motion takes one up; None: nowhere.
-        verdict, reason: as of a finding.
-    """
-
-    change: Change
-    joints: tuple[str, ...]
-    again: Change | None
-    verdict: str
-    reason: str
-
-    @property
-    def shape(self) -> dict[str, float]:
-        """When it happens, as the effect of the catalogue takes it."""
-        if self.change.name == "payload":
-            return {"t0": self.change.since}
-        return {"t0": self.change.since, "length": self.change.until - self.change.since}
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The 90 % intervals of `shape`."""
-        since, until = self.change.since_range, self.change.until_range
-        if self.change.name == "payload":
-            return {"t0": since}
-        return {"t0": since, "length": (max(until[0] - since[1], 0.0), until[1] - since[0])}
-
-
-@dataclass(frozen=True)
-class Unexplained:
-    """Something is left that no known effect fits.
-
-    Attributes:
-        joint: its name.  coordinate: what it depends on, in words.
-        share: root mean square of it over that of the joint's torque.
-        gain: nats.
-    """
-
-    joint: str
-    coordinate: str
-    share: float
-    gain: float
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """What is missing in a model.
-
-    Attributes:
-        model: that was diagnosed.
-        motion: the search was made on.  unseen: it was confirmed on.
-        separate: whether `unseen` is another recording, not the end of the same.
-        search: all of the search.
-        findings: effects, best first.  unexplained: dependences without a name.
-        taken_up: a load taken up on the way, if there was one.
-        not_observable: effects that this motion could not show.
-    """
-
-    model: Model
-    motion: Motion
-    unseen: Motion
-    separate: bool
-    search: Search
-    findings: tuple[Finding, ...]
-    unexplained: tuple[Unexplained, ...]
-    taken_up: TakenUp | None
-    not_observable: tuple[NotObservable, ...]
-
-    @property
-    def confirmed(self) -> tuple[Finding, ...]:
-        """What may be added without asking."""
-        return tuple(f for f in self.findings if f.verdict == CONFIRMED)
-
-    def record(self) -> dict[str, object]:
-        """For JSON; see `record`."""
-        from lagrangian_ff.diagnosis.record import diagnosis_record
-
-        return diagnosis_record(self)
 
 
 def diagnose(
@@ -163,15 +40,15 @@ def diagnose(
     steps: int = MOST_STEPS,
     progress: Progress = silent,
 ) -> Diagnosis:
-    """Find out which physical effects a model lacks.
+    """Return the diagnosis of a model: the physical effects that it lacks.
 
     Args:
         model: the model.
-        motion: measured; what is missing is looked for here.
-        confirm: measured too, not used in the search; without it the last third of `motion`.
+        motion: measured; the search uses it.
+        confirm: measured; the hold-out uses it; without it the last third of `motion` serves.
         effects: those that may be missing; None takes the whole catalogue.
-        steps: at most so many effects are looked for.
-        progress: told the share done.
+        steps: the largest number of effects to find.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         ModelError: a recording lacks a joint of the model.
@@ -181,217 +58,187 @@ def diagnose(
     unseen = _of_model(model, confirm) if not isinstance(confirm, Sequence) or confirm else None
     separate = unseen is not None
     if unseen is None:
-        cut = round((1.0 - HELD_BACK) * len(first))
+        cut = round((1.0 - thresholds.USED.held_back) * len(first))
         first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
     for one in (first, unseen):
         _require_long(one)
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
-    # Handed on and not kept: each ground holds a factor.
+    # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
     found = search(
-        tune(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding),
+        fit(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding),
         effects,
         steps,
         part(progress, 0.3, 0.85),
     )
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
-    findings = _confirmed(found, unseen, model, taken_up)
+    findings = findings_of(found, unseen, model, taken_up.again if taken_up else None)
     progress(1.0, "diagnosing")
     return Diagnosis(
-        model,
-        first,
-        unseen,
-        separate,
-        found,
-        findings,
-        tuple(_unexplained(step, found.ground, model.joints) for step in found.steps
-              if not step.named),
-        taken_up,
-        not_observable(found, model.joints),
-    )  # fmt: skip
+        model=model,
+        motion=first,
+        held_out=unseen,
+        separate=separate,
+        findings=findings,
+        unexplained=tuple(
+            _unexplained(step, found.whitened, model.joints)
+            for step in found.steps
+            if not step.named
+        ),
+        taken_up=taken_up,
+        not_observable=not_observable(found, model.joints),
+        ranking=_ranking(found, model.joints),
+        threshold=found.null.threshold,
+        noise=found.whitened.noise,
+    )
 
 
 def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
     motions = [motion] if isinstance(motion, Motion) else list(motion)
     for one in motions:
         model.require_joints(one.joints, one.source)
-    return concatenate([kept(m.select(model.joints)) for m in motions])
+    return concatenate([decimated(m.select(model.joints)) for m in motions])
 
 
 def _require_long(motion: Motion) -> None:
     length = seconds(motion)
-    if length < SHORTEST:
+    if length < thresholds.USED.shortest:
         raise RecordingError(
             f"{motion.source}: {length:.1f} s of motion to judge by, expected at least "
-            f"{SHORTEST:g} s: not observable here; record half a minute or more in which every "
-            "joint moves through its range at several speeds"
+            f"{thresholds.USED.shortest:g} s: not observable here; record half a minute or more in "
+            "which every joint moves through its range at several speeds"
         )
 
 
 def _taken_up(
     found: Search, motion: Motion, joints: Sequence[str], separate: bool
 ) -> TakenUp | None:
-    """The load taken up on the first motion, and whether the unseen one takes one up as well."""
+    """Return the load taken up on the first motion, judged on the hold-out motion."""
     if found.change is None:
         return None
-    felt, _ = joints_of(found.ground)
+    felt, _ = joints_of(found.whitened)
     names = tuple(joints[n] for n in felt)
     if not separate:
-        reason = "it happens once in a recording; a second one can confirm it"
-        return TakenUp(found.change, names, None, SUGGESTED, reason)
-    again = change_of(_unseen(found, motion, None).ground, beyond=AGAIN)
-    reason = "" if again else "the unseen recording shows nothing of the kind"
-    if again and again.name != found.change.name:
-        reason = f"in the unseen recording it is a {again.name}"
-    return TakenUp(found.change, names, again, SUGGESTED if reason else CONFIRMED, reason)
+        words = "it happens once in a recording; a second one can confirm it"
+        return TakenUp(found.change, names, None, Doubt(Reason.ONCE, words))
+    again = change_of(without(found, motion, None).whitened, beyond=thresholds.USED.change_again)
+    doubt = None
+    if again is None:
+        doubt = Doubt(Reason.NOT_AGAIN, "the unseen recording shows nothing of the kind")
+    elif again.lasts != found.change.lasts:
+        doubt = Doubt(Reason.OTHER_KIND, f"in the unseen recording it is a {again.effect.name}")
+    return TakenUp(found.change, names, again, doubt)
 
 
-def _confirmed(
-    found: Search, motion: Motion, model: Model, taken_up: TakenUp | None
+def findings_of(
+    found: Search, motion: Motion, model: Model, change: Change | None
 ) -> tuple[Finding, ...]:
-    joints = model.joints
-    frozen = _frozen(found)
-    change = taken_up.again if taken_up else None
-    views = _views(found, motion, change)
-    free = {
-        score.candidate.joint: score.gain
-        for score in reversed(found.last)
-        if not score.candidate.named
-    }
-    findings = []
-    for number, step in enumerate(found.steps):
-        if not step.named:
-            continue
-        candidate = step.score.candidate
-        unseen, trial = views[number]
-        mine = unseen.rival(step.score, number)
-        others = [(mine, unseen.rival(score, number)) for score in step.rivals]
-        left = tuple(
-            score.candidate.source.name for score in rivals(step.score, step.rivals, others)
-        )
-        reason = trial.reason
-        rest = free.get(candidate.joint, 0.0)
-        rest += sum(
-            other.score.gain
-            for other in found.steps
-            if not other.named and other.score.candidate.joint == candidate.joint
-        )
-        if not reason and rest > LARGE_REST * step.score.gain:
-            reason = (
-                f"something without a name on the same joint gains {rest:.0f} nats, this "
-                f"{step.score.gain:.0f}"
-            )
-        if not reason and candidate.effect.absorbed and model.kernel.free:
-            reason = (
-                f"gravity of {model.kernel.name} may be any smooth function of the positions and "
-                "has this torque already: the effect may be there, but the model does not lack it"
-            )
-        parameters, low, high = frozen[number]
-        reason = reason or candidate.effect.objection(low, high)
-        verdict = SUGGESTED if reason else AMBIGUOUS if left else CONFIRMED
-        findings.append(
-            Finding(
-                step,
-                joints[candidate.joint],
-                joints[candidate.effect.cause(candidate.joint, candidate.shape)],
-                parameters,
-                low,
-                high,
-                trial,
-                left,
-                verdict,
-                reason,
-            )
-        )
-    order = {CONFIRMED: 0, AMBIGUOUS: 1, SUGGESTED: 2}
-    findings.sort(key=lambda f: (order[f.verdict], -f.step.score.gain))
-    return tuple(findings)
+    """Return the findings of a search, each with its verdict, best first.
 
-
-def _views(
-    found: Search, motion: Motion, change: Change | None
-) -> Mapping[int, tuple[Unseen, Trial]]:
-    """How each named step does on the unseen motion, and the view of that motion it is seen in.
-
-    First everything is frozen. Where an effect fails beside a smaller one that fails as well, it is
-    tried again with the smaller one fitted anew: what is not there would be taken away at a size
-    that it has not, and be laid at the door of the larger.
+    Args:
+        found: the search.
+        motion: the hold-out motion.
+        model: the diagnosed model.
+        change: where the hold-out motion takes up a load, if the first one did.
     """
-    unseen = _unseen(found, motion, change)
-    named = [number for number, step in enumerate(found.steps) if step.named]
-    views = {number: (unseen, _trial(found, unseen, number)) for number in named}
-    failed: dict[int, list[int]] = {}
-    for number in sorted(named, key=lambda n: -found.steps[n].score.gain):
-        if not views[number][1].holds:
-            failed.setdefault(found.steps[number].score.candidate.joint, []).append(number)
-    smaller = {number for on_joint in failed.values() for number in on_joint[1:]}
-    if smaller:
-        unseen = _unseen(found, motion, change, smaller)
-        for number, *others in failed.values():
-            if others:
-                views[number] = (unseen, _trial(found, unseen, number))
-    return views
+    views, parameters = judge_hold_out(found, motion, change), frozen(found)
+    return sorted_findings(
+        [
+            _finding(found, model, number, *views[number], parameters[number])
+            for number, step in enumerate(found.steps)
+            if step.named
+        ]
+    )
 
 
-def _trial(found: Search, unseen: Unseen, number: int) -> Trial:
-    """How a step does, alone, or else with all that has the same cause on other joints."""
-    candidate = found.steps[number].score.candidate
-    alone = unseen.trial([(number, candidate.joint)])
-    same = [
-        (n, other.score.candidate.joint)
-        for n, other in enumerate(found.steps)
-        if other.named and other.score.candidate.cause == candidate.cause
-    ]
-    together = unseen.trial(same) if len(same) > 1 and not alone.holds else alone
-    return together if together.holds else alone
+def _finding(
+    found: Search,
+    model: Model,
+    number: int,
+    motion: HoldOutMotion,
+    hold_out: HoldOut,
+    parameters: tuple[Floats, Floats, Floats],
+) -> Finding:
+    step = found.steps[number]
+    candidate, (values, low, high) = step.score.candidate, parameters
+    effect, joint = candidate.effect, candidate.joint
+    mine = motion.rival(step.score, number)
+    others = [(mine, motion.rival(score, number)) for score in step.rivals]
+    left = [one.candidate.source.name for one in rivals(step.score, step.rivals, others)]
+    alike = [one.candidate.source.name for one in step.rivals]
+    return Finding(
+        effect=effect,
+        joint=model.joints[joint],
+        cause=model.joints[effect.cause(joint, candidate.shape)],
+        shape=effect.transferable(candidate.shape),
+        parameters=values,
+        low=low,
+        high=high,
+        log_bayes_factor=step.score.log_bf,
+        p_value=step.p_value,
+        size=step.score.size,
+        hold_out=hold_out,
+        rivals=tuple(left),
+        ruled_out=tuple(name for name in alike if name not in left),
+        doubt=hold_out.doubt or doubt_of(found, step, model, low, high),
+        partial_residual=partial_residual(found.whitened, candidate, values),
+    )
 
 
-def _unseen(
-    found: Search, motion: Motion, change: Change | None, anew: Collection[int] = ()
-) -> Unseen:
-    """The unseen motion with everything found taken away, frozen.
+def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats) -> Doubt | None:
+    """Return why an effect that holds on other motion is only suggested; None if it is not.
 
-    The model's own stays free, and so do the steps that are to be fitted anew.
+    Args:
+        found: the search.
+        step: the step of the search that found the effect.
+        model: the diagnosed model.
+        low, high: (P,) ends of the 90 % intervals of its parameters.
     """
-    model = Basis(found.ground.basis.terms[: found.own])
-    parameters = (
-        values[:0] if number in anew else values
-        for number, (values, _, _) in enumerate(_frozen(found))
-    )
-    candidates = (step.score.candidate for step in found.steps)
-    taken = list(zip(candidates, parameters, strict=True))
-    return Unseen.lay(motion, found.ground, model, taken, change)
-
-
-def _frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
-    """For each step its parameters with 90 % intervals, all that was found in the model."""
-    ground = found.ground
-    places = [place for _, place in ground.basis.slices()][found.own :]
-    values = ground.system.coefficients
-    deviation = np.sqrt(
-        np.maximum(ground.system.amplitude * np.diag(ground.system.covariance), 0.0)
-    )
-    out = []
-    waiting = iter(places)
-    for step in found.steps:
-        if not step.named:
-            empty = np.zeros(0)
-            out.append((empty, empty, empty))
-            continue
-        place = next(waiting)
-        reach = 1.645 * np.sqrt(step.score.inflation) * deviation[place]
-        out.append((values[place], values[place] - reach, values[place] + reach))
-    return out
-
-
-def _unexplained(step: Step, ground: Ground, joints: Sequence[str]) -> Unexplained:
     candidate = step.score.candidate
-    dependence = candidate.source
-    words = told(str(getattr(dependence, "coordinate", dependence.name)), joints)
-    return Unexplained(
-        joints[candidate.joint],
-        words,
-        step.score.size / float(ground.spread[candidate.joint]),
-        step.score.gain,
+    curves = _curves(found, candidate.joint)
+    if curves > thresholds.USED.large_rest * step.score.log_bf:
+        words = (
+            f"something without a name on the same joint gains {curves:.0f} nats, this "
+            f"{step.score.log_bf:.0f}"
+        )
+        return Doubt(Reason.LARGE_REST, words)
+    if candidate.effect.absorbed and model.kernel.free:
+        words = (
+            f"gravity of {model.kernel.name} may be any smooth function of the positions and "
+            "has this torque already: the effect may be there, but the model does not lack it"
+        )
+        return Doubt(Reason.ABSORBED, words)
+    objection = candidate.effect.objection(low, high)
+    return Doubt(Reason.IMPOSSIBLE, objection) if objection else None
+
+
+def _curves(found: Search, joint: int) -> float:
+    """Return the log Bayes factor of curves on a joint, found or left over."""
+    last = [s.log_bf for s in found.last if not s.candidate.named and s.candidate.joint == joint]
+    taken = [
+        step.score.log_bf
+        for step in found.steps
+        if not step.named and step.score.candidate.joint == joint
+    ]
+    return max(last, default=0.0) + sum(taken)
+
+
+def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexplained:
+    candidate = step.score.candidate
+    words = with_joint_names(candidate.source.coordinate, joints)
+    share = step.score.size / float(whitened.spread[candidate.joint])
+    return Unexplained(joints[candidate.joint], words, share, step.score.log_bf)
+
+
+def _ranking(found: Search, joints: Sequence[str]) -> tuple[Ranked, ...]:
+    return tuple(
+        Ranked(
+            with_joint_names(score.candidate.source.name, joints),
+            joints[score.candidate.joint],
+            score.log_bf,
+            score.candidate.named,
+            found.null.exceeded_by(score.log_bf),
+        )
+        for score in found.ranking
     )

@@ -1,57 +1,40 @@
-"""A diagnosis as JSON holds it: what the command line, the page and the node all show."""
+"""The JSON of a diagnosis, which the command line, the page and the node show."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import asdict
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.consequence import (
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.adding import reason
+from lagrangian_ff.diagnosis.results import (
     Consequence,
-    consequences,
-)
-from lagrangian_ff.diagnosis.diagnose import (
-    AMBIGUOUS,
-    CONFIRMED,
-    SUGGESTED,
+    Consequences,
     Diagnosis,
     Finding,
     TakenUp,
+    Verdict,
 )
-from lagrangian_ff.diagnosis.reason import reason
-from lagrangian_ff.diagnosis.search.forward import FLOOR
-from lagrangian_ff.diagnosis.search.unnamed import told
-from lagrangian_ff.diagnosis.signature import signature
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import look_alikes
 from lagrangian_ff.identification.build import seconds
-from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.words import listed, which
 
 RANKED = 15
-PROMISING = 3.0 * FLOOR
-"""Nats of the best effect from which on it is named though chance does as well."""
 
 
-def diagnosis_record(
-    diagnosis: Diagnosis,
-    made: Mapping[Finding, Consequence] | None = None,
-    progress: Progress = silent,
-) -> dict[str, object]:
-    """All that was found.
+def diagnosis_record(diagnosis: Diagnosis, made: Consequences) -> dict[str, object]:
+    """Return the JSON of a diagnosis.
 
     Args:
         diagnosis: the diagnosis.
-        made: what adding the findings does; None works it out.
-        progress: told the share done.
+        made: the consequences of adding the findings, from `consequences`.
     """
-    if made is None:
-        made = consequences(diagnosis, progress)
-    found = diagnosis.search
-    threshold = found.chance.threshold
     return {
         "model": diagnosis.model.name,
         "joints": list(diagnosis.model.joints),
         "sources": [diagnosis.motion.source],
-        "confirmed_on": diagnosis.unseen.source if diagnosis.separate
-        else f"the last {seconds(diagnosis.unseen):.0f} s, held back",
+        "confirmed_on": diagnosis.held_out.source if diagnosis.separate
+        else f"the last {seconds(diagnosis.held_out):.0f} s, held back",
         "verdict": verdict(diagnosis, made),
         "findings": _findings(diagnosis, made),
         "unexplained": [
@@ -59,40 +42,32 @@ def diagnosis_record(
                 "joint": one.joint,
                 "coordinate": one.coordinate,
                 "share": one.share,
-                "evidence_gain": one.gain,
+                "evidence_gain": one.log_bayes_factor,
             }
             for one in diagnosis.unexplained
         ],
-        "not_observable": [
-            {
-                "effect": one.effect,
-                "joint": one.joint,
-                "reason": one.reason,
-                "next_motion": one.next_motion,
-            }
-            for one in diagnosis.not_observable
-        ],
+        "not_observable": [asdict(one) for one in diagnosis.not_observable],
         "ranking": [
             {
-                "effect": told(score.candidate.source.name, diagnosis.model.joints),
-                "joint": diagnosis.model.joints[score.candidate.joint],
-                "gain": score.gain,
-                "threshold": threshold,
-                "named": score.candidate.named,
+                "effect": one.name,
+                "joint": one.joint,
+                "gain": one.log_bayes_factor,
+                "threshold": diagnosis.threshold,
+                "named": one.named,
             }
-            for score in found.ranking[:RANKED]
+            for one in diagnosis.ranking[:RANKED]
         ],
-        "null": {"threshold": threshold, "level": 0.05},
-        "noise": dict(zip(diagnosis.model.joints, found.ground.noise.tolist(), strict=True)),
+        "null": {"threshold": diagnosis.threshold, "level": thresholds.USED.level},
+        "noise": dict(zip(diagnosis.model.joints, diagnosis.noise.tolist(), strict=True)),
         "steps": _steps(diagnosis, made),
     }  # fmt: skip
 
 
-def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
-    """One or two sentences for a person."""
+def verdict(diagnosis: Diagnosis, made: Consequences) -> str:
+    """Return the verdict in one or two sentences for a person."""
     taken_up = diagnosis.taken_up
-    sure = [one for one in diagnosis.findings if one.verdict == CONFIRMED]
-    unsure = [one for one in diagnosis.findings if one.verdict == AMBIGUOUS]
+    sure = [one for one in diagnosis.findings if one.verdict is Verdict.CONFIRMED]
+    unsure = [one for one in diagnosis.findings if one.verdict is Verdict.AMBIGUOUS]
     maybe = len(diagnosis.findings) - len(sure) - len(unsure)
     parts = []
     if taken_up is not None:
@@ -100,10 +75,10 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
         felt = which(taken_up.joints, diagnosis.model.joints)
         what = (
             f"From {when} on the arm carries a load that the model does not know"
-            if taken_up.change.name == "payload"
+            if taken_up.change.lasts
             else f"Something touches the arm from {when} to {taken_up.change.until:.1f} s"
         )
-        parts.append(f"{what}: {taken_up.verdict}, felt by {felt}.")
+        parts.append(f"{what}: {taken_up.verdict.value}, felt by {felt}.")
     if sure:
         names = listed(_causes(sure))
         parts.append(
@@ -127,8 +102,8 @@ def verdict(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> str:
     return " ".join(parts) or _nothing(diagnosis)
 
 
-def _fall(sure: Sequence[Finding], made: Mapping[Finding, Consequence]) -> str:
-    """How far the error falls: of one joint, or of all where effects on several are added."""
+def _fall(sure: Sequence[Finding], made: Consequences) -> str:
+    """Return the fall of the error in words: of one joint, or of all if several are concerned."""
     if not sure:
         return ""
     first, last = made[sure[0]], made[sure[-1]]
@@ -141,29 +116,27 @@ def _fall(sure: Sequence[Finding], made: Mapping[Finding, Consequence]) -> str:
 
 
 def _nothing(diagnosis: Diagnosis) -> str:
-    """Whether nothing is left to explain, or the motion is too short to tell it from chance."""
-    found = diagnosis.search
-    best = next((score for score in found.ranking if score.candidate.named), None)
-    if best is None or best.gain <= PROMISING or found.chance.beaten_by(best.gain):
+    """Return the sentence for no findings: nothing is left, or the motion is too short."""
+    best = next((one for one in diagnosis.ranking if one.named), None)
+    if best is None or best.log_bayes_factor <= thresholds.USED.promising or best.stands_out:
         return (
             "No effect of the catalogue is missing that this motion could show: what is left is "
             "noise."
         )
-    candidate = best.candidate
     return (
-        f"Nothing stands out from chance. The best guess, {_words(candidate.source.name)} on "
-        f"{diagnosis.model.joints[candidate.joint]}, gains {best.gain:.0f} nats; on this motion "
-        f"chance gives {found.chance.threshold:.0f} once in twenty times. Record longer: the more "
-        "blocks of motion, the less chance can do."
+        f"Nothing stands out from chance. The best guess, {_words(best.name)} on {best.joint}, "
+        f"gains {best.log_bayes_factor:.0f} nats; on this motion chance gives "
+        f"{diagnosis.threshold:.0f} once in twenty times. Record longer: the more blocks of "
+        "motion, the less chance can do."
     )
 
 
-def _findings(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[dict[str, object]]:
-    """All findings, those that hold first, the largest gain first among these."""
+def _findings(diagnosis: Diagnosis, made: Consequences) -> list[dict[str, object]]:
+    """Return all findings by verdict, the largest log Bayes factor first."""
     found = [_finding(diagnosis, one, made.get(one)) for one in diagnosis.findings]
     if diagnosis.taken_up is not None:
         found.append(_event(diagnosis, diagnosis.taken_up))
-    order = {CONFIRMED: 0, SUGGESTED: 2}
+    order = {Verdict.CONFIRMED.value: 0, Verdict.SUGGESTED.value: 2}
     found.sort(
         key=lambda one: (order.get(str(one["verdict"]), 1), -float(str(one["evidence_gain"])))
     )
@@ -171,16 +144,16 @@ def _findings(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list
 
 
 def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
-    """A load or a contact: of the recording and not of the arm, so that nothing is added."""
-    effect, change = EFFECTS[taken_up.change.name], taken_up.change
+    """Return a load or a contact, which belongs to the recording and is not added."""
+    effect, change = taken_up.change.effect, taken_up.change
     return {
         "effect": effect.name,
         "joints": list(taken_up.joints),
-        "verdict": taken_up.verdict,
-        "holds_on_unseen": taken_up.verdict == CONFIRMED,
-        "reason": taken_up.reason,
+        "verdict": taken_up.verdict.value,
+        "holds_on_unseen": taken_up.verdict is Verdict.CONFIRMED,
+        "reason": taken_up.doubt.words if taken_up.doubt else "",
         "why": "",
-        "evidence_gain": change.gain,
+        "evidence_gain": change.log_bayes_factor,
         "p_value": None,
         "error_before": None,
         "error_after": None,
@@ -215,29 +188,26 @@ def _blocks(made: Consequence | None) -> list[dict[str, float]]:
 
 
 def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> dict[str, object]:
-    effect, step, trial = found.effect, found.step, found.trial
+    effect, hold_out, doubt = found.effect, found.hold_out, found.doubt
     parameters: dict[str, object] = {
         one.name: {"value": float(v), "low": float(low), "high": float(high), "unit": one.unit}
         for one, v, low, high in zip(
             effect.parameters, found.parameters, found.low, found.high, strict=True
         )
     }
-    rivals = list(found.rivals)
-    others = [score.candidate.source.name for score in step.rivals]
-    motion = effect.next_motion
-    told = [effect.look_alikes[name] for name in rivals if name in effect.look_alikes]
+    rivals, known = list(found.rivals), look_alikes(effect)
     return {
         "effect": effect.name,
         "joints": [found.joint],
         "caused_by": found.cause,
-        "verdict": found.verdict if not rivals or found.verdict != AMBIGUOUS
-        else f"ambiguous with {', '.join(rivals)}",
-        "holds_on_unseen": trial.holds,
-        "reason": found.reason,
+        "verdict": f"ambiguous with {', '.join(rivals)}"
+        if found.verdict is Verdict.AMBIGUOUS else found.verdict.value,
+        "holds_on_unseen": hold_out.holds,
+        "reason": doubt.words if doubt else "",
         "why": reason(found, diagnosis),
-        "evidence_gain": step.score.gain,
-        "p_value": step.p_value,
-        "size": step.score.size,
+        "evidence_gain": found.log_bayes_factor,
+        "p_value": found.p_value,
+        "size": found.size,
         "error_before": made.whole_before if made else None,
         "error_after": made.whole_after if made else None,
         "blocks": _blocks(made),
@@ -249,35 +219,36 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         "meaning": effect.meaning,
         "source": effect.source,
         "ambiguous_with": rivals,
-        "ruled_out_by_unseen": [name for name in others if name not in rivals],
-        "told_apart_by": told,
-        "next_motion": motion,
+        "ruled_out_by_unseen": list(found.ruled_out),
+        "told_apart_by": [known[name] for name in rivals if name in known],
+        "next_motion": effect.next_motion,
         "trial": {
-            "gained": float(np.sum(trial.gained)),
-            "expected": float(np.sum(trial.expected)),
-            "ratio": trial.ratio,
-            "share": trial.share,
-            "p_value": trial.p_value,
+            "gained": float(np.sum(hold_out.gained)),
+            "expected": float(np.sum(hold_out.expected)),
+            "ratio": hold_out.ratio,
+            "share": hold_out.share,
+            "p_value": hold_out.p_value,
         },
-        "signature": signature(diagnosis, found),
+        "signature": {
+            name: value.tolist() if isinstance(value, np.ndarray) else value
+            for name, value in vars(found.partial_residual).items()
+        },
     }  # fmt: skip
 
 
-def _steps(diagnosis: Diagnosis, made: Mapping[Finding, Consequence]) -> list[dict[str, object]]:
-    added = [one for one in diagnosis.findings if one in made and one.verdict == CONFIRMED]
+def _steps(diagnosis: Diagnosis, made: Consequences) -> list[dict[str, object]]:
+    added = [one for one in diagnosis.findings if one in made and one.verdict is Verdict.CONFIRMED]
     if not added:
         return []
-    first = made[added[0]].every_before
-    steps: list[dict[str, object]] = [{"added": None, "error": first}]
-    steps += [
+    after = [
         {"added": f"{one.effect.name} on {one.joint}", "error": made[one].every_after}
         for one in added
     ]
-    return steps
+    return [{"added": None, "error": made[added[0]].every_before}, *after]
 
 
 def _causes(found: Sequence[Finding]) -> list[str]:
-    """Each cause once, however many joints feel it."""
+    """Return each cause in words, once, with the joints that feel it."""
     felt: dict[tuple[str, str], list[str]] = {}
     for one in found:
         felt.setdefault((one.effect.name, one.cause), []).append(one.joint)

@@ -1,8 +1,8 @@
-"""What changed since the model was identified: friction, the arm's masses, or something new.
+"""Changes since the model was identified: in friction, in the arm's masses, or new effects.
 
-The data that the model keeps and a new recording are judged together, with one rigid-body part and
-one set of effects for both. What then stands out in the new recording only has changed: each effect
-is a candidate from the boundary on, and so is a second Lagrangian, which is what a load adds.
+One problem holds the data that the model keeps and a new recording, with one rigid-body part and
+one set of effects for both. Whatever stands out in the new recording only has changed: each effect
+is a candidate from the boundary on, and so is a second Lagrangian, as a load adds it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,19 +10,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
-from lagrangian_ff.diagnosis.ground import Changing, Ground, sharpen, tune
-from lagrangian_ff.diagnosis.ground.ground import Extra
-from lagrangian_ff.diagnosis.search.change import FELT, FINE, WORTH, joints_of
+from lagrangian_ff.diagnosis.search.change import FINE, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
+from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, refit
 from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.effects.base import Floats
-from lagrangian_ff.identification import Model, kept
-from lagrangian_ff.identification.sliding import sliding_of
+from lagrangian_ff.identification import Model, decimated
+from lagrangian_ff.identification.problem import Nuisance
+from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
-PAUSE = 10.0  # s between the two, so that no block holds both
+PAUSE = 10.0  # s between the two recordings, so that no block holds both
 SINCE = " since"
 MASSES = "rigid body"
 """The name of a change of masses, as by a load."""
@@ -30,22 +31,22 @@ MASSES = "rigid body"
 
 @dataclass(frozen=True)
 class Changed:
-    """Something that is not as it was.
+    """A change since the model was identified.
 
     Attributes:
         what: the effect, or `MASSES`.
-        joints: that feel it.
-        gain: nats of log evidence.
-        p_value: of chance doing as well over all candidates; None where it was not drawn.
-        parameters: by name its change, in the parameter's unit: (value, unit).
-        size: N·m, root mean square of the torque it adds, on the first of the joints.
-        deviations: by name the standard deviation of a parameter, where it is known.
+        joints: those that feel it.
+        log_bayes_factor: nats.
+        p_value: how often the null of the maximum reaches it; None if there is no null.
+        parameters: by name the change, (value, unit).
+        size: N·m, root mean square of the added torque on the first of the joints.
+        deviations: by name the standard deviation of a change, where it is known.
         rivals: changes of a known robot's bodies that explain as much.
     """
 
     what: str
     joints: tuple[str, ...]
-    gain: float
+    log_bayes_factor: float
     p_value: float | None
     parameters: Mapping[str, tuple[float, str]]
     size: float
@@ -53,11 +54,11 @@ class Changed:
     rivals: tuple[str, ...] = ()
 
     def record(self) -> dict[str, object]:
-        """For JSON."""
+        """Return the change for JSON."""
         return {
             "what": self.what,
             "joints": list(self.joints),
-            "evidence_gain": self.gain,
+            "evidence_gain": self.log_bayes_factor,
             "p_value": self.p_value,
             "change": {
                 name: {"value": value, "unit": unit, **self._interval(name, value)}
@@ -68,7 +69,7 @@ class Changed:
         }
 
     def _interval(self, name: str, value: float) -> dict[str, float]:
-        """The ends of a parameter's 90 % interval; empty where its deviation is not known."""
+        """Return the ends of a parameter's 90 % interval; empty if its deviation is unknown."""
         if name not in self.deviations:
             return {}
         reach = 1.645 * self.deviations[name]
@@ -86,47 +87,44 @@ class _Later(Effect):
         setattr(self, "name", f"{effect.name}{SINCE}")  # noqa: B010
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+        """Return the effect's columns (S, P), zero before the boundary."""
         return self._effect.columns(x, joint, shape) * (x.time >= self._boundary)[:, None]
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """See `Effect.candidates`."""
+        """Return the shapes of the effect that are tried first."""
         return self._effect.candidates(x, joint)
 
     def cause(self, joint: int, shape: Mapping[str, float]) -> int:
-        """See `Effect.cause`."""
+        """Return the joint whose hardware causes the effect."""
         return self._effect.cause(joint, shape)
 
 
 def changed_since(
     model: Model, motion: Motion, steps: int = MOST_STEPS, progress: Progress = silent
 ) -> tuple[Changed, ...]:
-    """What is different in a recording from the data that a model was identified from.
+    """Return the changes from the data that a model keeps to a recording, in the order found.
 
     Args:
-        model: with the data it keeps.
+        model: with its data.
         motion: recorded later.
-        steps: at most so many changes are looked for.
-        progress: told the share done.
-
-    Returns:
-        The changes, in the order in which they were found; empty where nothing stands out.
+        steps: the largest number of changed effects to find.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         RecordingError: the motion lacks a joint of the model.
     """
-    new = kept(motion.select(model.joints))
+    new = decimated(motion.select(model.joints))
     boundary = float(model.data.time.max()) + PAUSE
     new = replace(new, time=new.time - new.time[0] + boundary)
     both = concatenate([model.data, new])
     sliding = sliding_of(model.kernel, len(model.joints))
-    # Under names of their own, since the model's own effects may have changed as well.
+    # Under other names, since the effects that the model has may have changed as well.
     later = [_Later(effect, boundary) for effect in EFFECTS.values() if effect.kind != "event"]
-    # Handed on and not kept: each ground holds a factor.
+    # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
     found: list[Changed] = []
     done = search(
         _bodies(
-            tune(both, model.inputs_of(both), model.basis, part(progress, 0.0, 0.4), sliding),
+            fit(both, model.inputs_of(both), model.basis, part(progress, 0.0, 0.4), sliding),
             model,
             boundary,
             found,
@@ -137,49 +135,45 @@ def changed_since(
     )
     for step in done.steps:
         if step.named:
-            score = step.score
+            score, candidate = step.score, step.score.candidate
+            values = zip(candidate.effect.parameters, score.coefficients, strict=True)
             found.append(
                 Changed(
-                    score.candidate.source.name.removesuffix(SINCE),
-                    (model.joints[score.candidate.joint],),
-                    score.gain,
+                    candidate.source.name.removesuffix(SINCE),
+                    (model.joints[candidate.joint],),
+                    score.log_bf,
                     step.p_value,
-                    {
-                        one.name: (float(value), one.unit)
-                        for one, value in zip(
-                            score.candidate.effect.parameters, score.coefficients, strict=True
-                        )
-                    },
+                    {one.name: (float(value), one.unit) for one, value in values},
                     score.size,
                 )
             )
     return tuple(found)
 
 
-def _bodies(ground: Ground, model: Model, boundary: float, found: list[Changed]) -> Ground:
-    """Return the ground with masses that changed explained, which are added to what was found."""
-    named = changed_bodies(model, ground, boundary)
-    heavier = _masses(ground, boundary)
-    if named is not None and named.gain > WORTH:
-        found.append(_named(named, ground, model))
-        return _explained(heavier[0] if heavier else ground, named)
+def _bodies(whitened: Whitened, model: Model, boundary: float, found: list[Changed]) -> Whitened:
+    """Return the motion with a change of masses explained, and append that change to `found`."""
+    named = changed_bodies(model, whitened, boundary)
+    heavier = _masses(whitened, boundary)
+    if named is not None and named.log_bayes_factor > thresholds.USED.change_floor:
+        found.append(_named(named, whitened, model))
+        return _explained(heavier[0] if heavier else whitened, named)
     if heavier is None:
-        return ground
-    ground, change = heavier
-    felt, _ = joints_of(ground)
+        return whitened
+    whitened, change = heavier
+    felt, _ = joints_of(whitened)
     found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
-    return ground
+    return whitened
 
 
-def _named(change: BodyChange, ground: Ground, model: Model) -> Changed:
-    """A change of a known robot's bodies as what changed."""
+def _named(change: BodyChange, whitened: Whitened, model: Model) -> Changed:
+    """Return a change of a known robot's bodies as a result."""
     rms = np.sqrt(np.mean(change.torque**2, axis=0))
-    order = [int(n) for n in np.argsort(-rms / ground.spread)]
-    felt = [n for n in order if rms[n] > FELT * ground.spread[n]] or order[:1]
+    order = [int(n) for n in np.argsort(-rms / whitened.spread)]
+    felt = [n for n in order if rms[n] > thresholds.USED.felt * whitened.spread[n]] or order[:1]
     return Changed(
         change.what,
         tuple(model.joints[n] for n in felt),
-        change.gain,
+        change.log_bayes_factor,
         None,
         {name: (value, unit) for name, (value, _, unit) in change.parameters.items()},
         float(rms[felt[0]]),
@@ -188,20 +182,20 @@ def _named(change: BodyChange, ground: Ground, model: Model) -> Changed:
     )
 
 
-def _explained(ground: Ground, change: BodyChange) -> Ground:
-    """The ground with the torque of a change explained away."""
-    extra = [Extra(n, change.torque[:, n : n + 1]) for n in range(ground.joints)]
-    return ground.relaid(extra=(*ground.extra, *extra))
+def _explained(whitened: Whitened, change: BodyChange) -> Whitened:
+    """Return the motion with the torque of a change explained."""
+    extra = [Nuisance(n, change.torque[:, n : n + 1]) for n in range(whitened.joints)]
+    return whitened.explaining(whitened.basis, (*whitened.problem.nuisance, *extra))
 
 
-def _masses(ground: Ground, boundary: float) -> tuple[Ground, Changed] | None:
-    """The ground with another Lagrangian added from the boundary on, if that is worth it."""
-    changing = Changing.of(ground, len(ground.index))
-    gain, share = max((changing.gain((boundary, np.inf, one)), one) for one in FINE)
-    if gain < WORTH:
+def _masses(whitened: Whitened, boundary: float) -> tuple[Whitened, Changed] | None:
+    """Return the motion with a second Lagrangian from the boundary on, if strongly needed."""
+    changing = Changing.of(whitened, len(whitened.index))
+    log_bf, share = max((changing.log_bayes_factor((boundary, np.inf, one)), one) for one in FINE)
+    if log_bf < thresholds.USED.change_floor:
         return None
-    prior = replace(ground.prior, change=(boundary, np.inf, share))
-    heavier = ground.relaid(sharpen(ground, ground.basis, prior=prior))
+    problem = refit(whitened, whitened.basis, change=(boundary, np.inf, share))
+    heavier = whitened.assuming(problem)
     _, felt = joints_of(heavier)
     size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
-    return heavier, Changed(MASSES, (), gain, None, {}, size)
+    return heavier, Changed(MASSES, (), log_bf, None, {}, size)

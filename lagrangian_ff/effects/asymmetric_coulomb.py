@@ -1,11 +1,8 @@
 """Coulomb friction that differs by direction."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -24,18 +21,17 @@ class AsymmetricCoulomb(Effect):
         Parameter("F_p", "N·m", "Coulomb torque of positive motion"),
         Parameter("F_n", "N·m", "Coulomb torque of negative motion"),
     )
-    kind = "friction"
     coordinate = "direction"
     shows_as = "a step at zero speed, higher on one side"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "the steps differ; take the offset away and they are alike",
+    look_alikes = {
+        "coulomb": "the asymmetric step is higher one way; take the offset away and they are alike",
         "offset": "nothing in the motion: read the effort with the brake on",
     }
     motion = "reversals"
     next_motion = "reverse the joint slowly, many times; read the effort with the brake on"
+    observable = False
     caution = "identical to coulomb plus offset: no motion tells them apart"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         sign = x.sign(joint)
         return np.stack([0.5 * (sign + 1.0), 0.5 * (sign - 1.0)], axis=1)

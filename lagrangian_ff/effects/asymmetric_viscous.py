@@ -1,11 +1,8 @@
 """Viscous friction that differs by direction."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -23,17 +20,16 @@ class AsymmetricViscous(Effect):
         Parameter("B_p", "N·m·s/rad", "viscous coefficient of positive motion"),
         Parameter("B_n", "N·m·s/rad", "viscous coefficient of negative motion"),
     )
-    kind = "friction"
-    coordinate = "velocity"
     shows_as = "a kink at zero speed"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "viscous": "the slopes differ by direction",
-        "quadratic_drag": "each branch is straight, and the two differ",
+    look_alikes = {
+        "viscous": "asymmetric slopes differ by direction, the viscous slope is the same both ways",
+        "quadratic_drag": (
+            "asymmetric branches are straight and differ; drag is curved and symmetric"
+        ),
     }
     motion = "speeds"
     next_motion = "drive the joint at several constant speeds, each both ways, up to its limit"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         speed = x.qd[:, joint]
         return np.stack([np.maximum(speed, 0.0), np.minimum(speed, 0.0)], axis=1)

@@ -1,27 +1,33 @@
-"""What an effect is: a named torque, linear in its parameters, that friction or hardware adds."""
+"""An effect: a named torque, linear in its parameters, that friction or hardware adds."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import product
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.errors import EffectError
 
-Floats = NDArray[np.float64]
+Values = Mapping[str, float]
+"""The shapes of an effect, by name."""
 
 KINDS = ("measurement", "friction", "transmission", "mechanics", "event")
-"""What causes an effect, in the order in which causes are looked for: a fault of measurement
-looks like friction, and is to be mended first."""
+"""The causes of effects, in the order to look for them: a fault of measurement looks like friction,
+and is to be mended first."""
 
 MOTIONS = (
     "exciting", "speeds", "slow sweep", "reversals", "chirp", "one by one", "warm-up", "payloads",
 )  # fmt: skip
 """The motions that show effects or tell them apart."""
+
+PARTS = ("gravity", "inertia", "coriolis", "friction")
+"""The parts of a torque. An effect goes with `friction` if it dissipates energy, else with
+`gravity` if it is there at rest (a spring, an offset, an error in proportion to the load), else
+with `inertia` (a rotor, a gear that swings)."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +70,7 @@ class Shape:
     of_model: bool = False
 
     def grid(self) -> list[float]:
-        """The values tried first."""
+        """Return the values tried first."""
         if self.whole:
             return [float(k) for k in range(int(self.low), int(self.high) + 1)]
         return [float(v) for v in np.geomspace(self.low, self.high, self.steps)]
@@ -73,29 +79,39 @@ class Shape:
 class Effect(ABC):
     """One physical effect on the torque of one joint.
 
-    A subclass is data, a formula and its docstring. Columns are what the parameters multiply:
-    the torque of the effect is `columns @ parameters`, in N·m. It must give `name`, `formula`,
-    `parameters` and `columns`; the rest has a default.
+    A subclass is data, a formula and its docstring. The parameters multiply its columns: the torque
+    is `columns @ parameters`, in N·m. A subclass must give `name`, `formula`, `parameters` and
+    `columns`; all else has a default.
 
     Attributes:
         name: one word, as the command line takes it.
         formula: the torque it adds, with parameters and shapes by their names.
         source: where the formula is from.
         meaning: what it is, for a person.
-        parameters: what the torque is linear in.
-        shapes: what it is not linear in.
+        parameters: the coefficients that the torque is linear in.
+        shapes: the numbers that it is not linear in.
         kind: one of `KINDS`.
+        part: one of `PARTS`, with which it is switched off.
         coordinate: what to plot the residual against to see it.
         shows_as: what is seen there.
-        look_alikes: by name of effect, what tells the two apart.
-        motion: which of `MOTIONS` shows it best.
+        look_alikes: by name of effect, how to tell the two apart. One of a pair states it, for
+            both: `catalogue.look_alikes` gives it both ways.
+        motion: the one of `MOTIONS` that shows it best.
         next_motion: that motion in words.
         side_by_side: whether joints may stand in for samples: its columns follow from its own
             joint's state alone, and shapes may be arrays (M, 1).
         remembers: whether it depends on the past; its columns then get the whole motion.
-        uses: which of `load` and `torque` of the inputs it needs.
-        caution: what this effect cannot be told from by any motion; empty where nothing is.
+        uses: the ones of `load` and `torque` of the inputs that it needs.
+        caution: what no motion separates this effect from; empty for none.
         absorbed: whether any kernel that is free in position has it already, see `Kernel.free`.
+        observable: whether motion alone can show it beside free rigid bodies and friction.
+        plain: whether it is friction that every joint has.
+        constant: whether it is one torque at all times; the load then has it.
+        sign_width: the shape that is the speed v0 of the smoothed sign tanh(qd / v0) on its joint,
+            for all effects there; empty for none.
+        arm_event: `lasting` or `passing` for something that takes hold of the whole arm, for good
+            or for a while; empty for none.
+        rings: whether it swings after a jerk, and hardly shows in a smooth motion.
     """
 
     name: ClassVar[str]
@@ -105,6 +121,7 @@ class Effect(ABC):
     parameters: ClassVar[tuple[Parameter, ...]]
     shapes: ClassVar[tuple[Shape, ...]] = ()
     kind: ClassVar[str] = "friction"
+    part: ClassVar[str] = "friction"
     coordinate: ClassVar[str] = "velocity"
     shows_as: ClassVar[str] = ""
     look_alikes: ClassVar[Mapping[str, str]] = {}
@@ -115,63 +132,47 @@ class Effect(ABC):
     uses: ClassVar[frozenset[str]] = frozenset()
     caution: ClassVar[str] = ""
     absorbed: ClassVar[bool] = False
+    observable: ClassVar[bool] = True
+    plain: ClassVar[bool] = False
+    constant: ClassVar[bool] = False
+    sign_width: ClassVar[str] = ""
+    arm_event: ClassVar[str] = ""
+    rings: ClassVar[bool] = False
 
     @abstractmethod
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """(M, P) what each of the P parameters multiplies, for one joint's torque."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return (M, P) what each of the P parameters multiplies, for one joint's torque."""
 
-    def energies(
-        self, x: Inputs, joint: int, shape: Mapping[str, float]
-    ) -> tuple[Floats, Floats] | None:
-        """Kinetic and potential energy, for effects that keep energy and so belong to the arm.
+    def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats] | None:
+        """Return kinetic and potential energy, of effects that keep energy and belong to the arm.
 
         The torque is then d/dt ∂T/∂qd − ∂T/∂q + ∂V/∂q, with T quadratic in velocity.
 
         Returns:
-            (M, P) each, J per unit of each of the P parameters; None where the effect dissipates
-            energy, depends on more than the state, or is no matter of the arm's mechanics.
+            (M, P) each, J per unit of each of the P parameters; None if the effect dissipates
+            energy, depends on more than the state, or is no part of the arm's mechanics.
         """
         return None
 
-    def cause(self, joint: int, shape: Mapping[str, float]) -> int:
-        """The joint whose hardware it is, where it adds to the torque of this one."""
+    def cause(self, joint: int, shape: Values) -> int:
+        """Return the joint whose hardware adds this to the torque of `joint`."""
         return joint
 
     def possible(self, parameters: Floats) -> bool:
-        """Whether hardware could have these parameters (P,), on the joint whose hardware it is."""
+        """Return whether the hardware that causes it could have these parameters (P,)."""
         return True
 
     def objection(self, low: Floats, high: Floats) -> str:
-        """Why it is not this effect if its parameters (P,) lie between these; else nothing."""
+        """Return why parameters (P,) between these are not this effect's; empty if they may be."""
         return ""
 
-    def transferable(self, shape: Mapping[str, float]) -> dict[str, float]:
-        """What another model may take over of a shape; it searches the rest itself."""
+    def transferable(self, shape: Values) -> dict[str, float]:
+        """Return what another model may take over of a shape; it searches the rest itself."""
         own = {one.name for one in self.shapes if one.of_model}
         return {name: value for name, value in shape.items() if name not in own}
 
-    def record(self) -> dict[str, object]:
-        """All that it says of itself, as JSON holds it."""
-        return {
-            "name": self.name,
-            "kind": self.kind,
-            "formula": self.formula,
-            "meaning": self.meaning or " and ".join(p.meaning for p in self.parameters),
-            "source": self.source,
-            "parameters": [asdict(parameter) for parameter in self.parameters],
-            "shapes": [asdict(shape) for shape in self.shapes],
-            "coordinate": self.coordinate,
-            "shows_as": self.shows_as,
-            "look_alikes": dict(self.look_alikes),
-            "motion": self.motion,
-            "next_motion": self.next_motion,
-            "remembers": self.remembers,
-            "uses": sorted(self.uses),
-            "caution": self.caution,
-        }
-
-    def shape_words(self, shape: Mapping[str, float], joints: Sequence[str]) -> dict[str, str]:
-        """A shape for a person: joints by their names, whole numbers without a point."""
+    def shape_words(self, shape: Values, joints: Sequence[str]) -> dict[str, str]:
+        """Return a shape for a person: joints by their names, whole numbers without a point."""
         kinds = {one.name: one for one in self.shapes}
         return {
             name: joints[round(value)] if kinds[name].joint and round(value) < len(joints)
@@ -181,15 +182,15 @@ class Effect(ABC):
             if name in kinds
         }  # fmt: skip
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """The shapes tried on one joint: every combination of the shapes' grids."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return the shapes to try on one joint: every combination of the shapes' grids."""
         names = [shape.name for shape in self.shapes]
         grids = [shape.grid() for shape in self.shapes]
         return [dict(zip(names, values, strict=True)) for values in product(*grids)]
 
 
-def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-    """(M, P) the columns of an effect, which a user may have written, found to be sound.
+def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Values) -> Floats:
+    """Return the columns (M, P) of an effect, after a check: a user may have written it.
 
     Raises:
         EffectError: they have another shape, or a value that is not finite; names the effect.
@@ -211,9 +212,9 @@ def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Mapping[str, f
 
 
 def checked_energies(
-    effect: Effect, x: Inputs, joint: int, shape: Mapping[str, float]
+    effect: Effect, x: Inputs, joint: int, shape: Values
 ) -> tuple[Floats, Floats] | None:
-    """The energies of an effect, found to be sound; see `Effect.energies`.
+    """Return the energies of an effect after a check; see `Effect.energies`.
 
     Raises:
         EffectError: they are not two arrays of the columns' shape; names the effect.

@@ -1,65 +1,65 @@
-"""Every effect by its name, and the groups that have a name of their own."""
+"""All effects by name, their groups, and what they are taken for."""
 
-from lagrangian_ff.effects.asymmetric_coulomb import AsymmetricCoulomb
-from lagrangian_ff.effects.asymmetric_viscous import AsymmetricViscous
-from lagrangian_ff.effects.backlash import Backlash
+from collections.abc import Iterator
+from dataclasses import asdict
+from importlib import import_module
+from types import ModuleType
+
 from lagrangian_ff.effects.base import Effect
-from lagrangian_ff.effects.contact import Contact
-from lagrangian_ff.effects.coulomb import Coulomb
-from lagrangian_ff.effects.counterbalance import Counterbalance
-from lagrangian_ff.effects.coupled import Coupled
-from lagrangian_ff.effects.delay import Delay
-from lagrangian_ff.effects.drag import PowerLaw, QuadraticDrag
-from lagrangian_ff.effects.drift import Drift
-from lagrangian_ff.effects.eccentricity import Eccentricity
-from lagrangian_ff.effects.elasticity import Elasticity
-from lagrangian_ff.effects.hysteresis import Hysteresis
-from lagrangian_ff.effects.load_friction import LoadFriction, LoadViscous
-from lagrangian_ff.effects.offset import Offset
-from lagrangian_ff.effects.payload import Payload
-from lagrangian_ff.effects.position_friction import PositionFriction
-from lagrangian_ff.effects.ripple import GearMesh, Ripple
-from lagrangian_ff.effects.rotor_inertia import RotorInertia
-from lagrangian_ff.effects.saturation import Saturation
-from lagrangian_ff.effects.spring import Spring
-from lagrangian_ff.effects.stribeck import Stribeck
-from lagrangian_ff.effects.torque_gain import TorqueGain
-from lagrangian_ff.effects.viscous import Viscous
-from lagrangian_ff.effects.warm_up import WarmUp
 
-_ALL: tuple[Effect, ...] = (
-    Offset(),
-    TorqueGain(),
-    Saturation(),
-    Delay(),
-    Drift(),
-    Eccentricity(),
-    Viscous(),
-    Coulomb(),
-    AsymmetricCoulomb(),
-    AsymmetricViscous(),
-    Stribeck(),
-    PowerLaw(),
-    QuadraticDrag(),
-    LoadFriction(),
-    LoadViscous(),
-    PositionFriction(),
-    WarmUp(),
-    Hysteresis(),
-    Ripple(),
-    GearMesh(),
-    Backlash(),
-    Elasticity(),
-    Coupled(),
-    RotorInertia(),
-    Spring(),
-    Counterbalance(),
-    Payload(),
-    Contact(),
-)
+_FILES = (
+    "offset", "torque_gain", "saturation", "delay", "drift", "eccentricity", "viscous", "coulomb",
+    "asymmetric_coulomb", "asymmetric_viscous", "stribeck", "drag", "load_friction",
+    "position_friction", "warm_up", "hysteresis", "ripple", "backlash", "elasticity", "coupled",
+    "rotor_inertia", "spring", "counterbalance", "payload", "contact",
+)  # fmt: skip
+"""The file of each effect, beside this one. A new effect is its file and its name here."""
 
-EFFECTS: dict[str, Effect] = {effect.name: effect for effect in _ALL}
-"""Every effect by its name; a new one joins here and in its own file: the tests read this list."""
+
+def effect_classes(module: ModuleType) -> Iterator[type[Effect]]:
+    """Yield the effects that a module defines, in order; helpers whose name begins with _ are not.
+
+    One that lacks `columns` is among them, so that its author hears of it.
+    """
+    for name, value in vars(module).items():
+        own = isinstance(value, type) and value.__module__ == module.__name__
+        if own and issubclass(value, Effect) and not name.startswith("_"):
+            yield value
+
+
+EFFECTS: dict[str, Effect] = {
+    made.name: made()
+    for file in _FILES
+    for made in effect_classes(import_module(f"lagrangian_ff.effects.{file}"))
+}
+"""Every effect by its name."""
 
 GROUPS: dict[str, tuple[str, ...]] = {"fri": ("viscous", "coulomb", "offset")}
 """Names that stand for several effects: `fri` is the friction basis (51) of the paper."""
+
+
+def look_alikes(effect: Effect) -> dict[str, str]:
+    """Return the effects that one is taken for, by name, with how to tell the two apart.
+
+    A pair is stated once, by one of the two.
+    """
+    others = {
+        other.name: other.look_alikes[effect.name]
+        for other in EFFECTS.values()
+        if effect.name in other.look_alikes
+    }
+    return {**effect.look_alikes, **others}
+
+
+def effect_record(effect: Effect) -> dict[str, object]:
+    """Return what an effect says about itself, as JSON holds it."""
+    return {
+        "name": effect.name, "kind": effect.kind, "formula": effect.formula,
+        "meaning": effect.meaning or " and ".join(p.meaning for p in effect.parameters),
+        "source": effect.source,
+        "parameters": [asdict(parameter) for parameter in effect.parameters],
+        "shapes": [asdict(shape) for shape in effect.shapes], "coordinate": effect.coordinate,
+        "shows_as": effect.shows_as, "look_alikes": look_alikes(effect), "motion": effect.motion,
+        "next_motion": effect.next_motion, "remembers": effect.remembers,
+        "uses": sorted(effect.uses), "caution": effect.caution,
+    }  # fmt: skip

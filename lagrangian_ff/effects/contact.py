@@ -1,11 +1,10 @@
 """Somebody leans on the arm."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 LENGTHS = (2.0, 5.0, 10.0)  # s
@@ -24,24 +23,26 @@ class Contact(Effect):
         Shape("length", "s", "how long it lasts", 0.5, 20.0, 5.0),
     )
     kind = "event"
+    part = "gravity"
     coordinate = "time"
     shows_as = "a burst over time, on several joints at once"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "offset": "it is there for a while only",
-        "payload": "it ends, and does not grow with acceleration",
-        "saturation": "it comes in one interval of time, whatever the torque",
+    look_alikes = {
+        "offset": "a contact lasts for a while, an offset is there all the time",
+        "payload": "a contact ends and is a constant; a payload stays and grows with acceleration",
+        "saturation": "a contact comes in one interval of time, saturation at every large torque",
     }
     motion = "exciting"
     next_motion = "repeat the same motion with nothing near the arm"
+    arm_event = "passing"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`. Without time there is no contact."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return the columns; without time there is no contact."""
         begin = shape["t0"]
         inside = (x.time >= begin) & (x.time < begin + shape["length"])
         return inside.astype(np.float64)[:, None]
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Intervals of several lengths, each beginning half a length after the one before."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return intervals of several lengths, each half a length after the one before."""
         if not np.isfinite(x.time).all():
             return []
         first, last = max(self.shapes[0].low, float(x.time.min())), float(x.time.max())

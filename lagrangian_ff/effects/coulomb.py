@@ -1,11 +1,8 @@
 """Coulomb friction."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -18,25 +15,13 @@ class Coulomb(Effect):
     meaning = "dry friction that opposes motion whatever its speed"
     parameters = (Parameter("F_c", "N·m", "Coulomb torque"),)
     shapes = (Shape("v0", "rad/s", "speed at which friction is fully reversed", 1e-3, 0.3, 0.02),)
-    kind = "friction"
-    coordinate = "velocity"
     shows_as = "a step at zero speed"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "viscous": "at one speed the two are one number; two speeds tell them apart",
-        "asymmetric_coulomb": "the step is as high in one direction as in the other",
-        "stribeck": "beyond the step nothing changes with speed, creeping included",
-        "power_law": "beyond the step nothing changes with speed",
-        "load_friction": "the step is as high under every load",
-        "position_friction": "the step is as high at every position",
-        "warm_up": "the step stays as high over time",
-        "hysteresis": "the step comes at once, not over a distance after the reversal",
-        "delay": "the error at reversals does not grow with the rate of the torque",
-        "coupled": "the step comes where this joint reverses, whatever its neighbours do",
-    }
+    look_alikes = {"viscous": "at one speed the two are one number; two speeds tell them apart"}
     motion = "reversals"
     next_motion = "reverse the joint slowly, many times, at two speeds"
+    plain = True
+    sign_width = "v0"
     side_by_side = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return np.tanh(x.qd[:, [joint]] / shape["v0"])

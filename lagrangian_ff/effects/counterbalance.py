@@ -1,12 +1,11 @@
 """A cylinder or spring that carries the arm's weight."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import product
-from typing import ClassVar
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -28,30 +27,29 @@ class Counterbalance(Effect):
         Shape("q0", "rad", "angle at which the pivots are in line", 0.1, 0.1 + 2.0 * np.pi, 3.0),
     )
     kind = "mechanics"
+    part = "gravity"
     coordinate = "position"
     shows_as = "a smooth curve over position, unmoved by payload and speed"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "spring": "it bends back within a turn",
-        "ripple": "it goes through one period in a turn",
+    look_alikes = {
+        "spring": "a counterbalance bends back within a turn, a spring grows with the angle",
+        "ripple": "a counterbalance goes through one period in a turn, ripple through several",
     }
     motion = "payloads"
     next_motion = "sweep the whole range slowly with two payloads: it stays while gravity changes"
     caution = "a kernel that is free in position has it already: only models without find it"
     absorbed = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         angle, r = x.q[:, joint] - shape["q0"], shape["r"]
         return (np.sin(angle) / np.sqrt(1.0 + r**2 - 2.0 * r * np.cos(angle)))[:, None]
 
-    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """See `Effect.energies`."""
+    def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats]:
         angle, r = x.q[:, joint] - shape["q0"], shape["r"]
         length = np.sqrt(1.0 + r**2 - 2.0 * r * np.cos(angle))[:, None]
         return np.zeros_like(length), length / r
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Lever arms by twelve angles all around the turn."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return all lever arms with twelve angles around the turn."""
         angles = self.shapes[1].low + 2.0 * np.pi * np.arange(12) / 12
         pairs = product(self.shapes[0].grid(), angles.tolist())
         return [{"r": r, "q0": q0} for r, q0 in pairs]

@@ -1,11 +1,10 @@
 """Friction of two joints that share a shaft."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.errors import EffectError
 
@@ -29,31 +28,29 @@ class Coupled(Effect):
         Shape("ratio", "1", "turns of the shaft per turn of the partner", -1, 1, 1, whole=True),
     )
     kind = "transmission"
-    coordinate = "velocity"
     shows_as = "steps where the sum or difference of two joints' speeds is zero"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "the step moves with the neighbour's speed",
-        "delay": "it comes where the sum of two speeds reverses, not where the torque changes",
+    look_alikes = {
+        "coulomb": (
+            "the coupled step moves with the neighbour's speed; Coulomb's comes where this joint "
+            "reverses, whatever its neighbours do"
+        ),
+        "delay": "the coupled step comes where two speeds cancel, a delay where the torque changes",
     }
     motion = "one by one"
     next_motion = "move the two joints one by one, then both at once at several ratios of speed"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`.
-
-        Raises:
-            EffectError: there is no such partner.
-        """
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return the columns; raise EffectError if there is no such partner."""
         partner = round(shape["partner"])
         if not 0 <= partner < x.joints:
             raise EffectError(
-                f"effect 'coupled': there is no joint {partner}; expected 0 to {x.joints - 1}"
+                f"effect '{self.name}': there is no joint {partner}; expected 0 to {x.joints - 1}"
             )
         speed = x.qd[:, joint] + shape["ratio"] * x.qd[:, partner]
         return np.stack([np.tanh(speed / x.sign_speed[joint]), speed], axis=1)
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Every other joint, with the sum of the speeds and with their difference."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return every other joint, with the sum of the speeds and with their difference."""
         return [
             {"partner": float(partner), "ratio": ratio}
             for partner in range(x.joints)

@@ -1,11 +1,8 @@
 """A constant torque that wanders with time."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -18,16 +15,19 @@ class Drift(Effect):
     meaning = "constant torque that wanders with time"
     parameters = (Parameter("c", "N·m/s", "rate of the drift"),)
     kind = "measurement"
+    part = "gravity"
     coordinate = "time"
     shows_as = "a straight line over time, the same both ways"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "offset": "it grows from the beginning of the recording to its end",
-        "warm_up": "it is the same in both directions of motion",
-        "payload": "it comes gradually, and does not change with posture",
+    look_alikes = {
+        "offset": "a drift grows from the beginning to the end of the recording, an offset stays",
+        "warm_up": "a drift is the same both ways, warming friction turns its sign with direction",
+        "payload": (
+            "a drift comes gradually and ignores posture; a payload comes at once and does not"
+        ),
     }
     motion = "warm-up"
     next_motion = "repeat the same motion many times; read the effort with the brake on"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`. Without time there is no drift."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return the column; without time there is no drift."""
         return np.where(np.isfinite(x.time), x.time, 0.0)[:, None]

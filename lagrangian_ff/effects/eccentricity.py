@@ -1,9 +1,6 @@
 """An encoder that is mounted off its centre."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.effects.ripple import turning
 
@@ -25,17 +22,18 @@ class Eccentricity(Effect):
         Parameter("b", "rad", "-e cos(phase)"),
     )
     kind = "measurement"
+    part = "gravity"
     coordinate = "position"
     shows_as = "the load torque too large on one half of the turn, too small on the other"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "torque_gain": "it turns its sign within a turn",
-        "gear_mesh": "it goes through one period in a turn, and follows the sign of the load",
+    look_alikes = {
+        "torque_gain": "eccentricity turns its sign within a turn, a torque gain does not",
+        "gear_mesh": "eccentricity has one period in a turn and the load's sign, gear mesh several",
     }
     motion = "exciting"
     next_motion = "move the joint through its whole turn at several speeds; compare encoders"
+    observable = False
     caution = "a universal kernel takes up most of it: mechanics in a bent coordinate are mechanics"
     uses = frozenset({"load"})
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return x.load[:, [joint]] * turning(x.q[:, joint], 1.0)

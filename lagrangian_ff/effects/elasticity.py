@@ -1,11 +1,10 @@
 """A joint that gives way under load."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.gear import OF, Gear
 from lagrangian_ff.effects.memory import swinging
 
@@ -37,26 +36,26 @@ class Elasticity(Gear):
         Shape("z", "1", "its damping, in parts of critical", 0.08, 0.3, 0.1, 2),
     )
     kind = "transmission"
+    part = "inertia"
     coordinate = "acceleration"
     shows_as = "an error that rings at one frequency after every jerk"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "delay": "below the resonance it is in step with the load, not a quarter period behind",
-        "rotor_inertia": "it grows with the fourth power of frequency, not with the second",
-        "backlash": "it is there wherever the joint jerks, not only where the load turns its sign",
-        "hysteresis": "it is there wherever the joint jerks, not only after a reversal",
-        "saturation": "it does not depend on the torque itself",
+    look_alikes = {
+        "rotor_inertia": (
+            "elasticity grows with the frequency's fourth power, a rotor with its square"
+        ),
+        "hysteresis": "elasticity comes at every jerk; hysteresis after reversals, however slow",
+        "saturation": (
+            "saturation comes at large torque, fast or slow; elasticity ignores the torque"
+        ),
     }
     motion = "chirp"
     next_motion = "sweep the frequency up, at small amplitude; a second encoder shows it itself"
+    rings = True
 
-    def carried(
-        self, load: Floats, part: Floats, step: float, shape: Mapping[str, float]
-    ) -> Floats:
-        """See `Gear.carried`."""
+    def carried(self, load: Floats, part: Floats, step: float, shape: Values) -> Floats:
         w = 2.0 * np.pi * min(shape["f"], FASTEST / step)
         return swinging(part, step, w, shape["z"])
 
-    def tried(self, load: Floats) -> Sequence[Mapping[str, float]]:
-        """See `Gear.tried`."""
+    def tried(self, load: Floats) -> Sequence[Values]:
         _, f, z = self.shapes
         return [{"f": hz, "z": damping} for hz in f.grid() for damping in z.grid()]

@@ -1,11 +1,8 @@
 """Presliding: friction that builds up over a distance."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.effects.memory import stop
 
@@ -26,22 +23,17 @@ class Hysteresis(Effect):
     meaning = "friction that builds up over a distance after a reversal (presliding)"
     parameters = (Parameter("F", "N·m", "friction that builds up so"),)
     shapes = (Shape("w", "rad", "deflection at which it slides", 3e-4, 3e-2, 3e-3),)
-    kind = "friction"
     coordinate = "since_reversal"
     shows_as = "loops over position after each reversal"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "it turns over within a distance, not at once",
-        "stribeck": "it comes after a reversal only, not with every slow motion",
-        "backlash": "it follows reversals of the motion, not of the load torque",
-        "elasticity": "it comes after a reversal only, however slow",
-        "delay": "its length is a distance, not a time: reverse at two speeds",
+    look_alikes = {
+        "stribeck": "hysteresis comes after a reversal only: creep without reversing",
+        "coulomb": "hysteresis turns over within a distance after the reversal, Coulomb's at once",
     }
     motion = "reversals"
     next_motion = "reverse with strokes of 0.1 to 10 mrad, at two speeds"
     remembers = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         settled = x.sign(joint)
         position, segment = np.ascontiguousarray(x.q[:, joint]), np.ascontiguousarray(x.segment)
         deflection = stop(position, segment, settled, shape["w"])

@@ -1,19 +1,16 @@
-"""What an effect with a memory remembers: a recursion over the samples of a motion."""
+"""Effects with a memory: recursions over the samples of a motion."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.loops import loop
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 def stop(q: Floats, segment: Ints, start: Floats, width: float) -> Floats:
-    """The stop operator q - play(q): how far an elastic contact that slides is deflected.
+    """Return the stop operator q - play(q): the deflection of an elastic contact that slides.
 
     The deflection follows the position until it reaches the width, then the contact slides
-    (Krasnosel'skii and Pokrovskii 1989). It begins anew with every uninterrupted stretch.
+    (Krasnosel'skii and Pokrovskii 1989). It starts again in every uninterrupted stretch.
 
     Args:
         q: (M,) rad.
@@ -31,16 +28,15 @@ def stop(q: Floats, segment: Ints, start: Floats, width: float) -> Floats:
 
 
 def loose(load: Floats, part: Floats, step: float, play: float, blow: float) -> Floats:
-    """What a gear with play carries of a part of its load.
+    """Return what a gear with play carries of a part of its load.
 
     Teeth that touch carry all of it. Where it turns its sign they part: nothing is carried, and the
     motor runs ahead by `load / play` in units of the gap, until the teeth touch on one side or the
-    other. What it has gained on the way is then carried back within `blow`: over a crossing, no
-    momentum is lost.
+    other. The momentum gained on the way then comes back within `blow`: a crossing loses none.
 
     Args:
         load: (M,) N·m, of an uninterrupted stretch; it decides when the teeth touch.
-        part: (M,) of the load, all of it or what goes with it; held and let go together.
+        part: (M,) of the load, all of it or a part; held and let go together.
         step: s between samples.
         play: kg·m²·rad, inertia of the link times the play.
         blow: s, time constant of the blow.

@@ -1,11 +1,8 @@
 """A constant torque."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -18,19 +15,14 @@ class Offset(Effect):
     meaning = "constant torque, as from a current sensor's zero"
     parameters = (Parameter("c", "N·m", "constant torque"),)
     kind = "measurement"
+    part = "gravity"
     coordinate = "direction"
     shows_as = "the same error in both directions, everywhere"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "asymmetric_coulomb": "nothing in the motion: read the effort with the brake on",
-        "drift": "it stays the same from the beginning of the recording to its end",
-        "spring": "it is the same at every position",
-        "contact": "it is there all the time",
-    }
     motion = "slow sweep"
     next_motion = "sweep slowly through the whole range, forth and back; read the effort at rest"
+    constant = True
     caution = "asymmetric_coulomb is Coulomb friction plus this"
     side_by_side = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return np.ones((len(x), 1))

@@ -1,11 +1,10 @@
 """A load that is taken up on the way."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 STEP = 2.0  # s between the beginnings that are tried
@@ -30,26 +29,26 @@ class Payload(Effect):
     )
     shapes = (Shape("t0", "s", "when it is taken up", 0.1, 1e5, 10.0),)
     kind = "event"
+    part = "gravity"
     coordinate = "time"
     shows_as = "a step over time, on all joints before the hand at once"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "torque_gain": "it begins at some moment, on several joints at once",
-        "warm_up": "it begins at once, and is the same in both directions of motion",
-        "drift": "it begins at once, and changes with posture",
-        "contact": "it stays to the end, and grows with acceleration",
+    look_alikes = {
+        "warm_up": "a payload comes at once and is the same both ways; warming friction is neither",
+        "torque_gain": "a payload begins at some moment, on several joints; a torque gain does not",
     }
     motion = "payloads"
     next_motion = "repeat the same motion with and without the payload"
+    arm_event = "lasting"
     uses = frozenset({"load"})
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`. Without time the load is taken to be there."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return the columns; without time the load is taken to be there."""
         q = x.q[:, joint]
         parts = np.stack([x.load[:, joint], x.qdd[:, joint], np.cos(q), np.sin(q)], axis=1)
         return parts * (x.time >= shape["t0"])[:, None]
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Moments every two seconds, some seconds away from beginning and end."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return moments every two seconds, some seconds away from beginning and end."""
         if not np.isfinite(x.time).all():
             return []
         first, last = max(self.shapes[0].low, float(x.time.min())), float(x.time.max())

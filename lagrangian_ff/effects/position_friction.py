@@ -1,11 +1,8 @@
 """Friction that changes with position."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -23,18 +20,15 @@ class PositionFriction(Effect):
         Parameter("a", "N·m", "amplitude of the cosine"),
         Parameter("b", "N·m", "amplitude of the sine"),
     )
-    kind = "friction"
     coordinate = "position"
     shows_as = "a step at zero speed whose height changes with position"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "the step changes with position",
-        "load_friction": "it stays at its position when the payload changes",
-        "ripple": "it turns its sign with the direction of motion",
+    look_alikes = {
+        "coulomb": "the step of position friction changes with position, Coulomb's does not",
+        "ripple": "position friction turns its sign with the direction, ripple does not",
     }
     motion = "slow sweep"
     next_motion = "sweep the whole range forth and back at one speed"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         q = x.q[:, joint]
         return x.sign(joint)[:, None] * np.stack([np.cos(q), np.sin(q)], axis=1)

@@ -1,13 +1,12 @@
 """Torque that repeats over the turn: cogging and ripple, gear mesh."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
+from lagrangian_ff.effects.gear import ROTOR, link_load, rotors
 from lagrangian_ff.effects.inputs import Inputs
-from lagrangian_ff.effects.link_load import ROTOR, link_load, rotors
 
 ORDER = Shape("order", "1", "periods in one turn of the joint", 2, 60, 6, whole=True)
 
@@ -25,22 +24,16 @@ class Ripple(Effect):
     )
     shapes = (ORDER,)
     kind = "transmission"
+    part = "gravity"
     coordinate = "order"
     shows_as = "a line in the spectrum over position, the same in both directions"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "gear_mesh": "its amplitude does not grow with the load",
-        "position_friction": "it is the same in both directions",
-        "counterbalance": "it goes through several periods in a turn",
-    }
     motion = "slow sweep"
     next_motion = "turn slowly through the whole range, with 20 samples or more a period"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return turning(x.q[:, joint], shape["order"])
 
-    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """See `Effect.energies`."""
+    def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats]:
         cosine, sine = turning(x.q[:, joint], shape["order"]).T
         potential = np.stack([sine, -cosine], axis=1) / shape["order"]
         return np.zeros_like(potential), potential
@@ -59,28 +52,27 @@ class GearMesh(Effect):
     )
     shapes = (ORDER, ROTOR)
     kind = "transmission"
+    part = "gravity"
     coordinate = "order"
     shows_as = "a line in the spectrum over position that grows with the load"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "ripple": "its amplitude grows with the load",
-        "load_friction": "it is the same in both directions of motion",
-        "eccentricity": "it goes through several periods in a turn",
+    look_alikes = {
+        "load_friction": "gear mesh is the same both ways, and comes and goes within a turn",
+        "ripple": "the amplitude of gear mesh grows with the load, that of ripple does not",
     }
     motion = "payloads"
     next_motion = "turn slowly through the whole range, with and without a payload"
     uses = frozenset({"load"})
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         load = np.abs(link_load(x, joint, shape))
         return load[:, None] * turning(x.q[:, joint], shape["order"])
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Every order, see `rotors` for Jr."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return every order with every inertia of `rotors`."""
         inertias = rotors(x, joint)
         return [{"order": order, "Jr": jr} for order in ORDER.grid() for jr in inertias]
 
 
 def turning(q: Floats, order: float) -> Floats:
-    """(M, 2) cosine and sine of an order of the angle."""
+    """Return (M, 2) cosine and sine of an order of the angle."""
     return np.stack([np.cos(order * q), np.sin(order * q)], axis=1)

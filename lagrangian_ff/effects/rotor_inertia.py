@@ -1,11 +1,8 @@
 """The motor's own inertia."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -18,22 +15,21 @@ class RotorInertia(Effect):
     meaning = "the motor's own inertia, reflected through the gear"
     parameters = (Parameter("J", "kg·m²", "inertia of the rotor times the gear ratio squared"),)
     kind = "mechanics"
+    part = "inertia"
     coordinate = "acceleration"
     shows_as = "a straight line over the joint's own acceleration"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "elasticity": "it grows with the square of frequency, not with the fourth power",
-        "torque_gain": "it follows the acceleration, and not gravity",
+    look_alikes = {
+        "torque_gain": "a rotor's torque follows the acceleration alone, a torque gain gravity too"
     }
     motion = "exciting"
     next_motion = "accelerate the joint in postures in which the links' inertia differs"
+    observable = False
     caution = "a Lagrangian kernel has it already: only rigid-body (URDF) models without find it"
     side_by_side = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return x.qdd[:, [joint]]
 
-    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """See `Effect.energies`."""
+    def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats]:
         kinetic = 0.5 * x.qd[:, [joint]] ** 2
         return kinetic, np.zeros_like(kinetic)

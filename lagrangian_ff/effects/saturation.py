@@ -1,11 +1,10 @@
 """A torque that is clipped."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 SHARES = (0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.985)
@@ -22,27 +21,23 @@ class Saturation(Effect):
     parameters = (Parameter("g", "1", "share of the excess that is missing; 1: all of it"),)
     shapes = (Shape("L", "N·m", "limit", 0.01, 1e5, 10.0),)
     kind = "measurement"
+    part = "gravity"
     coordinate = "load"
     shows_as = "an error at the largest torques only, towards zero"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "elasticity": "it comes at large torque, fast or slow",
-        "contact": "it comes whenever the torque is large, not in one interval of time",
-    }
     motion = "exciting"
     next_motion = "repeat the motion slower or without payload, so that no torque reaches the limit"
     uses = frozenset({"torque"})
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         torque = x.torque[:, [joint]]
         return np.clip(torque, -shape["L"], shape["L"]) - torque
 
     def possible(self, parameters: Floats) -> bool:
-        """A limit takes torque away."""
+        """Refuse a negative share: a limit takes torque away."""
         return bool(parameters[0] > 0.0)
 
-    def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Limits that the predicted torque exceeds for a part of the time."""
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return limits that the predicted torque exceeds for a part of the time."""
         limits = np.quantile(np.abs(x.torque[:, joint]), SHARES)
         lowest = self.shapes[0].low
         return [{"L": limit} for limit in dict.fromkeys(limits.tolist()) if limit > lowest]

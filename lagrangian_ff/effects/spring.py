@@ -1,48 +1,39 @@
 """A spring, a cable, a hose."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
 class Spring(Effect):
-    """What pulls the joint back: a torsion spring, a hose or a cable that stiffens.
+    """A torque that pulls the joint back: a torsion spring, a hose or a cable that stiffens.
 
-    Where the spring is at rest, q0, goes into an offset.
+    The angle q0 at which the spring is at rest goes into an offset.
     """
 
     name = "spring"
     formula = "k q + k3 q^3"
     source = "Hooke's law and the stiffening term of Duffing's equation"
     meaning = "a spring, or a cable that pulls the joint back"
-    parameters = (
-        Parameter("k", "N·m/rad", "stiffness"),
-        Parameter("k3", "N·m/rad³", "stiffening"),
-    )
+    parameters = (Parameter("k", "N·m/rad", "stiffness"), Parameter("k3", "N·m/rad³", "stiffening"))
     kind = "mechanics"
+    part = "gravity"
     coordinate = "position"
     shows_as = "a smooth curve over position, the same both ways"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "offset": "it changes with position",
-        "counterbalance": "it grows steadily with the angle",
-    }
+    look_alikes = {"offset": "a spring's torque changes with position, an offset does not"}
     motion = "slow sweep"
     next_motion = "sweep the whole range slowly, forth and back"
     caution = "a kernel that is free in position has it already: only models without find it"
     absorbed = True
     side_by_side = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         q = x.q[:, joint]
         return np.stack([q, q**3], axis=1)
 
     def objection(self, low: Floats, high: Floats) -> str:
-        """See `Effect.objection`: a spring does not push the joint away from its rest."""
+        """Refuse a negative stiffness: a spring does not push the joint away from its rest."""
         if high[0] >= 0.0:
             return ""
         return (
@@ -50,8 +41,7 @@ class Spring(Effect):
             "spring's is: some other torque of the position, which has no name here"
         )
 
-    def energies(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> tuple[Floats, Floats]:
-        """See `Effect.energies`."""
+    def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats]:
         q = x.q[:, joint]
         potential = np.stack([q**2 / 2.0, q**4 / 4.0], axis=1)
         return np.zeros_like(potential), potential

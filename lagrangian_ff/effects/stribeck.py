@@ -1,11 +1,8 @@
 """The Stribeck effect."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -24,23 +21,17 @@ class Stribeck(Effect):
     meaning = "dry friction that is higher while creeping"
     parameters = (Parameter("F_s", "N·m", "static friction above Coulomb's"),)
     shapes = (Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1),)
-    kind = "friction"
-    coordinate = "velocity"
     shows_as = "a bump on both sides of zero speed, falling over the first tenths of rad/s"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "it is gone at higher speed",
-        "power_law": "it falls with speed and then vanishes; a power of speed goes on rising",
-        "hysteresis": "it needs slow motion, not a reversal: creep without reversing",
-        "delay": "it does not depend on how fast the torque changes: creep without reversing",
+    look_alikes = {
+        "coulomb": "Stribeck friction is gone at higher speed; Coulomb's never changes with it"
     }
     motion = "slow sweep"
     next_motion = "creep through the range at 0.005 to 0.2 rad/s, both ways"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         speed = x.qd[:, joint]
         return (x.sign(joint) * np.exp(-((speed / shape["v_s"]) ** 2)))[:, None]
 
     def possible(self, parameters: Floats) -> bool:
-        """What is lower while creeping is a step of Coulomb's that is rounded, not this."""
+        """Refuse friction that is lower while creeping: that is Coulomb's step, rounded."""
         return bool(parameters[0] > 0.0)

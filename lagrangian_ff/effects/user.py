@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 
 from lagrangian_ff.effects.base import Effect
-from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS
+from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS, effect_classes
 from lagrangian_ff.effects.check import check
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import KERNELS
@@ -23,13 +23,13 @@ from lagrangian_ff.kernels import KERNELS
 ENTRY_POINTS = "lagrangian_ff.effects"
 
 _origin: dict[str, str] = {}
-"""Where each effect that users brought came from, by its name."""
+"""The file or package of each effect that users brought, by its name."""
 
 
 def load_effects(path: "str | Path") -> list[Effect]:
-    """Import a Python file and let the effects that it defines join `EFFECTS`.
+    """Import a Python file and add the effects that it defines to `EFFECTS`.
 
-    All of them join, or none. Loading a file once more replaces what came from it.
+    All of them join, or none. Loading a file again replaces what came from it.
 
     Raises:
         EffectError: the file does not import, defines no effect, or one that is not sound or has a
@@ -42,7 +42,7 @@ def load_effects(path: "str | Path") -> list[Effect]:
     found = _effects_of(_imported(file), where)
     if not found:
         raise EffectError(
-            f"{where}: defines no effect; expected a class of its own that derives from "
+            f"{where}: defines no effect; expected a class in it that derives from "
             "lagrangian_ff.effects.Effect and has name, formula, parameters and "
             "columns(self, x, joint, shape)"
         )
@@ -52,9 +52,9 @@ def load_effects(path: "str | Path") -> list[Effect]:
 
 @cache
 def load_installed() -> tuple[Effect, ...]:
-    """Let the effects of installed packages join `EFFECTS`, once.
+    """Add the effects of installed packages to `EFFECTS`, once.
 
-    A package whose effect does not load, or is not sound, is warned of and left out.
+    An effect that does not load or is not sound is left out with a warning.
     """
     loaded = []
     for entry in entry_points(group=ENTRY_POINTS):
@@ -92,24 +92,17 @@ def _imported(file: Path) -> ModuleType:
 
 
 def _effects_of(module: ModuleType, where: str) -> list[Effect]:
-    """Instances as they are, and one of each class that has none; helpers with _ are left out."""
+    """Return the instances, and one of each class that has none, without helpers with _."""
     public = [value for name, value in vars(module).items() if not name.startswith("_")]
     ours = list(EFFECTS.values())
     instances = [v for v in public if isinstance(v, Effect) and not any(v is o for o in ours)]
     made = {type(value) for value in instances}
-    classes = [
-        value
-        for value in public
-        if inspect.isclass(value)
-        and issubclass(value, Effect)
-        and value.__module__ == module.__name__
-        and value not in made
-    ]
-    return [*instances, *(_made(value, where) for value in classes)]
+    classes = [found for found in effect_classes(module) if found not in made]
+    return [*instances, *(_made(found, where) for found in classes)]
 
 
 def _made(found: object, where: str) -> Effect:
-    """The effect itself, from a class or an instance."""
+    """Return the effect, from a class or an instance."""
     if inspect.isclass(found) and issubclass(found, Effect):
         missing = sorted(found.__abstractmethods__)
         if missing:
@@ -121,7 +114,7 @@ def _made(found: object, where: str) -> Effect:
 
 
 def _join(effects: list[Effect], origin: str, where: str) -> None:
-    """Check all effects, then let them join the catalogue."""
+    """Check all effects, then add them to the catalogue."""
     taken = dict.fromkeys(EFFECTS, "the catalogue") | _origin
     taken = {name: place for name, place in taken.items() if place != origin}
     taken |= dict.fromkeys(GROUPS, "a group of effects")
@@ -154,7 +147,7 @@ def _check(effect: Effect, where: str) -> None:
 
 
 def _place(error: BaseException, file: Path) -> str:
-    """The line of the file at which it happened, for the beginning of a sentence."""
+    """Return the line of the file at which it happened, for the beginning of a sentence."""
     if isinstance(error, SyntaxError) and error.lineno is not None:
         return f"line {error.lineno}: "
     frames = traceback.extract_tb(error.__traceback__)

@@ -1,9 +1,6 @@
 """Viscous friction."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
-from lagrangian_ff.effects.base import Effect, Floats, Parameter
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -15,20 +12,11 @@ class Viscous(Effect):
     source = "eq. (51), first term"
     meaning = "friction in proportion to speed"
     parameters = (Parameter("B", "N·m·s/rad", "viscous coefficient"),)
-    kind = "friction"
-    coordinate = "velocity"
     shows_as = "a straight line through zero speed"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "at one speed the two are one number; two speeds tell them apart",
-        "asymmetric_viscous": "the slope is the same in both directions",
-        "quadratic_drag": "the line stays straight up to the highest speed",
-        "power_law": "the line stays straight down to creeping",
-        "load_viscous": "the slope does not change with the load",
-    }
     motion = "speeds"
     next_motion = "drive the joint at several constant speeds, each both ways"
+    plain = True
     side_by_side = True
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         return x.qd[:, [joint]]

@@ -1,11 +1,8 @@
 """Friction that falls while the gear warms up."""
 
-from collections.abc import Mapping
-from typing import ClassVar
-
 import numpy as np
 
-from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
 
 
@@ -26,18 +23,14 @@ class WarmUp(Effect):
         ),
     )
     shapes = (Shape("T", "s", "time constant of the warming", 5.0, 300.0, 60.0),)
-    kind = "friction"
     coordinate = "time"
     shows_as = "friction that dies away over the recording, while gravity stays"
-    look_alikes: ClassVar[Mapping[str, str]] = {
-        "coulomb": "it is gone when the gear is warm",
-        "drift": "it turns its sign with the direction of motion",
-        "payload": "it fades slowly, and turns its sign with the direction of motion",
+    look_alikes = {
+        "coulomb": "warming friction is gone when the gear is warm, Coulomb's step stays"
     }
     motion = "warm-up"
     next_motion = "repeat the same motion from cold until the error no longer changes"
 
-    def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """See `Effect.columns`."""
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         cold = np.exp(-x.time / shape["T"])
         return np.stack([cold * x.sign(joint), cold * x.qd[:, joint]], axis=1)

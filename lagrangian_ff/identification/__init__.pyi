@@ -1,10 +1,10 @@
 from lagrangian_ff.identification.build import Identification as Identification
 from lagrangian_ff.identification.extending import extend as extend
 from lagrangian_ff.identification.identifying import identify as identify
-from lagrangian_ff.identification.keeping import kept as kept
 from lagrangian_ff.identification.mechanics.dynamics import Dynamics as Dynamics
 from lagrangian_ff.identification.model import Model as Model
-from lagrangian_ff.identification.model import Terms as Terms
-from lagrangian_ff.identification.motion_range import MotionRange as MotionRange
-from lagrangian_ff.identification.score import Score as Score
+from lagrangian_ff.identification.predicting import MotionRange as MotionRange
+from lagrangian_ff.identification.predicting import Terms as Terms
+from lagrangian_ff.identification.records import Score as Score
+from lagrangian_ff.identification.samples import decimated as decimated
 from lagrangian_ff.identification.settings import Settings as Settings

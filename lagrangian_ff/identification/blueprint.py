@@ -1,66 +1,86 @@
-"""What a model is made from, before it is solved."""
+"""All that a model is made from, and its solution, exact or on inducing points."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.samples import evenly, groups
+from lagrangian_ff.identification.predicting import TorqueModel
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples, evenly, groups
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.identification.solving.robust import doubted
+from lagrangian_ff.identification.solving.posterior import (
+    Posterior,
+    exact,
+    exact_solver,
+    inducing_solver,
+)
+from lagrangian_ff.identification.solving.robust import (
+    ENOUGH,
+    FEW_STEPS,
+    ROUGH,
+    STEPS,
+    heavy_tailed,
+    huber,
+)
+from lagrangian_ff.identification.solving.solution import (
+    NotPositiveDefiniteError,
+    no_factor,
+    with_least_noise,
+)
+from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import usual_step
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
-
-FEW = 500
-"""Samples that shapes and noise are searched on where the model is on landmarks."""
+SUBSET = 500
+"""Samples that shapes and noise are searched on, for a model on inducing points."""
 INDEPENDENT_SECONDS = 1.0
-"""Samples closer than this are not counted as independent when intervals are made."""
+"""Samples closer than this do not count as independent in intervals."""
 
 
 @dataclass(frozen=True)
 class Blueprint:
     """All that a model is made from.
 
+    Its methods take `inputs`: all of the data as effects see it.
+
     Attributes:
         name: kernel and effects.
-        choice: the hyperparameters.  scaling: of the torques.  basis: the effects' terms.
+        kernel, noise, scaling, basis: see `Problem`.
         data: the motion learned from and that held out, at the rate that is kept.
         trained: (K,) which of its samples may be learned from.
         index: (C,) those the kernel is built on.
         seen: (S,) those that determine the coefficients; the same where the fit is exact.
-        settings: how all this was chosen.
-        trust: (S, N) in each torque of `seen`, which Huber's loss begins with; None for squares.
+        settings: that all this was chosen with.
+        weight: (S, N) IRLS weights of `seen` that Huber's loss begins with; None for squares.
     """
 
     name: str
-    choice: Choice
+    kernel: Kernel
+    noise: Floats
     scaling: Scaling
     basis: Basis
     data: Motion
-    trained: Bools
+    trained: Flags
     index: Ints
     seen: Ints
     settings: Settings
-    trust: Floats | None = None
+    weight: Floats | None = None
 
     @classmethod
-    def of(cls, model: Model) -> "Blueprint":
-        """What a model was made from.
+    def of(cls, model: TorqueModel) -> "Blueprint":
+        """Return the blueprint of a model.
 
         Raises:
-            ModelError: its record tells settings that cannot be.
+            ModelError: its record has unknown or invalid settings.
         """
         return cls(
             name=model.name,
-            choice=Choice(model.kernel, model.noise, {}),
+            kernel=model.kernel,
+            noise=model.noise,
             scaling=Scaling(model.unit, model.noise_share),
             basis=model.basis,
             data=model.data,
@@ -68,52 +88,153 @@ class Blueprint:
             index=model.index,
             seen=model.seen,
             settings=Settings.from_record(model.record.get("settings", {})),
-            trust=model.trust,
+            weight=model.irls_weight,
+        )
+
+    def like(self, problem: Problem) -> "Blueprint":
+        """Return the blueprint with the hyperparameters of a problem."""
+        return replace(
+            self,
+            kernel=problem.kernel,
+            noise=problem.noise,
+            scaling=problem.scaling,
+            basis=problem.basis,
         )
 
     @property
     def exact(self) -> bool:
-        """Whether the kernel is built on all that is learned from."""
+        """Return whether the kernel is built on all that is learned from."""
         return np.array_equal(self.index, self.seen)
 
-    def few(self, inputs: Inputs, most: int | None = None) -> TrainingSet:
-        """Samples for what is searched, few enough for an exact fit; outliers hardly count.
+    def problem(self, samples: Samples) -> Problem:
+        """Return the problem of some samples."""
+        return Problem(samples, self.kernel, self.noise, self.scaling, self.basis)
 
-        Args:
-            inputs: all of the data as effects see it.
-            most: how many there are at most.
+    def whole(self, inputs: Inputs) -> Problem:
+        """Return the problem of all that is learned from, without weights."""
+        return self.problem(Samples(inputs.take(self.seen), self.data.tau[self.seen]))
+
+    def subset(self, inputs: Inputs, most: int | None = None) -> Problem:
+        """Return the problem of a subset of the samples, small enough to be solved exactly.
+
+        Shapes and noise are searched on it, with `most` samples at most. Outliers hardly count.
         """
-        at = np.arange(len(self.seen)) if self.exact else evenly(len(self.seen), FEW)
+        at = np.arange(len(self.seen)) if self.exact else evenly(len(self.seen), SUBSET)
         at = at if most is None else at[evenly(len(at), most)]
         index = self.seen[at]
-        trust = None if self.trust is None else doubted(self.trust[at])
-        return TrainingSet(inputs.take(index), self.data.tau[index], self.folds(index), trust)
+        weight = None if self.weight is None else heavy_tailed(self.weight[at])
+        tau, folds = self.data.tau[index], self.folds(index)
+        return self.problem(Samples(inputs.take(index), tau, folds, weight))
 
     def blocks(self, samples: Ints) -> Ints:
-        """(F,) the block of time each of some training samples lies in, counted from 0."""
+        """Return (F,) the block of time that each training sample lies in, counted from 0."""
         training = self.data.take(self.trained)
         block = np.full(len(self.data), -1)
         block[self.trained] = training.blocks(self.settings.block_seconds)
         return np.asarray(np.unique(block[samples], return_inverse=True)[1], dtype=np.int64)
 
     def folds(self, samples: Ints) -> Ints:
-        """(F,) the fold each of some training samples is left out with."""
+        """Return (F,) the fold that each training sample is left out with."""
         return self.blocks(samples) % self.settings.folds
 
     @property
     def folded(self) -> list[Ints]:
-        """The samples learned from, fold by fold."""
+        """Return the samples learned from, fold by fold."""
         return groups(self.folds(self.seen))
 
     @property
     def apart(self) -> list[Ints]:
-        """The samples learned from, in the smallest groups that a fit can be asked without.
+        """Return the samples learned from, in the smallest groups that a fit can leave out.
 
-        Blocks of time, one by one; with a kernel on landmarks the folds, which alone are summed.
+        These are blocks of time; on inducing points, which sum over folds only, they are the folds.
         """
         return groups(self.blocks(self.seen)) if self.exact else self.folded
 
     @property
     def seconds(self) -> Ints:
-        """(S,) the second each sample learned from lies in: what is counted as independent."""
+        """Return (S,) the second that each sample lies in; seconds count as independent."""
         return np.asarray(self.data.blocks(INDEPENDENT_SECONDS)[self.seen])
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A blueprint solved.
+
+    Attributes:
+        posterior: of the model.
+        weighed: the posterior that intervals are made from: an outlier counts no more than others.
+        threshold: (N,) N·m, beyond which Huber's loss is linear; None for squares.
+        noise: (N,) variance of a torque in the subset problem that the noise was chosen on.
+        notes: sentences for people on noise that was added and on inducing points.
+    """
+
+    posterior: Posterior
+    weighed: Posterior
+    threshold: Floats | None
+    noise: Floats
+    notes: tuple[str, ...]
+
+
+def solve(blueprint: Blueprint, inputs: Inputs, progress: Progress = silent) -> Solved:
+    """Solve (44), with the least noise added that makes the Gram matrix positive definite.
+
+    Args:
+        blueprint: of the model.
+        inputs: all of the data as effects see it.
+        progress: receives the share done, 0 to 1.
+
+    Raises:
+        ModelError: there is no factor even with much more noise.
+    """
+
+    def solved(factor: float) -> Solved:
+        noisier = replace(blueprint, noise=blueprint.noise * factor)
+        posterior, weighed, threshold = _with_loss(noisier, inputs, progress)
+        notes = () if blueprint.exact else (_inducing(noisier, posterior),)
+        if factor != 1.0:
+            raised = (
+                f"the noise is taken {factor:g} times as large as was chosen: with less, the Gram "
+                f"matrix of {len(blueprint.index)} samples has no Cholesky factor"
+            )
+            notes = (raised, *notes)
+        return Solved(posterior, weighed, threshold, noisier.noise, notes)
+
+    try:
+        return with_least_noise(solved)[0]
+    except NotPositiveDefiniteError as error:
+        samples, seen = f"{len(blueprint.index)} samples", blueprint.seen
+        raise no_factor(samples, inputs.qd[seen], inputs.qdd[seen]) from error
+
+
+def _with_loss(
+    blueprint: Blueprint, inputs: Inputs, progress: Progress
+) -> tuple[Posterior, Posterior, Floats | None]:
+    """Return `Solved.posterior`, `Solved.weighed` and `Solved.threshold`."""
+    problem, weight = blueprint.whole(inputs), blueprint.weight
+    if blueprint.exact and weight is None:
+        found: Posterior = exact(problem, progress=progress)
+        return found, found, None
+    if blueprint.exact:
+        solver, enough, steps = exact_solver(problem), ENOUGH, STEPS
+    else:
+        at = blueprint.data.take(blueprint.index)
+        solver = inducing_solver(problem, States.of(at.q, at.qd, at.qdd), blueprint.folded)
+        enough, steps = ROUGH, FEW_STEPS
+    if weight is None:
+        found = solver(None, progress)
+        return found, found, None
+    robust = huber(solver, weight, None, enough, steps, part(progress, 0.0, 0.9))
+    weights = heavy_tailed(robust.posterior.problem.samples.weights)
+    weighed = solver(weights, part(progress, 0.9, 1.0))
+    return robust.posterior, weighed, robust.threshold
+
+
+def _inducing(blueprint: Blueprint, posterior: Posterior) -> str:
+    raised = np.unique(np.round(posterior.problem.noise / blueprint.noise)).astype(int)
+    rate = 1.0 / usual_step(blueprint.data.time)
+    shown = " to ".join(str(factor) for factor in dict.fromkeys([raised.min(), raised.max()]))
+    return (
+        f"learned from all {len(blueprint.seen)} training samples at {rate:.3g} Hz, with a "
+        f"kernel on {len(blueprint.index)} of them as landmarks; blocks left out ask for {shown} "
+        "times the noise variance of few samples, since neighbouring samples err alike"
+    )

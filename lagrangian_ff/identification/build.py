@@ -1,34 +1,39 @@
-"""From chosen hyperparameters to a fitted, judged and recorded model."""
+"""From chosen hyperparameters to a solved, judged and recorded model."""
 
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.blueprint import Blueprint
-from lagrangian_ff.identification.certainty.calibration import calibrated
-from lagrangian_ff.identification.certainty.few import QUICK, Few
-from lagrangian_ff.identification.certainty.intervals import LEVEL
-from lagrangian_ff.identification.certainty.outliers import doubtful, outlier_record
-from lagrangian_ff.identification.mechanics.mass_matrix import mass_record
+from lagrangian_ff.identification.blueprint import Blueprint, Solved, solve
+from lagrangian_ff.identification.certainty.calibration import (
+    LEVEL,
+    QUICK,
+    SubsetOfData,
+    calibrated,
+)
 from lagrangian_ff.identification.mechanics.positive import Expansion, keep_positive
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.motion_range import MotionRange
-from lagrangian_ff.identification.records import effect_records, hyperparameter_record
+from lagrangian_ff.identification.predicting import MotionRange
+from lagrangian_ff.identification.records import (
+    Score,
+    effect_records,
+    hyperparameter_record,
+    mass_record,
+    outlier_record,
+)
 from lagrangian_ff.identification.samples import evenly
-from lagrangian_ff.identification.score import Score
-from lagrangian_ff.identification.solve import Solved, solve
-from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.posterior import Posterior
+from lagrangian_ff.identification.solving.robust import outliers_of
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.sampling import recorded_seconds
 
 POSITIVE_STATES = 1000
 """States along the motion at which the mass matrix is kept positive."""
@@ -36,7 +41,7 @@ POSITIVE_STATES = 1000
 
 @dataclass(frozen=True)
 class Identification:
-    """What came out.
+    """A model with its record and the motion it was judged on.
 
     Attributes:
         model: ready to predict and to be saved.
@@ -51,7 +56,15 @@ class Identification:
     training: Motion
     held_out: Motion
     predicted: Floats
-    fitted: Fit = field(repr=False)
+    posterior: Posterior = field(repr=False)
+
+    def with_history(
+        self, steps: tuple[Mapping[str, object], ...], **facts: object
+    ) -> "Identification":
+        """Return the same with another history of the model, and more facts in the record."""
+        record = {**self.record, **facts}
+        model = replace(self.model, record=record, steps=steps)
+        return replace(self, model=model, record=record)
 
 
 def build(
@@ -60,48 +73,49 @@ def build(
     facts: Mapping[str, object],
     steps: tuple[Mapping[str, object], ...] = (),
     progress: Progress = silent,
-    known: Fit | None = None,
+    known: Posterior | None = None,
 ) -> Identification:
-    """Fit a model, judge it on motion it has not seen, and write down what was found.
+    """Fit a model, judge it on motion it has not seen, and record the findings.
 
     Args:
-        blueprint: what it is made from.
+        blueprint: of the model.
         inputs: all of the data as effects see it.
-        facts: what else belongs into the record.
+        facts: further fields of the record.
         steps: the model's history before.
-        progress: told the share done.
-        known: the fit, where it is known already.
+        progress: receives the share done, 0 to 1.
+        known: the posterior, if it was solved already.
 
     Raises:
-        ModelError: no noise makes the Gram matrix fit for the arithmetic, or the mass matrix cannot
-            be kept positive.
+        ModelError: no noise makes the Gram matrix positive definite, or the mass matrix cannot be
+            kept positive.
     """
     began = time.monotonic()
     data, learned = blueprint.data, blueprint.data.take(blueprint.seen)
     solved = (
-        Solved(known, known, None, known.choice.noise, ())
+        Solved(known, known, None, known.problem.noise, ())
         if known
         else solve(blueprint, inputs, part(progress, 0.0, 0.8))
     )
-    fitted = solved.fitted
-    expansion = _expansion(blueprint, fitted, part(progress, 0.8, 0.9))
-    residual, _ = fitted.left_out(blueprint.folded)
+    posterior = solved.posterior
+    problem = posterior.problem
+    expansion = _expansion(blueprint, posterior, part(progress, 0.8, 0.9))
+    residual = posterior.left_out(blueprint.folded)
     left_out = learned.tau - residual
     training = data.take(blueprint.trained)
-    believed, trust = training.tau, None
+    reliable, weight = training.tau, None
     if solved.threshold is not None:
-        trust = fitted.trust
-        believed = np.where(doubtful(trust), 0.0, learned.tau)
-    model = Model(
+        weight = problem.samples.weights
+        reliable = np.where(outliers_of(weight), 0.0, learned.tau)
+    draft = Model(
         joints=data.joints,
         name=blueprint.name,
-        kernel=fitted.choice.kernel,
-        basis=fitted.basis,
+        kernel=problem.kernel,
+        basis=problem.basis,
         centres=expansion.centres,
         weights=expansion.weights,
         coefficients=expansion.coefficients,
-        unit=fitted.scaling.unit,
-        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), believed),
+        unit=problem.unit,
+        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), reliable),
         record={},
         data=data,
         trained=blueprint.trained,
@@ -110,7 +124,7 @@ def build(
         noise=solved.noise,
         noise_share=blueprint.scaling.noise,
         steps=steps,
-        trust=trust,
+        irls_weight=weight,
     )
     if blueprint.trained.all():
         held_out, predicted = learned, left_out
@@ -119,13 +133,13 @@ def build(
         held_out = data.take(~blueprint.trained)
         share = part(progress, 0.9, 1.0)
         states = data.q, data.qd, data.qdd
-        whole = model.predict(*states, share, time=data.time, segment=data.segment)
+        whole = draft.predict(*states, share, time=data.time, segment=data.segment)
         predicted = whole[~blueprint.trained]
         judged = "motion after the training part"
-    met, _ = solved.weighed.left_out(blueprint.apart)
-    factor = calibrated(blueprint, solved, met).tolist()
-    quick = _quick_factor(replace(blueprint, trust=trust), inputs, solved, met)
-    values = expansion.coefficients
+    apart = solved.weighed.left_out(blueprint.apart)
+    factor = calibrated(blueprint, solved, apart).tolist()
+    quick = _quick_factor(replace(blueprint, weight=weight), inputs, solved, apart)
+    values, mechanism = expansion.coefficients, blueprint.kernel.mechanism
     record: dict[str, object] = {
         "model": blueprint.name,
         **Score.of(data.joints, held_out.tau, predicted).record(),
@@ -136,51 +150,51 @@ def build(
         "seconds": round(time.monotonic() - began, 3),
         "training_seconds": seconds(training),
         "held_out_seconds": seconds(held_out),
-        "hyperparameters": hyperparameter_record(fitted.choice, blueprint.basis, len(learned)),
-        "scale": "common" if np.ptp(fitted.scaling.unit) == 0.0 else "joint",
+        "hyperparameters": hyperparameter_record(replace(problem, basis=blueprint.basis)),
+        "scale": "common" if np.ptp(problem.unit) == 0.0 else "joint",
         "effects": effect_records(solved.weighed, values, data.joints, blueprint.seconds),
-        "mass_matrix": mass_record(model),
+        "mass_matrix": mass_record(draft),
         "uncertainty": {
             "level": LEVEL,
             "factor": dict(zip(data.joints, factor, strict=True)),
             "quick": quick,
         },
-        "log_evidence": float(fitted.log_evidence),
-        "range": model.range.record(),
+        "log_evidence": float(posterior.log_evidence),
+        "range": draft.range.record(),
         "settings": blueprint.settings.record(),
         "conditioning": dict(training.conditioning),
         "notes": [*training.notes, *solved.notes],
-        **_known(blueprint),
+        **({"mechanism": mechanism.record()} if mechanism else {}),
         **facts,
     }
     if solved.threshold is not None:
         missed = held_out.tau - predicted
         record["outliers"] = outlier_record(
-            fitted.trust, solved.threshold, learned, residual, missed
+            problem.samples.weights, solved.threshold, learned, residual, missed
         )
-    object.__setattr__(model, "record", record)
-    return Identification(model, record, learned, held_out, predicted, fitted)
+    model = replace(draft, record=record)
+    return Identification(model, record, learned, held_out, predicted, posterior)
 
 
-def _expansion(blueprint: Blueprint, fitted: Fit, progress: Progress) -> Expansion:
-    """What the torque is made of: as fitted, or with its mass matrix kept positive."""
+def _expansion(blueprint: Blueprint, posterior: Posterior, progress: Progress) -> Expansion:
+    """Return centres, weights and coefficients, with the mass matrix kept positive if asked."""
     if not blueprint.settings.positive:
-        return Expansion(fitted.states, fitted.weights, fitted.coefficients)
+        return Expansion(posterior.states, posterior.weights, posterior.coefficients)
     seen = np.flatnonzero(blueprint.trained)
     along = blueprint.data.take(seen[evenly(len(seen), POSITIVE_STATES)])
-    return keep_positive(fitted, States.of(along.q, along.qd, along.qdd), progress)
+    return keep_positive(posterior, States.of(along.q, along.qd, along.qdd), progress)
 
 
 def _quick_factor(
-    blueprint: Blueprint, inputs: Inputs, solved: Solved, met: Floats
+    blueprint: Blueprint, inputs: Inputs, solved: Solved, left_out: Floats
 ) -> dict[str, float] | None:
-    """Of certainty's cheap form, by joint, so that asking it later costs nothing; None without."""
-    choice = replace(blueprint.choice, noise=solved.noise)
+    """Return the calibration of the cheap uncertainty by joint; None if it cannot be made."""
     x = inputs.take(blueprint.seen)
-    few = Few(replace(blueprint, choice=choice), x, solved.weighed.trust, QUICK)
+    weights = solved.weighed.problem.samples.weights
+    subset = SubsetOfData(replace(blueprint, noise=solved.noise), x, weights, QUICK)
     try:
-        few.fit()  # which is what will be asked
-        factor = few.factor(met)
+        subset.fit()  # the later use of the model must not fail
+        factor = subset.factor(left_out)
     except (ModelError, NotPositiveDefiniteError):
         return None
     if not np.isfinite(factor).all():
@@ -188,15 +202,6 @@ def _quick_factor(
     return dict(zip(blueprint.data.joints, factor.tolist(), strict=True))
 
 
-def _known(blueprint: Blueprint) -> dict[str, object]:
-    mechanism = blueprint.choice.kernel.mechanism
-    return {"mechanism": mechanism.record()} if mechanism else {}
-
-
 def seconds(motion: Motion) -> float:
-    """The time that was recorded, gaps not counted."""
-    total = 0.0
-    for number in np.unique(motion.segment):
-        times = motion.time[motion.segment == number]
-        total += float(times[-1] - times[0])
-    return round(total, 6)
+    """Return the time that was recorded in s, gaps not counted."""
+    return round(recorded_seconds(motion.time, motion.segment), 6)

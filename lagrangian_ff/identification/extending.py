@@ -5,29 +5,26 @@ from dataclasses import replace
 from datetime import datetime, timezone
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
-from lagrangian_ff.identification.choice import Choice
-from lagrangian_ff.identification.choosing.search import validation_score
 from lagrangian_ff.identification.choosing.shapes import best_shape, fall, tuned
+from lagrangian_ff.identification.choosing.simplex import validation_score
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.solving.equations import fit_basis
+from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, part, silent
 
-Floats = NDArray[np.float64]
-
 NOISE_FACTORS = (0.03, 0.1, 0.3, 1.0, 2.0)
-"""What the noise is multiplied with when less of the torque is left unexplained."""
+"""Factors on the noise, tried once the new effect explains more of the torque."""
 NOISE_SAMPLES = 240
 SAME = 1e-6
-"""Share of an effect that the model must not hold already for it to be another effect."""
+"""Share of an effect that must lie outside the model's basis for it to count as another effect."""
 
 
 def extend(
@@ -40,46 +37,52 @@ def extend(
 ) -> Identification:
     """Add an effect to one joint of a model and refit it.
 
-    The kernel keeps its hyperparameters; the noise, which the effect was part of, is chosen
-    anew, by blocks left out in turn. So are the shapes of the joint's friction, which had made up
-    for the effect.
+    The kernel keeps its hyperparameters. The noise, which the effect was part of, is chosen again
+    on blocks left out in turn, and so are the shapes of the joint's friction, which had made up for
+    the effect.
 
     Args:
         model: with the data it keeps.
-        effect: what is added.
-        joint: where.
-        shape: nonlinear parameters, kept as given; what is not given is searched.
-        why: what the model's history shall tell of the reason.
-        progress: told the share done.
+        effect: to add.
+        joint: name of its joint.
+        shape: nonlinear parameters, kept as given; the others are searched.
+        why: fields for the model's history that give the reason.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         ModelError: there is no such joint, the model has the effect, or an equal one, already, or
             there is not enough memory.
     """
-    number = joint_number(model, joint)
-    require_new(model, effect, number)
+    if joint not in model.joints:
+        raise ModelError(f"the model has no joint '{joint}'; it has {', '.join(model.joints)}")
+    number = model.joints.index(joint)
+    there = [t.effect.name for t in model.basis.terms if t.joint == number]
+    if effect.name in there:
+        raise ModelError(
+            f"the model has {effect.name} on {joint} already ({model.name}); one is enough"
+        )
     old = Blueprint.of(model)
     inputs = model.inputs_of_data()
-    few = old.few(inputs)
-    require_room(old, len(few.x))
+    subset = old.subset(inputs)
+    require_room(old, len(subset.samples))
     progress(0.1, f"adding {effect.name}")
-    before = fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling, few.trust)
+    before = exact(subset)
     given = dict(shape or {})
-    term = Term(effect, number, best_shape(before, effect, number, few.x, given))
-    _, own = fall(before, term, few.x)
+    term = Term(effect, number, best_shape(before, effect, number, given))
+    _, own = fall(before, term)
     if own < SAME:
         raise ModelError(
             f"{effect.name} on {joint} is a torque that the model has already under another name "
-            f"({', '.join(t.effect.name for t in model.basis.terms if t.joint == number)}): "
+            f"({', '.join(there)}): "
             "adding it would change nothing"
         )
     kept = [(effect.name, name) for name in given]
-    basis = tuned(before, Basis((*old.basis.terms, term)), number, few.x, kept)
+    basis = tuned(before, Basis((*old.basis.terms, term)), number, kept)
     del before  # its factor is as large as that of the fit to come
     inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
     new = replace(old, name=f"{model.name}+{effect.name}@{joint}", basis=basis)
-    progress(0.3, "choosing the noise anew")
-    new = replace(new, choice=_with_noise(new, inputs))
+    progress(0.3, "choosing the noise")
+    new = replace(new, noise=_best_noise(new, inputs))
     progress(0.6, "fitting")
     facts = {"sources": model.record.get("sources", [])}
     again = any(t.effect.uses for t in new.basis.terms)
@@ -89,9 +92,8 @@ def extend(
         seen = found.model.inputs_of_data()
         found = build(new, seen, facts, model.steps, part(progress, done, 1.0))
     step = step_record(f"{effect.name} on {joint}", model.record, found.record, why)
-    object.__setattr__(found.model, "steps", (*model.steps, step))
     progress(1.0, "fitting")
-    return found
+    return found.with_history((*model.steps, step))
 
 
 def step_record(
@@ -100,7 +102,7 @@ def step_record(
     after: Mapping[str, object],
     why: Mapping[str, object] | None = None,
 ) -> dict[str, object]:
-    """One line of a model's history."""
+    """Return one line of a model's history."""
 
     def rmse(record: Mapping[str, object], joint: str) -> float:
         joints = record["joints"]
@@ -126,43 +128,17 @@ def step_record(
     }
 
 
-def joint_number(model: Model, joint: str) -> int:
-    """The index of a joint.
-
-    Raises:
-        ModelError: the model has no such joint; lists those it has.
-    """
-    if joint not in model.joints:
-        raise ModelError(f"the model has no joint '{joint}'; it has {', '.join(model.joints)}")
-    return model.joints.index(joint)
-
-
-def require_new(model: Model, effect: Effect, joint: int) -> None:
-    """Refuse an effect that the model has on the joint.
-
-    Raises:
-        ModelError: it has; says so.
-    """
-    if any(t.effect.name == effect.name and t.joint == joint for t in model.basis.terms):
-        raise ModelError(
-            f"the model has {effect.name} on {model.joints[joint]} already "
-            f"({model.name}); one is enough"
-        )
-
-
-def _with_noise(blueprint: Blueprint, inputs: Inputs) -> Choice:
-    """The choice whose noise leaves the smallest error on blocks left out."""
-    data = blueprint.few(inputs, NOISE_SAMPLES)
-    best, cost = blueprint.choice, np.inf
+def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:
+    """Return (N,) the noise with the smallest error on blocks left out."""
+    problem = blueprint.subset(inputs, NOISE_SAMPLES)
+    groups = problem.samples.groups()
+    best, cost = problem, np.inf
     for factor in NOISE_FACTORS:
-        choice = replace(blueprint.choice, noise=blueprint.choice.noise * factor)
+        tried = problem.noisier(factor)
         try:
-            fitted = fit_basis(
-                blueprint.basis, choice, data.x, data.tau, blueprint.scaling, data.trust
-            )
-            score = float(np.nanmean(validation_score(fitted, data.groups())))
+            score = float(np.nanmean(validation_score(exact(tried), groups)))
         except (NotPositiveDefiniteError, np.linalg.LinAlgError):
             continue
         if score < cost:
-            best, cost = choice, score
-    return best
+            best, cost = tried, score
+    return best.noise

@@ -1,4 +1,4 @@
-"""Whether the machine's memory holds the matrices of the model asked for."""
+"""The memory that a model takes, and the refusal of one that does not fit."""
 
 from collections.abc import Callable
 from math import isqrt
@@ -10,10 +10,10 @@ from lagrangian_ff.kernels import CoupledKernel
 
 COPIES = 4
 """Square matrices of doubles held at once: the Gram matrix, its copy that is factored, the inverse
-factor for the blocks left out, and what is in use of another; on landmarks the Gram matrix, the
-sum of all folds, a sum without one, and its factor."""
+factor for the blocks left out, and a part of another; on inducing points the Gram matrix,
+the sum of all folds, a sum without one, and its factor."""
 SHARE = 0.9
-"""Of the memory that is free."""
+"""Share of the free memory that a model may take."""
 MEMINFO, GROUPS = Path("/proc/meminfo"), Path("/sys/fs/cgroup")
 LIMITS = (
     ("memory.max", "memory.current", "memory.stat"),
@@ -23,24 +23,24 @@ LIMITS = (
 
 
 def available(meminfo: Path = MEMINFO, groups: Path = GROUPS) -> int | None:
-    """Bytes that this process may take: of the machine, or of its container if that is less.
+    """Return the bytes that this process may take, the least of machine and container.
 
-    None where the system does not tell.
+    None if the system does not report them.
     """
     free = [_machine(meminfo), *(_left(*(groups / name for name in names)) for names in LIMITS)]
     return min((one for one in free if one is not None), default=None)
 
 
 def needed(centres: int, joints: int, *, coupled: bool = True, folds: int | None = None) -> int:
-    """Bytes that a model is built in.
+    """Return the bytes that building a model takes.
 
     Joints that are coupled are one system of centres × joints equations, others are solved apart,
-    and their factors are kept. On landmarks, sums over each fold are held in place of factors.
+    and their factors are kept. On inducing points, sums over each fold take the place of factors.
 
     Args:
         centres: samples that the kernel is built on.  joints: of the arm.
         coupled: whether the kernel couples them.
-        folds: with the kernel on landmarks, into how many the samples are summed.
+        folds: on inducing points, the number of sums; None for an exact model.
     """
     copies = COPIES if folds is None else folds + COPIES
     if coupled:
@@ -60,8 +60,8 @@ def require_memory(
 
     Args:
         centres, joints, coupled, folds: see `needed`.
-        free: tells the memory in bytes, and None where nobody knows it: nothing is refused then;
-            by default that of this machine.
+        free: returns the free memory in bytes; None, if it is unknown, refuses nothing. By
+            default that of this machine.
 
     Raises:
         ModelError: says how much memory is needed, how much there is, and how many centres fit.
@@ -78,15 +78,15 @@ def require_memory(
     )
 
 
-def require_room(blueprint: Blueprint, few: int) -> None:
-    """Refuse a blueprint whose model, or the exact fits of few samples, do not fit.
+def require_room(blueprint: Blueprint, subset: int) -> None:
+    """Refuse a blueprint whose model, or the exact fits of its subset, do not fit.
 
     Raises:
         ModelError: see `require_memory`.
     """
     joints = len(blueprint.data.joints)
-    coupled = isinstance(blueprint.choice.kernel, CoupledKernel)
-    require_memory(few, joints, coupled=coupled)
+    coupled = isinstance(blueprint.kernel, CoupledKernel)
+    require_memory(subset, joints, coupled=coupled)
     if not blueprint.exact:
         folds = blueprint.settings.folds
         require_memory(len(blueprint.index), joints, coupled=coupled, folds=folds)
@@ -102,7 +102,7 @@ def _machine(meminfo: Path) -> int | None:
 
 
 def _left(limit: Path, used: Path, parts: Path) -> int | None:
-    """What is left of a limit, with files read before, which give way; None where there is none."""
+    """Return what is left of a limit, file cache included, which gives way; None without one."""
     try:
         table = dict(line.split() for line in parts.read_text().splitlines())
         return max(0, int(limit.read_text()) - int(used.read_text()) + int(table["inactive_file"]))

@@ -1,33 +1,29 @@
-"""The torque of one state after the other, as a control loop asks for it: nothing is looked up."""
+"""The torque of one state after the other, for control loops."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.model import Model, Terms
+from lagrangian_ff.identification.predicting import Terms, TorqueModel
 from lagrangian_ff.kernels import States
 
-Floats = NDArray[np.float64]
-
 STAGES = ("at rest", "accelerated", "moving")
-"""What the rigid-body torque is asked for, one after the other, to tell its terms apart."""
+"""States whose rigid-body torques give its terms."""
 
 
 class Pointwise:
     """A model at one state at a time; for one thread.
 
-    Effects that allow it are done for all joints at once, the others one by one as in
+    Effects that allow it are evaluated for all joints at once, the others one by one as in
     `Model.predict`, which gives the same torques.
-
-    Args:
-        model: whose torque is asked for.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: TorqueModel) -> None:
         self.joints = model.joints
         count = len(model.joints)
         self._states = States(*np.zeros((3, 1, count)))
@@ -37,7 +33,7 @@ class Pointwise:
         x = self._states
         self._across = Inputs.of(States(x.q.T, x.qd.T, x.qdd.T))
         placed = [(term, model.coefficients[place]) for term, place in model.basis.slices()]
-        # What follows the torque must see that of every other effect.
+        # An effect that follows the torque needs that of every other effect first.
         apart = any("torque" in term.effect.uses for term, _ in placed)
         fast = [(t, value) for t, value in placed if t.effect.side_by_side and not apart]
         slow = [(t, value) for t, value in placed if not t.effect.side_by_side or apart]
@@ -52,10 +48,10 @@ class Pointwise:
         self._constant = model.basis.constant(count, model.coefficients)
 
     def torque(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Floats:
-        """(N,) N·m at a state of q (N,) rad, qd (N,) rad/s and qdd (N,) rad/s².
+        """Return (N,) N·m at a state of q (N,) rad, qd (N,) rad/s and qdd (N,) rad/s².
 
         Raises:
-            ValueError: an array is not of this many joints.
+            ValueError: an array is not of the model's number of joints.
         """
         x = self._states
         x.q[0], x.qd[0], x.qdd[0] = q, qd, qdd
@@ -67,14 +63,15 @@ class Pointwise:
             first = last
         torque = rigid + np.einsum("np,np->n", self._columns, self._fast)
         if self._rest.terms:
-            torque += self._others(x, rigid + self._constant)
+            others = self._by_effect(x, rigid + self._constant).values()
+            torque += sum(others, np.zeros_like(x.q))[0]
         return torque
 
     def terms(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Terms:
-        """The torque in parts, (N,) N·m each; see `torque` and `Model.terms`.
+        """Return the torque in parts, (N,) N·m each; see `torque` and `Model.terms`.
 
         Raises:
-            ValueError: an array is not of this many joints.
+            ValueError: an array is not of the model's number of joints.
         """
         x, stages = self._states, self._stages
         x.q[0], x.qd[0], x.qdd[0] = q, qd, qdd
@@ -92,12 +89,8 @@ class Pointwise:
                 effects[name] = effects.get(name, 0.0) + torque[0]
         return Terms(gravity, lifted - gravity, rigid - lifted, effects)
 
-    def _others(self, x: States, load: Floats) -> Floats:
-        parts = self._by_effect(x, load)
-        return np.asarray(sum(parts.values(), np.zeros_like(x.q))[0])
-
     def _by_effect(self, x: States, load: Floats) -> dict[str, Floats]:
-        """(1, N) N·m of each of the effects that are done one by one."""
+        """Return (1, N) N·m of each effect that is evaluated alone."""
         inputs = Inputs.of(x, None, None, load[None], load[None], self._speed)
         return self._rest.torque(inputs, self._coefficients)
 
@@ -107,8 +100,8 @@ class _Together:
     """One effect on many joints at once.
 
     Attributes:
-        effect: which.  shape: its nonlinear parameters, (N, 1) each.
-        coefficients: (N, P), zero where a joint does not have it.
+        effect: with its columns.  shape: its nonlinear parameters, (N, 1) each.
+        coefficients: (N, P), zero for joints without it.
     """
 
     effect: Effect
@@ -117,11 +110,11 @@ class _Together:
 
     @property
     def width(self) -> int:
-        """P, how many parameters the effect has on a joint."""
+        """Return P, the number of the effect's parameters on a joint."""
         return self.coefficients.shape[1]
 
     def columns(self, x: Inputs) -> Floats:
-        """(N, P) what the parameters multiply, of joints that stand in for samples."""
+        """Return (N, P) the factors of the parameters; joints stand in for samples."""
         return self.effect.columns(x, 0, self.shape)  # type: ignore[arg-type]
 
 

@@ -1,4 +1,4 @@
-"""How a model is identified."""
+"""The settings of an identification."""
 
 from dataclasses import asdict, dataclass, fields
 from math import inf
@@ -13,7 +13,7 @@ LOSSES = ("square", "huber")
 
 @dataclass(frozen=True)
 class Settings:
-    """How a model is identified; samples, blocks and folds are by default those of section IV-B.
+    """The settings of an identification; samples, blocks and folds default to section IV-B.
 
     The paper trains on the first third. A recording of half a minute rarely visits in its first
     third what the rest needs, so two thirds are the default here.
@@ -22,24 +22,24 @@ class Settings:
         model: kernel and effects, e.g. `auto+fri`.
         train: the share of each recording, from its beginning, that is learned from; 1 uses all,
             and the error is then that of blocks left out in turn.
-        samples: how many training samples hyperparameters are chosen on and an exact model is
-            made from, evenly spread.
+        samples: number of training samples, evenly spread, that hyperparameters are chosen on
+            and an exact model is made from.
         block_seconds: length of a block of cross-validation, s.
-        folds: in how many folds the blocks are left out.
-        selection: how hyperparameters are chosen, `validation` or `evidence`.
-        scale: how torques are normalised. `common` divides all by one number, so that the joints
+        folds: number of folds that the blocks are left out in.
+        selection: criterion for hyperparameters, `validation` or `evidence`.
+        scale: normalisation of torques. `common` divides all by one number, so that the joints
             share one Lagrangian, with noise in proportion to each torque's spread; `joint`
             divides each torque by its own spread, right where the joints' units do not agree;
             `auto` tries both and keeps the better one.
-        evaluations: how many settings of hyperparameters are tried; a climb of the evidence takes
+        evaluations: points tried in the search for hyperparameters; maximising the evidence takes
             steps in proportion.
         positive: whether the mass matrix is kept positive definite along the training motion; the
             joints then have one unit of torque, and one Lagrangian.
-        landmarks: how many training samples the kernel is built on where all of them are learned
-            from; 0 makes the model exactly, from `samples` of them. None is 0 for up to two
-            minutes of training motion, and 300 for more, or where `samples` are too many.
-        loss: what a residual costs. `square`; or `huber`, which a contact or another gross error
-            in the recording cannot drag.
+        landmarks: number of inducing points, the training samples that the kernel is built on when
+            all are learned from; 0 solves exactly, on `samples` of them. None is 0 for up to two
+            minutes of training motion, and 300 for more, or if `samples` are too many.
+        loss: of residuals, `square`; or `huber`, which limits the pull of contacts and other gross
+            errors in the recording.
         prismatic: names of the joints that slide, in m and N; the others turn.
     """
 
@@ -57,17 +57,17 @@ class Settings:
     prismatic: tuple[str, ...] = ()
 
     def record(self) -> dict[str, object]:
-        """By name, as JSON holds them."""
+        """Return the settings by name, as JSON holds them."""
         # NumPy's whole numbers are taken, and are no numbers to JSON.
         whole = {name: int(getattr(self, name)) for name in ("samples", "folds", "evaluations")}
         return {**asdict(self), **whole, "prismatic": list(self.prismatic)}
 
     @classmethod
     def from_record(cls, record: object) -> "Settings":
-        """The settings that a model's record tells; those it does not tell are the usual ones.
+        """Return the settings in a model's record; missing ones have their defaults.
 
         Raises:
-            ModelError: it tells some that there are not, or that cannot be.
+            ModelError: the record has unknown or invalid settings.
         """
         known = [field.name for field in fields(cls)]
         if not isinstance(record, dict):
@@ -90,7 +90,7 @@ class Settings:
         """Refuse settings that cannot work.
 
         Raises:
-            ModelError: names the setting, what it was and what it may be.
+            ModelError: names the setting, its value and the values that it may have.
         """
         if not (isinstance(self.train, (int, float)) and 0.0 < self.train <= 1.0):
             raise ModelError(f"train is {self.train}, expected a share above 0 and at most 1")

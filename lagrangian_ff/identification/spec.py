@@ -1,60 +1,68 @@
-"""Reading a model's name: `vrbfs+fri` is a kernel and a basis of effects, eq. (43)."""
+"""A model's name, as in `vrbfs+fri`, a kernel and a basis of effects (43); and sliding joints."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lagrangian_ff.effects import EFFECTS, GROUPS, Effect
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels import KERNELS, Kernel, Mechanism
+from lagrangian_ff.kernels import KERNELS, Family, Kernel, Mechanism
+from lagrangian_ff.recording.motion import Motion
 
 ALTERNATIVES: Mapping[str, tuple[str, ...]] = {"auto": ("chain", "chain_rbf")}
 """Names that stand for several kernels, of which the data choose one."""
 
 FRICTION = GROUPS["fri"]
-"""Effects that are fitted together with the kernel, as the paper does; others are added to it."""
+"""Effects that are fitted together with the kernel, as in the paper; others are added to it."""
+NUMBER = "prismatic"
+"""The hyperparameter of kernels that distinguish sliding joints from those that turn."""
 
 
 @dataclass(frozen=True)
 class Spec:
-    """Which kernel and which effects a model is made of.
+    """The kernel and the effects of a model.
 
     Attributes:
         text: the name as given, e.g. `vrbfs+fri`.
         kernel: the family of the Lagrangian part; `none` where there is none.
         effects: the friction basis, in order, each on every joint.
-        further: effects that are added once these are fitted, each with its joint; None is all.
+        further: effects that are added after the fit, each with its joint; None is all joints.
         basic: the name without the further effects.
-        kernels: where the name leaves it open, all kernels that it may be; `kernel` is the first.
-        sliding: numbers of the joints that are said to slide.
+        kernels: all that a name such as `auto` stands for, `kernel` first; empty for one kernel.
+        sliding: indices of the joints that slide.
     """
 
     text: str
-    kernel: type[Kernel]
+    kernel: Family
     effects: tuple[Effect, ...]
     further: tuple[tuple[Effect, str | None], ...] = ()
     basic: str = ""
-    kernels: tuple[type[Kernel], ...] = ()
+    kernels: tuple[Family, ...] = ()
     sliding: tuple[int, ...] = ()
 
     @property
     def alternatives(self) -> "tuple[Spec, ...]":
-        """One for each kernel that it may be."""
-        return tuple(
-            replace(self, kernel=one, kernels=(), basic="+".join(_settled(self.basic, one.name)))
-            for one in self.kernels or (self.kernel,)
-        )
+        """Return one spec for each kernel that the name stands for."""
+
+        def settled(kernel: Family) -> Spec:
+            parts = [kernel.name if p in ALTERNATIVES else p for p in self.basic.split("+")]
+            return replace(self, kernel=kernel, kernels=(), basic="+".join(parts))
+
+        return tuple(map(settled, self.kernels or (self.kernel,)))
 
     def within(self, mechanism: Mechanism) -> "Spec":
-        """The same model of a mechanism of which something is known."""
+        """Return the same model around a known mechanism."""
         kernels = tuple(mechanism.around(one) for one in self.kernels)
         return replace(self, kernel=mechanism.around(self.kernel), kernels=kernels)
 
 
 def parse(text: str) -> Spec:
-    """The model a name stands for: at most one kernel and any number of effects, joined by +.
+    """Return the model of a name: at most one kernel and any number of effects, joined by +.
 
     Raises:
-        ModelError: a part is unknown, stands twice, or there are two kernels; lists what there is.
+        ModelError: a part is unknown or stands twice, or there are two kernels; lists the choices.
     """
     parts = [part.strip() for part in text.split("+")]
     kernels = [part for part in parts if part in KERNELS or part in ALTERNATIVES]
@@ -87,22 +95,69 @@ def parse(text: str) -> Spec:
     further = [name.partition("@") for name in effects if name not in FRICTION]
     named = kernels[0] if kernels else "none"
     several = tuple(KERNELS[name] for name in ALTERNATIVES.get(named, ()))
+    kept = [part for part in parts if part in kernels or part in GROUPS or part in basic]
     return Spec(
         text,
         several[0] if several else KERNELS[named],
         tuple(EFFECTS[name] for name in basic),
         tuple((EFFECTS[name], joint or None) for name, _, joint in further),
-        _name(kernels, basic, parts),
+        "+".join(kept or kernels or ["none"]),
         several,
     )
 
 
-def _name(kernels: list[str], basic: list[str], parts: list[str]) -> str:
-    """The kernel and the friction by the names they were given."""
-    kept = [part for part in parts if part in kernels or part in GROUPS or part in basic]
-    return "+".join(kept or kernels or ["none"])
+def with_sliding(spec: Spec, prismatic: tuple[str, ...], motion: Motion, known: bool) -> Spec:
+    """Return the model of an arm some of whose joints slide.
+
+    Args:
+        spec: kernel and effects.
+        prismatic: names of the joints that slide.
+        motion: to learn from.
+        known: whether there is a description of the mechanism.
+
+    Raises:
+        ModelError: the motion has no such joint; see `require_sliding`, too.
+    """
+    require_sliding(spec, prismatic, known)
+    absent = [name for name in prismatic if name not in motion.joints]
+    if absent:
+        raise ModelError(
+            f"prismatic names {', '.join(absent)}, which is no joint of {motion.source}; it holds "
+            f"{', '.join(motion.joints)}: name those of them that slide"
+        )
+    return replace(spec, sliding=tuple(motion.joints.index(name) for name in prismatic))
 
 
-def _settled(name: str, kernel: str) -> list[str]:
-    """The parts of a name with the kernel that was chosen."""
-    return [kernel if part in ALTERNATIVES else part for part in name.split("+")]
+def require_sliding(spec: Spec, prismatic: tuple[str, ...], known: bool) -> None:
+    """Refuse sliding joints if the kernel ignores them, or a description of the mechanism is given.
+
+    Args:
+        spec, prismatic, known: see `with_sliding`.
+
+    Raises:
+        ModelError: there is a description, or a kernel does not distinguish sliding joints.
+    """
+    if not prismatic:
+        return
+    named = ", ".join(prismatic)
+    if known:
+        raise ModelError(
+            f"prismatic names {named}, but there is a URDF or a linkage, which says itself how "
+            "joints move: leave out one of the two"
+        )
+    if not all(_distinguishes(kernel) for kernel in spec.kernels or (spec.kernel,)):
+        able = [*ALTERNATIVES, *(name for name in KERNELS if _distinguishes(KERNELS[name]))]
+        raise ModelError(
+            f"prismatic names {named}, but the kernel {spec.kernel.name} does not distinguish "
+            f"sliding joints from those that turn; those that do are {', '.join(able)}; without "
+            "prismatic, vrbf takes the position of every joint as it is"
+        )
+
+
+def _distinguishes(kernel: Family) -> bool:
+    return any(one.name == NUMBER for one in kernel.further)
+
+
+def sliding_of(kernel: Kernel, joints: int) -> NDArray[np.float64]:
+    """Return (N,) 1 for joints that slide according to a kernel, 0 for others."""
+    return np.asarray(kernel.hyperparameters.get(NUMBER, np.zeros(joints)))

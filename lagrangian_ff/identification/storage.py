@@ -1,28 +1,27 @@
 """Models on disk: a zip of plain arrays and one JSON text (.npz). Reading executes nothing."""
 
 import json
-import os
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.files import whole
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.motion_range import MotionRange
+from lagrangian_ff.identification.predicting import MotionRange, TorqueModel
 from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.kernels import Family, Kernel, States
 from lagrangian_ff.kernels.constrained.linkage import KIND as LINKAGE
 from lagrangian_ff.kernels.constrained.linkage import Linkage
 from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
 from lagrangian_ff.kernels.rigid.robot import Robot
-from lagrangian_ff.recording.archives import DAMAGED
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.sources.npz_file import DAMAGED
 
-Floats = NDArray[np.float64]
+Loaded = TypeVar("Loaded", bound=TorqueModel)
 
 FORMAT = "lagrangian_ff model"
 VERSION = 3
@@ -32,13 +31,15 @@ ARRAYS = {
     "more_q": 2, "more_qd": 2, "more_qdd": 2,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
+OWN = ("weights", "coefficients", "unit", "noise", "noise_share")
+"""Arrays with the names of the model's attributes."""
 MORE = ("more_q", "more_qd", "more_qdd")
 """Centres that are no samples of the data."""
 TRUST = "trust"
-"""An array more, one number for each torque learned from, where the loss is not the square."""
+"""The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
 
-def save(model: Model, path: Path) -> None:
+def save(model: TorqueModel, path: Path) -> None:
     """Write the model; an existing file is replaced only once the new one is whole.
 
     Raises:
@@ -65,45 +66,25 @@ def save(model: Model, path: Path) -> None:
     }
     data, more = model.data, model.centres.take(slice(len(model.index), None))
     arrays: dict[str, Any] = {
-        "q": data.q,
-        "qd": data.qd,
-        "qdd": data.qdd,
-        "tau": data.tau,
-        "time": data.time,
-        "segment": data.segment,
+        **{name: getattr(data, name) for name in ("q", "qd", "qdd", "tau", "time", "segment")},
         "trained": model.trained.astype(np.int8),
         "index": model.index,
         "seen": model.seen,
-        "weights": model.weights,
-        "coefficients": model.coefficients,
-        "unit": model.unit,
-        "noise": model.noise,
-        "noise_share": model.noise_share,
+        **{name: getattr(model, name) for name in OWN},
         **dict(zip(MORE, (more.q, more.qd, more.qdd), strict=True)),
     }
-    if model.trust is not None:
-        arrays[TRUST] = model.trust
+    if model.irls_weight is not None:
+        arrays[TRUST] = model.irls_weight
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-    whole = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
-        with whole.open("wb") as file:
+        with whole(path) as made, made.open("wb") as file:
             np.savez_compressed(file, header=text, **arrays)
-        whole.replace(path)
     except OSError as error:
-        whole.unlink(missing_ok=True)
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from error
 
 
-def load(path: Path, linkage: Linkage | None = None) -> Model:
-    """Read a model.
-
-    Args:
-        path: of the file.
-        linkage: of a model whose loops are closed: its code is not in the file.
-
-    Raises:
-        ModelError: there is no such file, it is damaged, no model, or of a newer version.
-    """
+def load(kind: type[Loaded], path: Path, linkage: Linkage | None = None) -> Loaded:
+    """Read a model of some kind; see `Model.load`."""
     header, arrays = _read(path)
     if header.get("format") != FORMAT:
         raise ModelError(f"{path} is not a model of lagrangian_ff")
@@ -118,36 +99,39 @@ def load(path: Path, linkage: Linkage | None = None) -> Model:
             "update lagrangian_ff, or identify the model again"
         )
     try:
-        return _build(header, arrays, path, linkage)
+        return _build(kind, header, arrays, path, linkage)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ModelError(f"{path} is damaged: {error}; identify the model again") from error
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return header and arrays of a file, both empty for a file that is no model."""
     try:
         opened = np.load(path, allow_pickle=False)
         if not isinstance(opened, np.lib.npyio.NpzFile):
-            raise ModelError(f"{path} is not a model of lagrangian_ff")
+            return {}, {}
         with opened as file:
-            if "header" not in file:
-                raise ModelError(f"{path} is not a model of lagrangian_ff")
-            header = json.loads(bytes(file["header"]).decode())
+            header = json.loads(bytes(file["header"]).decode()) if "header" in file else None
             if not isinstance(header, dict):
-                raise ModelError(f"{path} is not a model of lagrangian_ff")
+                return {}, {}
             return header, {name: file[name] for name in file.files if name != "header"}
     except FileNotFoundError as error:
         raise ModelError(f"no model file {path}") from error
     except IsADirectoryError as error:
         raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
     except (OSError, *DAMAGED) as error:
-        # NumPy's own words for this advise to load the file unsafely.
-        told = "" if "pickle" in str(error) else f": {error}"
-        raise ModelError(f"{path} is damaged or no model file{told}") from error
+        # NumPy's message advises to load the file unsafely.
+        reason = "" if "pickle" in str(error) else f": {error}"
+        raise ModelError(f"{path} is damaged or no model file{reason}") from error
 
 
 def _build(
-    header: dict[str, Any], arrays: dict[str, Any], path: Path, linkage: Linkage | None
-) -> Model:
+    kind: type[Loaded],
+    header: dict[str, Any],
+    arrays: dict[str, Any],
+    path: Path,
+    linkage: Linkage | None,
+) -> Loaded:
     joints = tuple(str(name) for name in header["joints"])
     if header["version"] == 2:  # made exactly, of samples alone
         none = np.empty((0, len(joints)))
@@ -186,9 +170,9 @@ def _build(
             raise ValueError("samples that it was made from lie outside the data")
     sampled = data.q[index], data.qd[index], data.qdd[index]
     centres = States.of(*(np.vstack(both) for both in zip(sampled, more, strict=True)))
-    trust = arrays.get(TRUST)
-    if trust is not None:
-        _require_trust(trust, (len(seen), len(joints)))
+    weight = arrays.get(TRUST)
+    if weight is not None:
+        _require_weight(weight, (len(seen), len(joints)))
     basis = Basis(
         tuple(
             Term(_effect(entry["effect"], path), int(entry["joint"]), dict(entry["shape"]))
@@ -199,29 +183,25 @@ def _build(
         raise ValueError("an effect acts on a joint that is not there")
     if arrays["coefficients"].shape != (basis.size,):
         raise ValueError(f"{arrays['coefficients'].shape} coefficients for {basis.size} columns")
-    return Model(
+    return kind(
         joints=joints,
         name=str(header["name"]),
         kernel=_kernel(header, _family(header, path, linkage), centres),
         basis=basis,
         centres=centres,
-        weights=arrays["weights"],
-        coefficients=arrays["coefficients"],
-        unit=arrays["unit"],
+        **{name: arrays[name] for name in OWN},
         range=MotionRange.from_record(header["range"]),
         record=header["record"],
         data=data,
         trained=arrays["trained"].astype(bool),
         index=index,
         seen=seen,
-        noise=arrays["noise"],
-        noise_share=arrays["noise_share"],
         steps=tuple(header["steps"]),
-        trust=trust,
+        irls_weight=weight,
     )
 
 
-def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[Kernel]:
+def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> Family:
     # Effects at joints come last in a model's name, and a joint's own may hold a +.
     without_joints, _, _ = header["name"].partition("@")
     family, held = parse(without_joints).kernel, header.get("mechanism")
@@ -230,7 +210,7 @@ def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[K
     if held["kind"] == ROBOT:
         return Robot.from_stored(held).around(family)
     if held["kind"] != LINKAGE:
-        raise ValueError(f"it is of an unknown kind of mechanism, {held['kind']}")
+        raise ValueError(f"the mechanism is of unknown kind {held['kind']}")
     if given is None:
         raise ModelError(
             f"{path} is a model of the linkage {held['name']}, whose code is not in the file: read "
@@ -239,8 +219,8 @@ def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> type[K
     return given.of_joints(tuple(header["joints"]), str(path)).around(family)
 
 
-def _kernel(header: dict[str, Any], family: type[Kernel], centres: States) -> Kernel:
-    """The kernel with the hyperparameters that the file tells."""
+def _kernel(header: dict[str, Any], family: Family, centres: States) -> Kernel:
+    """Return the kernel with the hyperparameters in the file."""
     start = family.start(centres)
     values = {k: np.array(v, dtype=np.float64) for k, v in header["hyperparameters"].items()}
     searched = {h.name for h in start.searched}
@@ -255,10 +235,10 @@ def _kernel(header: dict[str, Any], family: type[Kernel], centres: States) -> Ke
     return start.replace(**values)
 
 
-def _require_trust(trust: Floats, shape: tuple[int, ...]) -> None:
-    if trust.shape != shape or trust.dtype.kind != "f":
-        raise ValueError(f"array {TRUST} has shape {trust.shape} and type {trust.dtype}")
-    if not ((trust > 0.0) & (trust <= 1.0)).all():
+def _require_weight(weight: Floats, shape: tuple[int, ...]) -> None:
+    if weight.shape != shape or weight.dtype.kind != "f":
+        raise ValueError(f"array {TRUST} has shape {weight.shape} and type {weight.dtype}")
+    if not ((weight > 0.0) & (weight <= 1.0)).all():
         raise ValueError(f"array {TRUST} holds values outside 0 to 1")
 
 

@@ -1,16 +1,14 @@
-"""Any kernel as a matrix: over all joints, or over those that are solved together."""
+"""Kernel matrices over all joints, or over those that are solved together."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.kernels.base import CoupledKernel, IndependentKernel, Kernel
 from lagrangian_ff.kernels.states import States
 
-Floats = NDArray[np.float64]
-
 
 def dense_cross(kernel: Kernel, x: States, u: States) -> Floats:
-    """(M_x N, M_u N) kernel between two sets of states, sample major."""
+    """Return (M_x N, M_u N) the kernel between two sets of states, sample major."""
     if isinstance(kernel, CoupledKernel):
         return kernel.cross(x, u)
     assert isinstance(kernel, IndependentKernel)
@@ -21,19 +19,19 @@ def dense_cross(kernel: Kernel, x: States, u: States) -> Floats:
 
 
 def dense_gram(kernel: Kernel, x: States) -> Floats:
-    """(M N, M N) Gram matrix, sample major; its lower triangle of blocks is written."""
+    """Return (M N, M N) the Gram matrix, sample major; its upper blocks need not be set."""
     return kernel.gram(x) if isinstance(kernel, CoupledKernel) else dense_cross(kernel, x, x)
 
 
 def together(kernel: Kernel, joints: int) -> list[tuple[int, ...]]:
-    """Which joints are solved together."""
+    """Return the groups of joints that are solved together."""
     if isinstance(kernel, CoupledKernel):
         return [tuple(range(joints))]
     return [(joint,) for joint in range(joints)]
 
 
 def cross_of(kernel: Kernel, x: States, u: States, joints: tuple[int, ...]) -> Floats:
-    """(M_x n, M_u n) kernel of n joints that are solved together, sample major."""
+    """Return (M_x n, M_u n) the kernel of n joints that are solved together, sample major."""
     if isinstance(kernel, CoupledKernel):
         return kernel.cross(x, u)
     assert isinstance(kernel, IndependentKernel)
@@ -41,7 +39,7 @@ def cross_of(kernel: Kernel, x: States, u: States, joints: tuple[int, ...]) -> F
 
 
 def gram_of(kernel: Kernel, x: States, joints: tuple[int, ...]) -> Floats:
-    """(M n, M n) Gram matrix of these, C-contiguous; the lower triangle of blocks is written."""
+    """Return (M n, M n) their Gram matrix, C-contiguous; its upper blocks need not be set."""
     if isinstance(kernel, CoupledKernel):
         return kernel.gram(x)
     assert isinstance(kernel, IndependentKernel)

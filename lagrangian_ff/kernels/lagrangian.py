@@ -5,85 +5,62 @@ The Lagrangian has the universal kernel (36), on positions (38) or on their cosi
 diagonal gives the scalar kernels (30) and, with hyperparameters of each joint's own, (35).
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import threads
-from lagrangian_ff.kernels.base import (
-    Hyperparameter,
-    IndependentKernel,
-    Kernel,
-    LagrangianKernel,
-    Learned,
-    largest,
-    of_joint,
-)
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.kernels import base, threads
 from lagrangian_ff.kernels.states import States, prepared
 from lagrangian_ff.loops import loop
 
-Floats = NDArray[np.float64]
 Self = TypeVar("Self", bound="_Universal")
 
-SIGMA = Hyperparameter(
+SIGMA = base.Hyperparameter(
     "sigma", "1", "squared length scale of the Lagrangian's kernel (38), (39)", 1e-2, 1e3
 )
-VELOCITY_SCALE = Hyperparameter(
+VELOCITY_SCALE = base.Hyperparameter(
     "velocity_scale", "s/rad", "c of (38), (39): brings velocities to the scale of positions",
     1e-1, 1e1,
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Universal(Kernel):
-    """What the kernels of family (36) share: two hyperparameters and the map on positions."""
+class _Universal(base.Kernel):
+    """A kernel of the family (36): two hyperparameters and the map on positions."""
 
     sigma: Floats
     velocity_scale: Floats
 
     angles: ClassVar[bool]
-    free: ClassVar[bool] = True
-    searched: ClassVar[tuple[Hyperparameter, ...]] = (SIGMA, VELOCITY_SCALE)
+    free = True
+    searched: ClassVar[tuple[base.Hyperparameter, ...]] = (SIGMA, VELOCITY_SCALE)
 
     @classmethod
     def start(cls: type[Self], x: States) -> Self:
-        """σ twice the number of joints, c = 1 / max |qd| as in the paper, section IV."""
+        """Return σ twice the number of joints, c = 1 / max |qd| as in the paper, section IV."""
         return cls(
-            sigma=np.array([2.0 * x.joints]),
-            velocity_scale=np.array([1.0 / largest(x.qd)]),
+            sigma=np.array([2.0 * x.joints]), velocity_scale=np.array([1.0 / base.largest(x.qd)])
         )
 
-    @property
-    def hyperparameters(self) -> Mapping[str, Floats]:
-        """See `Kernel.hyperparameters`."""
-        return {"sigma": self.sigma, "velocity_scale": self.velocity_scale}
-
-    def replace(self: Self, **hyperparameters: Floats) -> Self:
-        """See `Kernel.replace`."""
-        return replace(self, **hyperparameters)
-
     def _numbers(self, joints: int, joint: int = 0) -> tuple[int, int, Floats, Floats]:
-        """Joints, whether they are angles, α and w of `universal.c`, of one joint's numbers."""
-        alpha = 1.0 / of_joint(self.sigma, joint)
-        w = alpha * of_joint(self.velocity_scale, joint) ** 2
+        """Return the joints, whether they are angles, α and w of `universal.c`, for one joint."""
+        alpha = 1.0 / base.of_joint(self.sigma, joint)
+        w = alpha * base.of_joint(self.velocity_scale, joint) ** 2
         return joints, int(self.angles), np.full(joints, alpha), np.full(joints, w)
 
 
-class _Vector(_Universal, LagrangianKernel):
+class _Vector(_Universal, base.LagrangianKernel):
     """The vector-valued Lagrangian kernel (22)."""
 
-    quadratic: ClassVar[bool] = False
+    quadratic = False
 
     def gram(self, x: States) -> Floats:
-        """See `CoupledKernel.gram`."""
         states = prepared(x)
         return self._blocks(states, states, lower=True)
 
     def cross(self, x: States, u: States) -> Floats:
-        """See `CoupledKernel.cross`."""
         return self._blocks(prepared(x), prepared(u), lower=False)
 
     def _blocks(self, x: Floats, u: Floats, lower: bool) -> Floats:
@@ -99,32 +76,27 @@ class _Vector(_Universal, LagrangianKernel):
         return out.reshape(len(x) * joints, many * joints)
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
-        """See `Kernel.apply`; no block is formed."""
         return self.learned(u, a).torque(x)
 
-    def learned(self, u: States, a: Floats) -> Learned:
-        """See `Kernel.learned`; no block is formed."""
+    def learned(self, u: States, a: Floats) -> base.Learned:
         return Centres.of(u, a, self._numbers(u.joints))
 
     def variance(self, x: States) -> Floats:
-        """See `Kernel.variance`."""
         out = np.empty((len(x), x.joints))
         loop("universal_variance")(*self._numbers(x.joints), prepared(x), len(x), out)
         return out
 
     def lagrangian_row(self, x: States, u: States) -> Floats:
-        """(M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34): what recovers the Lagrangian in (31)."""
+        """Return (M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34), which recovers the Lagrangian (31)."""
         out = np.empty((len(x), len(u), x.joints))
         states = prepared(x), len(x), prepared(u), len(u)
         loop("universal_lagrangian_rows")(*self._numbers(x.joints), *states, out)
         return out
 
     def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
-        """See `LagrangianKernel.lagrangian`."""
         return self._lagrangian(x, u, a)[0]
 
     def momentum(self, x: States, u: States, a: Floats) -> Floats:
-        """See `LagrangianKernel.momentum`."""
         return self._lagrangian(x, u, a)[1]
 
     def _lagrangian(self, x: States, u: States, a: Floats) -> tuple[Floats, Floats]:
@@ -135,15 +107,15 @@ class _Vector(_Universal, LagrangianKernel):
 
 
 TILE = 32
-"""Centres that the loops of `centres.c` run over side by side."""
+"""Centres in a SIMD tile of the loops of `centres.c`."""
 
 PAIRS_A_BLOCK = 40
-"""Pairs that cost as much there as one of those that `threads` counts."""
+"""Pairs there that cost as much as one pair that `threads` counts."""
 
 
 @dataclass(frozen=True)
-class Centres(Learned):
-    """Torques learned at centres that lie joint by joint, so that loops over them are fast.
+class Centres(base.Learned):
+    """Torques learned at centres that are stored joint by joint, for SIMD loops.
 
     Attributes:
         centres: (C / L, N, 5, L) of each the sine and cosine of the position, or it and 1 where the
@@ -156,16 +128,15 @@ class Centres(Learned):
 
     @classmethod
     def of(cls, u: States, a: Floats, numbers: tuple[int, int, Floats, Floats]) -> "Centres":
-        """Return what was learned at u (C, N) with coefficients a (C, N)."""
+        """Return the torques learned at u (C, N) with coefficients a (C, N)."""
         place = (np.sin(u.q), np.cos(u.q)) if numbers[1] else (u.q, np.ones_like(u.q))
         parts = -(-len(u) // TILE)
         centres = np.zeros((5, parts * TILE, u.joints))
         centres[:, : len(u)] = *place, u.qd, u.qdd, a
-        lanes = centres.reshape(5, parts, TILE, u.joints)
-        return cls(np.ascontiguousarray(lanes.transpose(1, 3, 0, 2)), numbers)
+        tiles = centres.reshape(5, parts, TILE, u.joints)
+        return cls(np.ascontiguousarray(tiles.transpose(1, 3, 0, 2)), numbers)
 
     def torque(self, x: States) -> Floats:
-        """See `Learned.torque`."""
         out = np.empty(x.q.shape)
         states, centres, parts = prepared(x), self.centres, len(self.centres)
 
@@ -177,18 +148,16 @@ class Centres(Learned):
         return out
 
 
-class _Scalar(_Universal, IndependentKernel):
+class _Scalar(_Universal, base.IndependentKernel):
     """The scalar Lagrangian kernels: the diagonal of (22), joint by joint."""
 
     def cross(self, x: States, u: States, joint: int) -> Floats:
-        """See `IndependentKernel.cross`."""
         out = np.empty((len(x), len(u)))
         states = prepared(x), len(x), prepared(u), len(u)
         loop("universal_diagonal")(*self._numbers(x.joints, joint), *states, joint, out)
         return out
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
-        """See `Kernel.apply`; no block is formed."""
         out = np.empty(x.q.shape)
         states = prepared(x), len(x), prepared(u), len(u)
         coefficients = np.ascontiguousarray(a)
@@ -198,7 +167,6 @@ class _Scalar(_Universal, IndependentKernel):
         return out
 
     def variance(self, x: States) -> Floats:
-        """See `Kernel.variance`."""
         out, every = np.empty((2, len(x), x.joints))
         for joint in range(x.joints):
             numbers = self._numbers(x.joints, joint)
@@ -227,7 +195,7 @@ class Srbf(_Scalar):
     """Scalar Lagrangian kernels (35) of the rbf kernel on positions (38)."""
 
     name = "srbf"
-    meaning = "a Lagrangian of its own for each joint, rbf in position and velocity"
+    meaning = "a separate Lagrangian for each joint, rbf in position and velocity"
     angles = False
 
 
@@ -235,7 +203,7 @@ class Srbfs(_Scalar):
     """Scalar Lagrangian kernels (35) of the rbf kernel on cosines and sines (39)."""
 
     name = "srbfs"
-    meaning = "a Lagrangian of its own for each joint, rbf in the cosines and sines"
+    meaning = "a separate Lagrangian for each joint, rbf in the cosines and sines"
     angles = True
 
 

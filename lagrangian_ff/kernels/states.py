@@ -3,11 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import ModelError
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class States:
 
     @classmethod
     def of(cls, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> "States":
-        """States from any arrays of one shape, (M, N) or one state (N,).
+        """Return states from any arrays of one shape, (M, N) or one state (N,).
 
         Raises:
             ModelError: the three shapes differ.
@@ -40,20 +39,20 @@ class States:
 
     @property
     def joints(self) -> int:
-        """The number of joints N."""
+        """Return the number of joints N."""
         return int(self.q.shape[1])
 
-    def take(self, index: "NDArray[np.int64] | slice") -> "States":
-        """The states at these positions."""
+    def take(self, index: "Ints | slice") -> "States":
+        """Return the states at these indices."""
         return States.of(self.q[index], self.qd[index], self.qdd[index])
 
     def at_rest(self) -> "States":
-        """The same positions without velocity and acceleration: what gravity acts on."""
+        """Return the same positions without velocity and acceleration, where only gravity acts."""
         zero = np.zeros_like(self.q)
         return States(self.q, zero, zero)
 
     def without_velocity(self) -> "States":
-        """The same positions and accelerations without velocity."""
+        """Return the same positions and accelerations without velocity."""
         return States(self.q, np.zeros_like(self.q), self.qdd)
 
 

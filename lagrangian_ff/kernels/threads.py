@@ -15,14 +15,14 @@ Result = TypeVar("Result")
 Part = TypeVar("Part")
 
 FEWEST_PAIRS = 4000
-"""Pairs of states from which on a second thread is worth its start."""
+"""A second thread pays from this number of pairs of states on."""
 
 
 _limit: ContextVar[int | None] = ContextVar("limit", default=None)
 
 
 def count() -> int:
-    """Return how many threads may work: as many as processors, OMP_NUM_THREADS, or the limit."""
+    """Return how many threads may work: the limit, OMP_NUM_THREADS, or one a processor."""
     limit = _limit.get()
     if limit is None:
         asked = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0]
@@ -32,7 +32,7 @@ def count() -> int:
 
 @contextmanager
 def limited(threads: int) -> Iterator[None]:
-    """Let no more than so many threads work in the block."""
+    """Limit the number of threads in the block."""
     before = _limit.set(threads)
     try:
         yield
@@ -41,7 +41,7 @@ def limited(threads: int) -> Iterator[None]:
 
 
 def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> list[Result]:
-    """What the work makes of every part, in their order.
+    """Return the result of the work on every part, in their order.
 
     Args:
         work: is called from several threads.
@@ -56,7 +56,7 @@ def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> l
 
 
 def side_by_side(work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
-    """Return what the work makes of every part, in their order.
+    """Return the result of the work on every part, in their order.
 
     Each part is done by one thread, its linear algebra with it: threads of BLAS that share a small
     product mostly wait for each other.
@@ -73,12 +73,12 @@ def side_by_side(work: Callable[[Part], Result], parts: Iterable[Part]) -> list[
 def over_rows(
     work: Callable[[slice], None], rows: int, pairs: float, *, lower: bool = False
 ) -> None:
-    """Let threads do some rows each, or this one all of them where that is quicker.
+    """Divide rows among threads, or do all in this one if that is quicker.
 
     Args:
         work: is called from several threads, with their rows.
         rows: how many there are.
-        pairs: see `each`; where a row costs something else, the pairs that cost as much.
+        pairs: see `each`; for other work, the pairs that cost as much.
         lower: whether only pairs up to the diagonal count.
     """
     if pairs < FEWEST_PAIRS or count() == 1:
@@ -88,12 +88,7 @@ def over_rows(
 
 
 def row_ranges(rows: int, lower: bool) -> list[tuple[int, int]]:
-    """Ranges of rows for one part a thread, of as many pairs each.
-
-    Args:
-        rows: of a matrix of pairs.
-        lower: whether only pairs up to the diagonal count.
-    """
+    """Return ranges of rows of a matrix with equal numbers of pairs, one a thread."""
     share = np.linspace(0.0, 1.0, count() + 1)
     ends = np.rint(rows * (np.sqrt(share) if lower else share)).astype(int)
     return [(a, b) for a, b in pairwise(ends.tolist()) if b > a]

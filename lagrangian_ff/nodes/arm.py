@@ -1,4 +1,4 @@
-"""The simulated arm as a node: what a driver and a joint_trajectory_controller would be.
+"""The simulated arm as a node, in place of a driver and a joint_trajectory_controller.
 
 Topics
     ~/joint_trajectory  in   trajectory_msgs/JointTrajectory, the reference; header.stamp is
@@ -17,8 +17,6 @@ import time
 import traceback
 
 import numpy as np
-from numpy.typing import NDArray
-from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
@@ -26,76 +24,72 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import HOME, JOINTS, Arm, Trajectory, robot_description
 from lagrangian_ff.arm.simulation import check_limits
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.diagnostics import Diagnostics
-from lagrangian_ff.nodes.common.messages import JointStateMaker, nanoseconds, points, stamp
+from lagrangian_ff.nodes.common import topics
+from lagrangian_ff.nodes.common.joint_state_bytes import JointStateMaker
+from lagrangian_ff.nodes.common.node import ClosingNode, Diagnostics, Parameters, run
 from lagrangian_ff.nodes.common.pacing import PacedThread, Pacer, RateMeter
-from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import CLOCK, LATCHED, NEWEST, RELIABLE, STATES, overridable
-from lagrangian_ff.nodes.common.running import ClosingNode, run
-from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.streaming.follower import Follower, Segment
-from lagrangian_ff.nodes.streaming.reference import read_effort, read_reference
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
+from lagrangian_ff.nodes.streaming.reference import Follower, Segment, read_effort, read_reference
 
 SOURCES = ("none", "stream", "trajectory", "true")
 CHECK_STEP = 0.01  # s between the samples of a reference that are checked against the limits
 FAR_BEHIND = 0.1  # s
 CATCH_UP = 10  # ticks at once, then commands are looked at again
 CLOCK_EVERY = 5  # ticks
-STANDING = 0.01  # s between looks whether the clock may go on
+STANDING = 0.01  # s between checks whether the clock may go on
 
 
 class ArmNode(ClosingNode):
-    """Steps the arm at its tick in a thread paced by the clock; callbacks only hand things over.
+    """Steps the arm in a thread paced by the clock; callbacks only store what came.
 
-    Where the machine cannot keep up no tick is left out, and stamps stay exact. The arm then falls
-    behind the clock and says so; torque streamed on ~/commands comes early. With `publish_clock`
-    the arm's time is its own: it goes more slowly, and so does all that goes by /clock.
+    On a machine that is too slow no tick is left out, and stamps stay exact: the arm falls behind
+    the clock and reports it, and torque streamed on ~/commands comes early. With `publish_clock`
+    the arm has its own time, which slows down, together with everything that uses /clock.
     """
 
     def __init__(self) -> None:
         super().__init__("arm")
         self._settings = Parameters(self)
-        self._declare()
+        _declare(self._settings)
         value = self._settings.value
         self._own_clock: bool = value("publish_clock")
-        self._arm = Arm(
-            seed=value("seed"),
-            loads=self._loads(),
-        )
+        self._arm = Arm(seed=value("seed"), loads=self._loads())
         q = np.array(value("initial_position"))
         self._arm.reset(q)
         self._follower = Follower(JOINTS, q, value("start_tolerance"))
-        self._complaints = Complaints(self.get_logger().warning)
+        self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._command = np.zeros(len(JOINTS))
         self._command_at = -np.inf
         self._in_step = False
         self._refusal = ""
 
-        self._states = self._offer(JointState, "joint_states")
-        self._references = self._offer(JointState, "~/reference_state")
-        self._description = self.create_publisher(String, "robot_description", LATCHED)
+        self._states = topics.advertise(self, JointState, "joint_states", topics.STATES)
+        self._references = topics.advertise(self, JointState, "~/reference_state", topics.STATES)
+        self._description = self.create_publisher(String, "robot_description", topics.LATCHED)
         self._description.publish(String(data=robot_description(self._loads())))
         self._state_maker = JointStateMaker(JOINTS)
         self._reference_maker = JointStateMaker(JOINTS)
         self.create_subscription(
-            JointTrajectory, "~/joint_trajectory", self._on_trajectory, RELIABLE,
-            qos_overriding_options=overridable(),
+            JointTrajectory, "~/joint_trajectory", self._on_trajectory, topics.RELIABLE,
+            qos_overriding_options=topics.overridable(),
         )  # fmt: skip
-        self._commands = PolledSubscription(self, Float64MultiArray, "~/commands", NEWEST)
+        self._commands = topics.PolledSubscription(
+            self, Float64MultiArray, "~/commands", topics.NEWEST
+        )
 
         self._meter = RateMeter()
         self._squared_error, self._ticks, self._saturated = np.zeros(len(JOINTS)), 0, 0
         self._diagnostics = Diagnostics(
-            self, "simulated arm", {"plant": self._plant_status}, self._complaints.flush
+            self, "simulated arm",
+            {"housekeeping": self._warnings.flush, "plant": self._plant_status},
+        )  # fmt: skip
+        self._clock_topic = (
+            self.create_publisher(Clock, "/clock", topics.CLOCK) if self._own_clock else None
         )
-        self._told = self.create_publisher(Clock, "/clock", CLOCK) if self._own_clock else None
         tick = self._arm.parameters.tick
-        # Time that is lost is caught up; of a clock of its own it never was.
+        # Lost time is made up for; with its own clock none is lost.
         self._pacer = Pacer(tick, most=CATCH_UP, skip=self._own_clock)
         self._period, self._until = self._pacer.period, np.inf
         self._time = 0 if self._own_clock else time.time_ns()
@@ -106,58 +100,9 @@ class ArmNode(ClosingNode):
             f"{self._source}"
         )
 
-    def _declare(self) -> None:
-        declare = self._settings.declare
-        declare(
-            "feedforward_source", "stream",
-            "where the feedforward torque comes from: none; stream: ~/commands; trajectory: "
-            "points[i].effort of the reference; true: the plant's own torques for it, the bound "
-            "of what feedforward can reach", choices=SOURCES,
-        )  # fmt: skip
-        declare(
-            "command_timeout", 0.1,
-            "s after which a command on ~/commands no longer acts; 0 = never", low=0.0, high=10.0,
-        )  # fmt: skip
-        declare(
-            "publish_clock", False,
-            "whether the arm's time is its own, from 0 on, told on /clock: it slows down where the "
-            "machine cannot keep up", read_only=True,
-        )  # fmt: skip
-        declare(
-            "clock_speed", 1.0,
-            "times real time that its own clock goes at most; 0 = it stands still",
-            low=0.0, high=100.0,
-        )  # fmt: skip
-        declare(
-            "clock_until", 0.0,
-            "s of its own clock at which it stands still; 0 = it goes on and on",
-            low=0.0, high=1e9,
-        )  # fmt: skip
-        declare(
-            "wait_for_command", 0.0,
-            "s of real time that its own clock waits at a tick for a command on ~/commands that "
-            "came since the last one, for a stream that answers every joint state; 0 = not at all",
-            low=0.0, high=10.0,
-        )  # fmt: skip
-        declare(
-            "start_tolerance", 0.05,
-            "rad by which a new reference may differ from the present one where it takes over",
-            low=0.0, high=3.2, read_only=True,
-        )  # fmt: skip
-        declare("seed", 0, "of the sensor noise", low=0, high=2**31, read_only=True)
-        declare("initial_position", list(HOME), "rad, the 6 joints at the start", read_only=True)
-        for joint in JOINTS:
-            declare(
-                f"loads.{joint}", 0.0, f"kg fixed to the link that {joint} moves; 0 = none",
-                low=0.0, high=20.0, read_only=True,
-            )  # fmt: skip
-
     def _loads(self) -> dict[str, float]:
         loads = {joint: self._settings.value(f"loads.{joint}") for joint in JOINTS}
         return {joint: mass for joint, mass in loads.items() if mass > 0.0}
-
-    def _offer(self, kind: type, topic: str) -> Publisher:
-        return self.create_publisher(kind, topic, STATES, qos_overriding_options=overridable())
 
     def _parameters_changed(self) -> None:
         self._source: str = self._settings.value("feedforward_source")
@@ -171,7 +116,7 @@ class ArmNode(ClosingNode):
     def _on_command(self, message: Float64MultiArray) -> None:
         command = np.array(message.data)
         if command.shape != (len(JOINTS),) or not np.isfinite(command).all():
-            self._complaints.add(
+            self._warnings.add(
                 "bad command",
                 f"ignored a command on ~/commands with {len(command)} values, "
                 f"{int(np.isfinite(command).sum())} of them finite; expected {len(JOINTS)}",
@@ -182,18 +127,18 @@ class ArmNode(ClosingNode):
     def _on_trajectory(self, message: JointTrajectory) -> None:
         now = self._time
         try:
-            given = points(message)
+            given = topics.points(message)
             reference = read_reference(given, JOINTS)
             effort = read_effort(given, JOINTS)
             fine = np.linspace(
                 0.0, reference.duration, max(2, int(reference.duration / CHECK_STEP) + 2)
             )
             check_limits(Trajectory(fine, *reference.sample(fine)))
-            segment = Segment(reference, nanoseconds(message.header.stamp) or now, effort)
+            segment = Segment(reference, topics.nanoseconds(message.header.stamp) or now, effort)
             self._follower.accept(segment, now)
         except UserError as error:
             self._refusal = str(error)
-            self._complaints.add("refused trajectory", f"refused a trajectory: {error}")
+            self._warnings.add("refused trajectory", f"refused a trajectory: {error}")
             return
         if not reference.is_setpoint:
             self.get_logger().info(
@@ -203,21 +148,20 @@ class ArmNode(ClosingNode):
             )
 
     def _take_commands(self) -> int:
-        """Take up what was commanded; how many messages came."""
+        """Take the waiting commands and return their number."""
         messages = [message for message, _ in self._commands.take()]
         for message in messages:
             self._on_command(message)
         return len(messages)
 
     def _await_command(self) -> None:
-        """Take up what was commanded since the last tick; wait for it where the stream answers
-        every joint state."""
+        """Take the commands since the last tick; wait for one if the stream answers every state."""
         if self._take_commands() or not self._in_step or self._patience == 0.0:
             return
         self._commands.wait(self._patience)
         if not self._take_commands():
             self._in_step = False
-            self._complaints.add(
+            self._warnings.add(
                 "missing command", f"no command came within {self._patience:g} s: not waiting now"
             )
 
@@ -240,12 +184,12 @@ class ArmNode(ClosingNode):
             self._squared_error += (q - sample.position) ** 2
             self._ticks += 1
             self._saturated += bool(self._arm.saturated.any())
-            if self._told is not None and now // self._period % CLOCK_EVERY == 0:
-                self._told.publish(Clock(clock=stamp(now)))
+            if self._clock_topic is not None and now // self._period % CLOCK_EVERY == 0:
+                self._clock_topic.publish(Clock(clock=topics.stamp(now)))
         self._meter.add(len(due))
 
     def _feedforward(self, q: Floats, qd: Floats, qdd: Floats, effort: Floats) -> Floats:
-        """(6,) N·m to add now."""
+        """Return the torque to add now, (6,) N·m."""
         if self._source == "stream":
             age = (self._time - self._command_at) / 1e9
             if self._timeout == 0.0 or age <= self._timeout:
@@ -258,7 +202,7 @@ class ArmNode(ClosingNode):
 
     def _step_failed(self, error: Exception) -> None:
         text = str(error) if isinstance(error, UserError) else traceback.format_exc()
-        self._complaints.add("failed tick", f"a tick failed: {text}")
+        self._warnings.add("failed tick", f"a tick failed: {text}")
 
     def _plant_status(self) -> Status:
         rate = self._meter.take()
@@ -286,19 +230,44 @@ class ArmNode(ClosingNode):
                 f"RMS tracking error {joint} [rad]": float(value)
                 for joint, value in zip(JOINTS, error, strict=True)
             },
-            **self._complaints.counts,
+            **self._warnings.counts,
             "last refusal": self._refusal,
         }
         return Status(level, message, values)
 
     def close(self) -> None:
-        """Stop the clock of the plant."""
+        """Stop the plant."""
         self._loop.stop()
         self._arm.close()
 
 
+def _declare(parameters: Parameters) -> None:
+    add = parameters.declare
+    add("feedforward_source", "stream", "where the feedforward torque comes from: none; stream: "
+        "~/commands; trajectory: points[i].effort of the reference; true: the plant's own torques "
+        "for it, the bound of what feedforward can reach", choices=SOURCES)  # fmt: skip
+    add("command_timeout", 0.1, "s after which a command on ~/commands no longer acts; 0 = never",
+        low=0.0, high=10.0)  # fmt: skip
+    add("publish_clock", False, "whether the arm has its own time, from 0 on, published on /clock: "
+        "it slows down if the machine cannot keep up", read_only=True)  # fmt: skip
+    add("clock_speed", 1.0, "fastest speed of its own clock, as a factor of real time; 0 = it "
+        "stands still", low=0.0, high=100.0)  # fmt: skip
+    add("clock_until", 0.0, "s of its own clock at which it stands still; 0 = never",
+        low=0.0, high=1e9)  # fmt: skip
+    add("wait_for_command", 0.0, "s of real time that its own clock waits at a tick for a new "
+        "command on ~/commands, for a stream that answers every joint state; 0 = never",
+        low=0.0, high=10.0)  # fmt: skip
+    add("start_tolerance", 0.05, "rad by which a new reference may differ from the present one "
+        "when it takes over", low=0.0, high=3.2, read_only=True)  # fmt: skip
+    add("seed", 0, "of the sensor noise", low=0, high=2**31, read_only=True)
+    add("initial_position", list(HOME), "rad, the 6 joints at the start", read_only=True)
+    for joint in JOINTS:
+        add(f"loads.{joint}", 0.0, f"kg fixed to the link that {joint} moves; 0 = none",
+            low=0.0, high=20.0, read_only=True)  # fmt: skip
+
+
 def main() -> int:
-    """Entry point of the executable `arm`."""
+    """Run the executable `arm`."""
     return run(ArmNode, sys.argv)
 
 

@@ -1,9 +1,9 @@
-"""Sends the torque of an identified model along a reference.
+"""The feedforward node: sends the torque of an identified model along a reference.
 
 Topics
     ~/reference         in   trajectory_msgs/JointTrajectory; header.stamp is its start, 0 = now.
                              One point at time 0 is a streamed set-point.
-    joint_states        in   sensor_msgs/JointState, only to know that the robot is alive
+    joint_states        in   sensor_msgs/JointState, to notice a dead or stray robot
     robot_description   in   std_msgs/String, for the torque limits
     ~/joint_trajectory  out  the reference with points[i].effort filled in and its start stamped
     ~/commands          out  std_msgs/Float64MultiArray, N·m in the order of `joints`, at `rate`
@@ -13,7 +13,7 @@ Topics
 Service ~/enable (std_srvs/SetBool). A lifecycle node: the model is loaded in configure, torque
 flows while active, zeros are sent last on deactivate and at the end.
 
-Not real time, not a safety function: whoever receives ~/commands must have a timeout.
+Not real time, not a safety function: the receiver of ~/commands must have a timeout.
 """
 
 import sys
@@ -23,34 +23,31 @@ from lifecycle_msgs.msg import State as LifecycleStateMessage
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.diagnostics import Diagnostics
-from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.running import BAD_PARAMETER, ClosingNode, run
-from lagrangian_ff.nodes.common.status import Level, Status
+from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
+from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.feedforward_link import FeedforwardLink
-from lagrangian_ff.nodes.feedforward_parameters import declare
+from lagrangian_ff.nodes.streaming.plan import TERMS
 
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 
 
 class FeedforwardNode(LifecycleNode, ClosingNode):
-    """The lifecycle around a link: no model, no link; not active, no torque."""
+    """The lifecycle around a link: without a model no link, when not active no torque."""
 
     def __init__(self) -> None:
         super().__init__("feedforward")
         self._settings = Parameters(self)
-        declare(self._settings)
-        self._complaints = Complaints(self.get_logger().warning)
+        _declare(self._settings)
+        self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._link: FeedforwardLink | None = None
         self._failure = ""
         self._settings.watch(self._parameters_changed)
         self._diagnostics = Diagnostics(
             self, "feedforward", {
-                "model": self._model_status, "stream": self._stream_status,
-                "certainty": self._certainty_status,
-            }, self._complaints.flush,
+                "housekeeping": self._warnings.flush, "model": self._model_status,
+                "stream": self._stream_status, "certainty": self._certainty_status,
+            },
         )  # fmt: skip
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
@@ -62,9 +59,9 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         )
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Load the model and offer the topics; fails with the reason in the log."""
+        """Load the model and offer the topics; log the reason if that fails."""
         try:
-            self._link = FeedforwardLink(self, self._settings, self._complaints)
+            self._link = FeedforwardLink(self, self._settings, self._warnings)
         except (UserError, *BAD_PARAMETER) as error:
             self._failure = str(error)
             self.get_logger().error(
@@ -86,31 +83,20 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Fade out, then zeros."""
+        """Fade out, then send zeros."""
         assert self._link is not None
         self._link.stop()
         return SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Give the model back."""
-        self._drop()
+        """Fade out, send zeros, and release the model."""
+        self.close()
         return SUCCESS
 
-    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Fade out, zeros, and give the model back."""
-        self._drop()
-        return SUCCESS
-
-    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """As on shutdown; the node can be configured again."""
-        self._drop()
-        return SUCCESS
+    on_shutdown = on_error = on_cleanup
 
     def close(self) -> None:
-        """Fade out and send the last zeros."""
-        self._drop()
-
-    def _drop(self) -> None:
+        """Fade out, send zeros, and release the model."""
         link, self._link = self._link, None
         if link is not None:
             link.close()
@@ -126,20 +112,57 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return self._link.model_status()
 
     def _stream_status(self) -> Status:
-        if self._link is not None and not self._active:
-            self._link.ignore_references()
-        if self._link is None or not self._active:
-            return Status(Level.STALE, "not active", dict(self._complaints.counts))
-        return self._link.stream_status()
+        if self._link is not None and self._active:
+            return self._link.stream_status()
+        if self._link is not None:
+            self._link.references.ignore()
+        return Status(Level.STALE, "not active", dict(self._warnings.counts))
 
     def _certainty_status(self) -> Status:
         if self._link is None or not self._active:
             return Status(Level.STALE, "not active")
-        return self._link.certainty_status()
+        return self._link.references.certainty()
+
+
+def _declare(parameters: Parameters) -> None:
+    """Declare the parameters that do not depend on the model."""
+    add = parameters.declare
+    add("model_file", "", "the identified model to load when configured")
+    add("effects_file", "", "Python that defines effects of your own; empty = none")
+    add("joints", [""], 'order of ~/commands; [""] = the order of the model')
+    add("autostart", True, "configure and activate at the start", read_only=True)
+    add("rate", 500.0, "Hz of the stream; read when activated", low=1.0, high=2000.0)
+    add("start_delay", 0.6, "s from the plan being ready to the start of a reference that says "
+        "'now' (header.stamp 0); longer than ramp_time, so that the torque is there when the "
+        "motion begins", low=0.0, high=10.0)  # fmt: skip
+    add("lead_time", 0.0, "s by which the torque is sent ahead of its reference, to make up for "
+        "its way to the robot", low=0.0, high=0.1)  # fmt: skip
+    add("max_points", 20_000, "points of the longest accepted trajectory", low=1, high=200_000)
+    for term in TERMS:
+        add(f"terms.{term}", True, f"whether the {term} part is sent; off where the robot "
+            "compensates it already")  # fmt: skip
+    add("out_of_range", "fade", "a reference outside the identified range: refuse it, fade its "
+        "torque to zero there, or allow it", choices=("refuse", "fade", "allow"))  # fmt: skip
+    add("range_margin", 0.25, "how far outside still counts as inside, as a fraction of the "
+        "range", low=0.0, high=10.0)  # fmt: skip
+    add("doubt_limit", 0.0, "half of the 90 % interval of a torque, as a share of the largest "
+        "torque identified on its joint, above which the reference counts as outside the "
+        "identified range; 0 = never", low=0.0, high=100.0)  # fmt: skip
+    add("ramp_time", 0.5, "s in which the torque is brought in", low=0.0, high=10.0)
+    add("fade_time", 0.5, "s in which the torque is faded to zero", low=0.0, high=3.0)
+    add("reference_timeout", 0.2, "s without a set-point after which the torque fades; 0 = off. "
+        "Trajectories do not time out", low=0.0, high=10.0)  # fmt: skip
+    add("joint_state_timeout", 0.5, "s without a joint state after which the torque fades; "
+        "0 = off", low=0.0, high=10.0)  # fmt: skip
+    add("tracking_tolerance", 0.5, "rad a joint may be away from its reference before the torque "
+        "fades, as where the robot refused the trajectory; 0 = off",
+        low=0.0, high=100.0)  # fmt: skip
+    add("after_end", "hold", "after the end of a trajectory: hold the torque of its last point "
+        "at rest, or fade", choices=("hold", "fade"))  # fmt: skip
 
 
 def main() -> int:
-    """Entry point of the executable `feedforward`."""
+    """Run the executable `feedforward`."""
     return run(FeedforwardNode, sys.argv)
 
 

@@ -1,4 +1,4 @@
-"""The model, its stream and their topics: what a configured feedforward node has."""
+"""The configured part of the feedforward node: a model, its stream, and their topics."""
 
 import time
 
@@ -9,81 +9,85 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
 
-from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.errors import MessageError
-from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
-from lagrangian_ff.nodes.common.messages import JointStateMaker, command
-from lagrangian_ff.nodes.common.node_time import NodeTime
-from lagrangian_ff.nodes.common.own_effects import load_own_effects
-from lagrangian_ff.nodes.common.pacing import FollowingPacer, PacedThread, Pacer, Pacing
-from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import LATCHED, RELIABLE, SHARED, overridable
-from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.common.summary import held_out
-from lagrangian_ff.nodes.feedforward_parameters import declare_joints, settings
+from lagrangian_ff.nodes.common import topics
+from lagrangian_ff.nodes.common.joint_state_bytes import (
+    JointStateMaker,
+    JointStateReader,
+    MessageError,
+)
+from lagrangian_ff.nodes.common.models import load_model, load_own_effects
+from lagrangian_ff.nodes.common.node import Parameters
+from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
+from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, held_out
 from lagrangian_ff.nodes.feedforward_references import References
-from lagrangian_ff.nodes.streaming.loading import load_model
-from lagrangian_ff.nodes.streaming.monitor import Monitor
-from lagrangian_ff.nodes.streaming.planner import reason
-from lagrangian_ff.nodes.streaming.stream import Settings, TorqueStream
-from lagrangian_ff.nodes.streaming.urdf_limits import effort_limits
+from lagrangian_ff.nodes.streaming.plan import TERMS, reason
+from lagrangian_ff.nodes.streaming.stream import (
+    Settings,
+    StreamMonitor,
+    TorqueStream,
+    effort_limits,
+)
 
-FAREWELL = 3  # zeros sent at the end
-LOOKS = 50.0  # a second, whether joint states still come
-REST = 0.002  # s; simulated time is looked at that often where no joint state tells it
+FAREWELL = 3  # number of zero commands at the end
+LOOKS = 50.0  # Hz at which joint states are read
+LIMITS_PER_SECOND = 20.0
+"""Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
+REST = 0.002  # s between readings of simulated time while no joint state comes
 
 
 class FeedforwardLink:
-    """Between the topics and the stream of torques.
+    """The link between the topics and the stream of torques.
 
-    Three threads: the executor's takes what is not urgent, the planner's computes plans of
-    trajectories, the paced one takes references and sends.
+    Three threads: the executor's does what is not urgent, the planner's computes plans of
+    trajectories, the paced one takes references and sends torques.
+
+    Attributes:
+        references: the references that come, and their plans.
 
     Raises:
         ModelError: the model cannot be loaded or is of other joints.
         EffectError: the file of effects cannot be used.
     """
 
-    def __init__(self, node: LifecycleNode, parameters: Parameters, complaints: Complaints) -> None:
-        self._node, self._parameters, self._complaints = node, parameters, complaints
+    def __init__(
+        self, node: LifecycleNode, parameters: Parameters, warnings: ThrottledWarnings
+    ) -> None:
+        self._node, self._parameters, self._warnings = node, parameters, warnings
         load_own_effects(parameters.value("effects_file"))
         file = parameters.value("model_file")
         self._model, self._columns = load_model(file, parameters.strings("joints"))
         joints = self._model.joints
-        declare_joints(parameters, joints)
+        _declare_joints(parameters, joints)
         self._described: dict[str, float] = {}
         self._stream = TorqueStream(joints, self._settings())
-        self._monitor = Monitor()
+        self._monitor = StreamMonitor()
         self._time = NodeTime(node)
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self._references = References(
-            node, parameters, complaints, self._time, self._model, self._stream
+        self.references = References(
+            node, parameters, warnings, self._time, self._model, self._stream
         )
         self._make_topics()
         node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
 
     def _make_topics(self) -> None:
-        node, options = self._node, overridable()
-        self._commands = node.create_publisher(
-            Float64MultiArray, "~/commands", RELIABLE, qos_overriding_options=options
+        node = self._node
+        self._commands = topics.advertise(node, Float64MultiArray, "~/commands", topics.RELIABLE)
+        self._stamped = topics.advertise(node, JointState, "~/feedforward", topics.RELIABLE)
+        self._states = topics.PolledSubscription(
+            node, JointState, "joint_states", topics.SHARED, raw=True
         )
-        self._stamped = node.create_publisher(
-            JointState, "~/feedforward", RELIABLE, qos_overriding_options=options
-        )
-        self._states = PolledSubscription(node, JointState, "joint_states", SHARED, raw=True)
         self._description = node.create_subscription(
-            String, "robot_description", self._on_description, LATCHED
+            String, "robot_description", self._on_description, topics.LATCHED
         )
         self._service = node.create_service(SetBool, "~/enable", self._on_enable)
 
     def start(self) -> None:
-        """Begin to stream: zeros until a reference comes."""
-        self.ignore_references()
-        self._references.active = True
+        """Begin to stream, zeros until a reference comes."""
+        self.references.ignore()
+        self.references.active = True
         self._stream.forget()
-        self._monitor = Monitor()
+        self._monitor = StreamMonitor()
         rate = self._parameters.value("rate")
         self._every = max(1, round(rate / LOOKS))
         pacer: Pacing = Pacer(1.0 / rate)
@@ -93,9 +97,9 @@ class FeedforwardLink:
         self._loop = PacedThread(pacer, self._tick, self._tick_failed, "stream")
 
     def stop(self) -> None:
-        """Fade out, stop, and send zeros; returns when they have arrived."""
-        self._references.active = False
-        self._references.drop()
+        """Fade out, stop, send zeros, and return when they have arrived."""
+        self.references.active = False
+        self.references.drop()
         if self._loop is None:
             return
         self._stream.end("deactivated")
@@ -106,16 +110,16 @@ class FeedforwardLink:
         self._loop = None
         self._stream.forget()
         for _ in range(FAREWELL):
-            self._commands.publish(command(np.zeros(len(self._columns))))
+            self._commands.publish(topics.command(np.zeros(len(self._columns))))
         self._commands.wait_for_all_acked(Duration(seconds=0.2))
 
     def _sending(self) -> bool:
         return self._monitor.last is not None and self._monitor.last.gain > 0.0
 
     def close(self) -> None:
-        """Stop and give everything back."""
+        """Stop and release everything."""
         self.stop()
-        self._references.close()
+        self.references.close()
         for publisher in (self._commands, self._stamped):
             self._node.destroy_publisher(publisher)
         self._node.destroy_subscription(self._description)
@@ -123,34 +127,51 @@ class FeedforwardLink:
         self._node.destroy_service(self._service)
 
     def refresh(self) -> None:
-        """Take up parameters or limits that have changed."""
-        self._references.refresh()
+        """Apply changed parameters and limits."""
+        self.references.refresh()
         self._stream.settings = self._settings()
 
     def _settings(self) -> Settings:
-        model = self._model
-        return settings(self._parameters, model.joints, model.range, self._described)
+        """Return the stream's settings; limits not given come from the robot or the model."""
+        value, joints = self._parameters.value, self._model.joints
+        limit = np.array(
+            [
+                value(f"limits.{joint}.effort") or self._described.get(joint) or float(largest)
+                for joint, largest in zip(joints, self._model.range.tau_max, strict=True)
+            ]
+        )
+        rate = np.array([value(f"limits.{joint}.effort_rate") for joint in joints])
+        return Settings(
+            scale=np.array([value(f"scale.{joint}") for joint in joints]), effort_limit=limit,
+            effort_rate=np.where(rate > 0.0, rate, LIMITS_PER_SECOND * limit),
+            switches=np.array([float(value(f"terms.{term}")) for term in TERMS]),
+            ramp_time=value("ramp_time"), fade_time=value("fade_time"),
+            reference_timeout=value("reference_timeout"),
+            joint_state_timeout=value("joint_state_timeout"),
+            tracking_tolerance=value("tracking_tolerance"), after_end=value("after_end"),
+            lead=value("lead_time"),
+        )  # fmt: skip
 
     def _await_joint_states(self) -> None:
         self._states.wait(REST)
-        self._look_at_joint_states()
+        self._take_joint_states()
 
-    def _look_at_joint_states(self) -> None:
+    def _take_joint_states(self) -> None:
         for data, _ in self._states.take():
-            self._look_at(data)
+            self._take_joint_state(data)
 
-    def _look_at(self, data: bytes) -> None:
+    def _take_joint_state(self, data: bytes) -> None:
         try:
             state = self._reader.read(data)
         except MessageError as error:
-            self._complaints.add("bad joint state", f"ignored {error}")
+            self._warnings.add("bad joint state", f"ignored {error}")
             return
         missing = [joint for joint in self._model.joints if joint not in state.names]
         if len(missing) == len(self._model.joints):
             return  # of another part of the robot
         fault = f"joint states without {', '.join(missing)}" if missing else state.fault()
         if fault:
-            self._complaints.add("bad joint state", f"ignored {fault}")
+            self._warnings.add("bad joint state", f"ignored {fault}")
         else:
             columns = [state.names.index(joint) for joint in self._model.joints]
             at = state.stamp or self._time.now()
@@ -161,7 +182,7 @@ class FeedforwardLink:
         try:
             self._described = effort_limits(message.data)
         except MessageError as error:
-            self._complaints.add("bad robot description", str(error))
+            self._warnings.add("bad robot description", str(error))
             return
         self.refresh()
 
@@ -176,31 +197,26 @@ class FeedforwardLink:
         self._node.get_logger().info(f"~/enable {request.data}: {response.message}")
         return response
 
-    def ignore_references(self) -> None:
-        """What comes while there is no stream is not followed later."""
-        self._references.ignore()
-
     def _tick(self, due: range) -> None:
-        self._references.follow()
+        self.references.follow()
         if any(index % self._every == 0 for index in due):
-            self._look_at_joint_states()
+            self._take_joint_states()
         now = self._time.now()
         output = self._stream.tick(now, self._time.steady())
-        self._commands.publish(command(output.tau[self._columns]))
+        self._commands.publish(topics.command(output.tau[self._columns]))
         listened = self._stamped.get_subscription_count() > 0
         if listened and output.q is not None and output.qd is not None:
             at = now + round(self._stream.settings.lead * 1e9)
             self._stamped.publish(self._maker.fill(at, output.q, output.qd, output.tau))
-        faded = self._monitor.note(output)
-        if faded:
-            self._complaints.add("faded", f"torque fades to zero: {faded}")
+        if faded := self._monitor.note(output):
+            self._warnings.add("faded", f"torque fades to zero: {faded}")
 
     def _tick_failed(self, error: Exception) -> None:
         self._stream.forget()
-        self._complaints.add("failed tick", f"reference dropped: {reason(error)}")
+        self._warnings.add("failed tick", f"reference dropped: {reason(error)}")
 
     def model_status(self) -> Status:
-        """Which model, how good, and within which limits."""
+        """Return the state of the model: its error and its limits."""
         limits = zip(self._model.joints, self._stream.settings.effort_limit, strict=True)
         values = {
             "model file": self._parameters.value("model_file"),
@@ -210,21 +226,28 @@ class FeedforwardLink:
         }
         return Status(Level.OK, f"{self._model.name} loaded", values)
 
-    def certainty_status(self) -> Status:
-        """How sure the model is of the torques along the present reference."""
-        return self._references.certainty()
-
     def stream_status(self) -> Status:
-        """What is being sent."""
+        """Return the state of the stream."""
         more = {
             "reference age [s]": self._stream.reference_age(self._time.steady()),
             "enabled": self._stream.enabled,
             "receivers of commands": self._commands.get_subscription_count(),
-            **self._references.values(),
-            **self._complaints.counts,
+            **self.references.values(),
+            **self._warnings.counts,
         }
         if self._time.simulated and self._time.now() == 0:
             return Status(Level.WARN, "use_sim_time is set, but nobody publishes /clock", more)
         # Simulated seconds may be longer or shorter than the monitor's.
         rate = 0.0 if self._time.simulated else self._parameters.value("rate")
         return self._monitor.status(rate, more)
+
+
+def _declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
+    """Declare the parameters of each joint of the model."""
+    add = parameters.declare
+    for joint in joints:
+        add(f"scale.{joint}", 1.0, "factor of the torque", low=0.0, high=1.0)
+        add(f"limits.{joint}.effort", 0.0, "N·m at most; 0 = of the robot description, or without "
+            "one the largest identified", low=0.0, high=1e6)  # fmt: skip
+        add(f"limits.{joint}.effort_rate", 0.0, f"N·m/s at most; 0 = {LIMITS_PER_SECOND:g} torque "
+            "limits a second", low=0.0, high=1e8)  # fmt: skip

@@ -1,4 +1,4 @@
-"""From the topic ~/reference to plans that the stream plays."""
+"""The way of a reference from its topic to a plan that the stream plays."""
 
 from rclpy.lifecycle import LifecycleNode
 from rclpy.serialization import deserialize_message
@@ -6,24 +6,18 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
-from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.errors import RefusedReference
-from lagrangian_ff.nodes.common.messages import annotated, nanoseconds, points
-from lagrangian_ff.nodes.common.node_time import NodeTime
-from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import REFERENCES, RELIABLE, overridable
-from lagrangian_ff.nodes.common.status import Status
-from lagrangian_ff.nodes.feedforward_parameters import policy
-from lagrangian_ff.nodes.streaming.doubt import PAUSE, Doubt, status
-from lagrangian_ff.nodes.streaming.one_state import OneAtATime
-from lagrangian_ff.nodes.streaming.plan import Plan, make_plan
-from lagrangian_ff.nodes.streaming.planner import Planner, reason
-from lagrangian_ff.nodes.streaming.reference import Reference, read_reference
+from lagrangian_ff.nodes.common import topics
+from lagrangian_ff.nodes.common.models import OneStateModel
+from lagrangian_ff.nodes.common.node import Parameters
+from lagrangian_ff.nodes.common.pacing import NodeTime
+from lagrangian_ff.nodes.common.status import Status, ThrottledWarnings
+from lagrangian_ff.nodes.streaming.plan import Plan, Planner, Policy, make_plan, reason
+from lagrangian_ff.nodes.streaming.ranges import PAUSE, Doubt, doubt_status
+from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference, read_reference
 from lagrangian_ff.nodes.streaming.stream import TorqueStream
 
-TOLD_EVERY = 10  # looks at the doubt of set-points, where it is told only
-LONGEST_SETPOINT = 16_384  # bytes; a longer message is read beside the stream
+LOOK_EVERY = 10  # periods between evaluations of the doubt of set-points without a limit
+LONGEST_SETPOINT = 16_384  # bytes; a longer message is read in the planner's thread
 
 
 class References:
@@ -32,63 +26,62 @@ class References:
     A set-point is taken and computed in the stream's own thread, at the tick that sends it: between
     threads it would wait for each of them. Trajectories are computed in the planner's.
 
-    Args:
-        node: the node.  parameters: its parameters.  complaints: where refusals are told.
-        time: what it goes by.  model: whose torques.  stream: plays the plans.
-
     Attributes:
         active: whether references are followed.
     """
 
     def __init__(
-        self, node: LifecycleNode, parameters: Parameters, complaints: Complaints, time: NodeTime,
-        model: Model, stream: TorqueStream,
+        self, node: LifecycleNode, parameters: Parameters, warnings: ThrottledWarnings,
+        time: NodeTime, model: Model, stream: TorqueStream,
     ) -> None:  # fmt: skip
-        self._node, self._parameters, self._complaints = node, parameters, complaints
+        self._node, self._parameters, self._warnings = node, parameters, warnings
         self._time = time
         self._model, self._stream = model, stream
         self.active = False
         self._followed = self._superseded = self._looks = 0
         self._doubt = Doubt.of(model)
-        self._setpoints = OneAtATime(model)
+        self._setpoints = OneStateModel(model)
         self._planner: Planner[JointTrajectory] = Planner(
             model, self._on_plan, self._refused, self._doubt
         )
         self.refresh()
-        self._trajectories = node.create_publisher(
-            JointTrajectory, "~/joint_trajectory", RELIABLE, qos_overriding_options=overridable()
+        self._trajectories = topics.advertise(
+            node, JointTrajectory, "~/joint_trajectory", topics.RELIABLE
         )
-        self._subscription = PolledSubscription(
-            node, JointTrajectory, "~/reference", REFERENCES, raw=True
+        self._subscription = topics.PolledSubscription(
+            node, JointTrajectory, "~/reference", topics.REFERENCES, raw=True
         )
-        # What takes milliseconds is asked beside the stream.
+        # The doubt takes milliseconds: it is evaluated beside the stream.
         self._look = node.create_timer(PAUSE, self._look_at_doubt)
 
     def refresh(self) -> None:
-        """Take up parameters that have changed."""
-        self._rules = policy(self._parameters)
-        self._longest = self._parameters.value("max_points")
+        """Apply changed parameters."""
+        value = self._parameters.value
+        self._policy = Policy(
+            value("out_of_range"), value("range_margin"), value("fade_time"), value("doubt_limit")
+        )
+        self._longest = value("max_points")
 
     def drop(self) -> None:
-        """Compute nothing more of what came."""
+        """Drop the trajectories that are still being planned."""
         self._planner.drop()
 
     def close(self) -> None:
-        """Give everything back."""
+        """Release everything."""
         self._planner.stop()
         self._node.destroy_timer(self._look)
         self._node.destroy_publisher(self._trajectories)
         self._subscription.destroy()
 
     def ignore(self) -> None:
-        """What comes while there is no stream is not followed later."""
+        """Drop the references that came while nothing is streamed."""
         if not self.active and any(True for _ in self._subscription.take()):
-            self._complaints.add("reference while inactive", "ignored a reference: not active")
+            self._warnings.add("reference while inactive", "ignored a reference: not active")
 
     def follow(self) -> None:
-        """Take what has come, oldest first; in the stream's thread.
+        """Follow the references that came, oldest first; in the stream's thread.
 
-        After a stall only the newest of many set-points is worth its time.
+        After a stall only the newest of several set-points is computed.
         """
         if not self.active:
             self.ignore()
@@ -110,39 +103,35 @@ class References:
             self._follow_setpoint(waiting)
 
     def _submit(self, data: bytes, message: JointTrajectory | None) -> None:
-        """Have a trajectory planned; a long one is still in its bytes."""
+        """Let the planner compute a trajectory; a long one is still serialised."""
 
         def read() -> tuple[Reference, JointTrajectory]:
             whole = message or deserialize_message(data, JointTrajectory)
             return self._read(whole), whole
 
-        self._planner.submit(read, self._rules)
+        self._planner.submit(read, self._policy)
 
     def _follow_setpoint(self, message: JointTrajectory) -> None:
         try:
             doubts = self._doubt.latest if self._doubt else None
-            plan = make_plan(self._setpoints, self._read(message), self._rules, doubts=doubts)
+            plan = make_plan(self._setpoints, self._read(message), self._policy, doubts=doubts)
         except UserError as error:
             self._refused(error)
             return
         # A trajectory still being planned is out of date.
         self._planner.drop()
-        if plan.excess.worst and self._rules.out_of_range == "fade":
-            self._complaints.add("out of range", f"faded: {plan.excess.worst}")
+        if plan.excess.worst and self._policy.out_of_range == "fade":
+            self._warnings.add("out of range", f"faded: {plan.excess.worst}")
             self._stream.withhold("the set-point is outside the identified range")
             return
-        at = nanoseconds(message.header.stamp)
+        at = topics.nanoseconds(message.header.stamp)
         self._play(plan, at or self._time.now())
         if self._trajectories.get_subscription_count():
             self._publish_annotated(plan, message, at)
 
     def _read(self, message: JointTrajectory) -> Reference:
-        """The reference in a message.
-
-        Raises:
-            RefusedReference: it cannot be followed; says why.
-        """
-        return read_reference(points(message), self._model.joints, self._longest)
+        """Return the reference in a message, or raise RefusedReference."""
+        return read_reference(topics.points(message), self._model.joints, self._longest)
 
     def _play(self, plan: Plan, start: int) -> None:
         self._stream.play(plan, start, self._time.steady())
@@ -150,19 +139,19 @@ class References:
 
     def _look_at_doubt(self) -> None:
         self._looks += 1
-        if self._rules.doubt_limit == 0.0 and self._looks % TOLD_EVERY:
+        if self._policy.doubt_limit == 0.0 and self._looks % LOOK_EVERY:
             return
         plan = self._stream.plan
         if self._doubt and plan is not None and plan.reference.is_setpoint:
             self._doubt.look(plan.reference.q, plan.reference.qd, plan.reference.qdd)
 
     def _on_plan(self, plan: Plan, message: JointTrajectory) -> None:
-        """Play and republish a trajectory whose torques are ready; in the planner's thread."""
+        """Play and republish a planned trajectory; in the planner's thread."""
         if not self.active:
             return
         now, reference = self._time.now(), plan.reference
         delay = round(self._parameters.value("start_delay") * 1e9)
-        start = nanoseconds(message.header.stamp) or now + delay
+        start = topics.nanoseconds(message.header.stamp) or now + delay
         ahead = (start - now) / 1e9
         if ahead < -reference.duration:
             self._refused(RefusedReference(f"it ended {-ahead - reference.duration:.3f} s ago"))
@@ -175,9 +164,9 @@ class References:
         )
         if plan.excess.worst:
             met = "fades to zero there" if (plan.weight < 1.0).any() else "is sent all the same"
-            self._complaints.add("out of range", f"{plan.excess.worst}; the torque {met}")
+            self._warnings.add("out of range", f"{plan.excess.worst}; the torque {met}")
         if ahead < 0.0:
-            self._complaints.add(
+            self._warnings.add(
                 "late start",
                 f"the reference started {-ahead:.3f} s before its torques were computed; stamp it "
                 "later, or 0",
@@ -186,19 +175,21 @@ class References:
     def _publish_annotated(self, plan: Plan, message: JointTrajectory, start: int) -> None:
         now = self._stream.settings
         effort = plan.effort(now.switches, now.scale, now.effort_limit)
-        self._trajectories.publish(annotated(message, self._model.joints, effort, start))
+        self._trajectories.publish(topics.annotated(message, self._model.joints, effort, start))
 
     def _refused(self, error: Exception) -> None:
-        self._complaints.add("refused reference", f"refused a reference: {reason(error)}")
+        self._warnings.add("refused reference", f"refused a reference: {reason(error)}")
 
     def certainty(self) -> Status:
-        """How sure the model is of the torques along the present reference."""
+        """Return how sure the torques of the present reference are."""
         plan = self._stream.plan
         doubt = None if plan is None else plan.doubt
-        return status(self._model.joints, self._doubt is not None, doubt, self._rules.doubt_limit)
+        return doubt_status(
+            self._model.joints, self._doubt is not None, doubt, self._policy.doubt_limit
+        )
 
     def values(self) -> dict[str, object]:
-        """For the diagnostics."""
+        """Return figures for the diagnostics."""
         return {
             "references followed": self._followed,
             "set-points superseded": self._superseded,

@@ -1,235 +1,263 @@
-"""Records joint states, identifies the inverse dynamics from them, and finds what the model lacks.
+"""The identify node: records joint states, identifies a model, and finds what it lacks.
 
 Topics
     joint_states        in   sensor_msgs/JointState; best effort, so that every publisher matches
     robot_description   in   std_msgs/String, latched; used if `use_robot_description` is set
     /diagnostics        out  progress, the held-out error of each joint, and what was found
 
-Services (std_srvs/Trigger); those of the second half begin the work and answer at once, progress
-and end are on /diagnostics and in the log
-    ~/start      begin a recording: a bag in `output_directory`, on disk as it comes
+Services (std_srvs/Trigger); the jobs begin at once and answer, progress and end are on
+/diagnostics and in the log
+    ~/start      begin a recording: a bag in `output_directory`, written at once
     ~/stop       end it; start and stop again to add another
     ~/save       copy the last model to `model_file`
-    ~/clear      forget recordings and model, cancel what is under way; files stay
+    ~/clear      forget recordings and model, cancel the present job; files stay
 
-    ~/identify   a model from all recordings since ~/clear
-    ~/compare    where the model fails on the last recording
-    ~/diagnose   which effects the model lacks; the last recording confirms what the others suggest
-    ~/add        the effect `add.effect`, or what was confirmed, into a new model beside the old one
+    ~/identify, ~/compare, ~/diagnose, ~/add: the jobs, see `recorder.jobs`
 """
 
-import os
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from functools import partial
 
 from rclpy.clock import Clock, ClockType
+from rclpy.context import Context
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.common.complaints import Complaints
-from lagrangian_ff.nodes.common.diagnostics import Diagnostics
+from lagrangian_ff.files import whole
+from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
 from lagrangian_ff.nodes.common.pacing import RateMeter
-from lagrangian_ff.nodes.common.parameters import Parameters
-from lagrangian_ff.nodes.common.polled import PolledSubscription
-from lagrangian_ff.nodes.common.qos import LATCHED, RECORDING
-from lagrangian_ff.nodes.common.running import BAD_PARAMETER, ClosingNode, run
-from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.identify_parameters import declare, declare_joints
-from lagrangian_ff.nodes.recorder.findings import finding_statuses, lines, work_status
-from lagrangian_ff.nodes.recorder.intake import Intake
-from lagrangian_ff.nodes.recorder.job import Job
-from lagrangian_ff.nodes.recorder.order import Task
-from lagrangian_ff.nodes.recorder.ordering import directory_of, make_order, saved_model, summary
-from lagrangian_ff.nodes.recorder.session import BUSY, Session, State, new_path, stamped
+from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
+from lagrangian_ff.nodes.common.topics import LATCHED, RECORDING, PolledSubscription
+from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder
+from lagrangian_ff.nodes.recorder.jobs import JOBS
+from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
+from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.session import Session, new_path
+from lagrangian_ff.nodes.recorder.worker import Worker
 
 
 class IdentifyNode(ClosingNode):
-    """Opens and closes bags, hands orders to a process, and says how it goes."""
+    """Opens and closes bags, starts a process for each job, and reports.
 
-    def __init__(self) -> None:
-        super().__init__("identify")
+    Args:
+        jobs: each becomes a service.
+        context: of rclpy; None for the default one.
+    """
+
+    def __init__(self, jobs: Sequence[type[Job]] = JOBS, context: Context | None = None) -> None:
+        super().__init__("identify", context=context)
+        self._jobs = tuple(jobs)
         self._settings = Parameters(self)
-        declare(self._settings)
+        _declare(self._settings)
         self._session = Session()
-        self._job: Job | None = None
-        self._complaints = Complaints(self.get_logger().warning)
+        self._worker: Worker | None = None
+        self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._subscription = PolledSubscription(
             self, JointState, "joint_states", RECORDING, raw=True
         )
-        self._intake = Intake(self._subscription.take, self._complaints.add)
+        self._recorder = BagRecorder(self._subscription.take, self._warnings.add)
         self._description = ""
         self.create_subscription(String, "robot_description", self._on_description, LATCHED)
         self._meter, self._seen = RateMeter(), 0
-        services: dict[str, Callable[[], str]] = {
-            "start": self._start, "stop": self._stop, "save": self._save, "clear": self._clear,
-            **{task.value: partial(self._begin, task) for task in Task},
-        }  # fmt: skip
-        for action, do in services.items():
-            self.create_service(Trigger, f"~/{action}", self._answer(action, do))
+        own = {"start": self._start, "stop": self._stop, "save": self._save, "clear": self._clear}
+        for service, do in own.items():
+            self._offer(service, partial(Session.refusal, service=service), do)
+        for job in self._jobs:
+            self._offer(job.service, job.refusal, partial(self._begin, job))
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(0.1, self._look_after_the_job, clock=steady)
+        self.create_timer(0.1, self._check_worker, clock=steady)
         self._diagnostics = Diagnostics(
-            self, "joint state recorder",
-            {"input": self._input_status}, self._once_a_second, self._work_statuses,
+            self, "joint state recorder", {
+                "housekeeping": self._once_a_second, "input": self._input_status,
+                "jobs": self._job_statuses,
+            },
         )  # fmt: skip
-        directory = directory_of(self._settings.value)
         self.get_logger().info(
-            f"ready to record {self._subscription.topic} into {directory}; call ~/start"
+            f"ready to record {self._subscription.topic} into {self._situation().directory}; "
+            "call ~/start"
         )
 
     def _on_description(self, message: String) -> None:
         self._description = message.data
 
     def _joints(self) -> tuple[str, ...]:
-        """The joints known by now, each with its own parameters."""
-        joints = self._settings.strings("joints") or self._intake.tally.joints
-        declare_joints(self._settings, joints)
+        """Return the joints known so far, with their parameters declared."""
+        joints = self._settings.strings("joints") or self._recorder.tally.joints
+        self._settings.declare_effort(joints)
         return joints
 
-    def _answer(
-        self, action: str, do: Callable[[], str]
-    ) -> Callable[[Trigger.Request, Trigger.Response], Trigger.Response]:
-        """The callback of a service: refuses in words what is impossible now."""
+    def _situation(self, joints: Sequence[str] = ()) -> Situation:
+        topic, description = self._subscription.topic, self._description
+        return Situation(self._session, self._settings.value, topic, joints, description)
+
+    def _offer(
+        self, service: str, refusal: Callable[[Session], str], do: Callable[[], str]
+    ) -> None:
+        """Create a service that refuses in words what is impossible now."""
 
         def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-            refusal = self._session.refusal(action)
+            refused = refusal(self._session)
             try:
-                response.message = refusal or do()
-                response.success = not refusal
+                response.message = refused or do()
+                response.success = not refused
             except (UserError, OSError, *BAD_PARAMETER) as error:
                 response.message, response.success = str(error), False
             self._diagnostics.publish()
             # rclpy ties a severity to the line that logs: one line for each.
             if response.success:
-                self.get_logger().info(f"~/{action}: {response.message}")
+                self.get_logger().info(f"~/{service}: {response.message}")
             else:
-                self.get_logger().warning(f"~/{action}: {response.message}")
+                self.get_logger().warning(f"~/{service}: {response.message}")
             return response
 
-        return answer
+        self.create_service(Trigger, f"~/{service}", answer)
 
     def _start(self) -> str:
-        directory = directory_of(self._settings.value)
-        path = new_path(directory, stamped(self._settings.value("bag_prefix"), datetime.now()))
-        self._intake.open(path, self._subscription.topic)
-        self._session.current, self._session.state = path, State.RECORDING
-        publishers = self.count_publishers(self._subscription.topic)
-        return f"recording {self._subscription.topic} to {path}" + (
-            "" if publishers else "; nobody publishes there yet"
-        )
+        topic = self._subscription.topic
+        stem = f"{self._settings.value('bag_prefix')}_{datetime.now():%Y%m%d_%H%M%S}"
+        path = new_path(self._situation().directory, stem)
+        self._recorder.open(path, topic)
+        self._session.current = path
+        said = f"recording {topic} to {path}"
+        return said if self.count_publishers(topic) else f"{said}; nobody publishes there yet"
 
     def _stop(self) -> str:
-        session, path = self._session, self._session.current
+        path, self._session.current = self._session.current, None
         assert path is not None
-        session.state, session.current = State.IDLE, None
-        self._intake.close_bag()
-        tally = self._intake.tally
+        self._recorder.close_bag()
+        tally = self._recorder.tally
         if tally.samples == 0:
             raise UserError(
                 f"no joint states came on {self._subscription.topic}; {path} is empty and not used"
             )
-        session.bags.append(path)
+        self._session.bags.append(path)
         said = f"recorded {tally} of {', '.join(tally.joints)} to {path}"
-        if self._intake.failure:
-            said += f"; it ended early: {self._intake.failure}"
+        if self._recorder.failure:
+            said += f"; it ended early: {self._recorder.failure}"
         if self._settings.value("identify_on_stop"):
             try:
-                said += f"; {self._begin(Task.IDENTIFY)}"
+                said += f"; {self._begin(Identify)}"
             except (UserError, *BAD_PARAMETER) as error:
                 said += f"; not identified: {error}"
         return said
 
-    def _begin(self, task: Task) -> str:
-        """Hand a task to a process of its own."""
-        order = make_order(
-            task, self._session, self._settings.value, self._subscription.topic, self._joints(),
-            self._description,
-        )  # fmt: skip
-        self._job = Job(order)
-        self._session.state = BUSY[task]
-        return summary(order)
+    def _begin(self, job: type[Job]) -> str:
+        request = job.request(self._situation(self._joints()))
+        self._worker = Worker(request)
+        self._session.busy = job.doing
+        return request.summary()
 
     def _save(self) -> str:
-        result = self._session.result
-        assert result is not None
-        path = saved_model(self._settings.value)
+        model, path = self._session.model, self._situation().saved_model
+        assert model is not None
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f"{path.name}.part")
-        shutil.copyfile(result.model, part)
-        os.replace(part, path)
-        return f"saved {result.model.name} as {path}"
+        with whole(path) as made:
+            shutil.copyfile(model.file, made)
+        return f"saved {model.file.name} as {path}"
 
     def _clear(self) -> str:
-        count = len(self._session.bags)
-        cancelled = self._cancel()
+        said = f"forgot {len(self._session.bags)} recordings and the model"
+        if self._cancel():
+            said += f", stopped {self._session.busy}"
         self._session = Session()
-        return f"forgot {count} recordings and the model{cancelled}; their files stay"
+        return f"{said}; their files stay"
 
-    def _cancel(self) -> str:
-        if self._job is None:
-            return ""
-        self._job.cancel()
-        self._job = None
-        return f", stopped {self._session.state.value}"
+    def _cancel(self) -> bool:
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.cancel()
+        return worker is not None
 
-    def _look_after_the_job(self) -> None:
-        outcome = self._job.outcome() if self._job else None
-        if self._job is None or outcome is None:
+    def _check_worker(self) -> None:
+        outcome = self._worker.outcome() if self._worker else None
+        if self._worker is None or outcome is None:
             return
-        order, self._job = self._job.order, None
-        self._session.finish(order, outcome.record, outcome.error)
+        job, self._worker = self._worker.job, None
+        self._session.busy = ""
+        self._session.failures.pop(job.service, None)
         if outcome.record is None:
-            self.get_logger().error(f"~/{order.task.value} failed: {outcome.error}")
+            self._session.failures[job.service] = outcome.error
+            self.get_logger().error(f"~/{job.service} failed: {outcome.error}")
         else:
-            self.get_logger().info("\n".join(lines(order, outcome.record)))
+            job.end(self._session, outcome.record)
+            self.get_logger().info("\n".join(job.log(outcome.record)))
         self._diagnostics.publish()
 
     def _once_a_second(self) -> None:
-        self._complaints.flush()
+        self._warnings.flush()
         self._joints()
 
     def _input_status(self) -> Status:
-        received, self._seen = self._intake.received - self._seen, self._intake.received
+        received, self._seen = self._recorder.received - self._seen, self._recorder.received
         self._meter.add(received)
-        rate, tally = self._meter.take(), self._intake.tally
-        level, message = Level.OK, self._session.state.value
-        if self._intake.failure:
-            level, message = Level.ERROR, f"recording ended: {self._intake.failure}"
+        rate, tally = self._meter.take(), self._recorder.tally
+        level, message = Level.OK, self._session.state
+        if self._recorder.failure:
+            level, message = Level.ERROR, f"recording ended: {self._recorder.failure}"
         elif received == 0:
             level, message = Level.STALE, f"no joint states on {self._subscription.topic}"
         values = {
-            "state": self._session.state.value,
-            "rate [Hz]": rate,
-            "joints": ", ".join(tally.joints),
-            "bag": self._session.current or "",
-            "samples": tally.samples,
-            "seconds": tally.seconds,
-            **self._complaints.counts,
-        }
+            "state": self._session.state, "rate [Hz]": rate, "joints": ", ".join(tally.joints),
+            "bag": self._session.current or "", "samples": tally.samples, "seconds": tally.seconds,
+            **self._warnings.counts,
+        }  # fmt: skip
         return Status(level, message, values)
 
-    def _work_statuses(self) -> dict[str, Status]:
-        """How each kind of work stands, and what was found out about the model."""
-        found = {
-            name: status
-            for task in Task
-            for name, status in work_status(task, self._session, self._job).items()
-        }
-        return found | finding_statuses(self._session)
+    def _job_statuses(self) -> dict[str, Status]:
+        """Return the state of every job, the present one with its progress."""
+        found: dict[str, Status] = {}
+        for job in self._jobs:
+            found |= job.statuses(self._session)
+        worker, state = self._worker, self._session.state
+        if worker is not None:
+            values = {"state": state, "progress": worker.fraction, "label": worker.label}
+            found[worker.job.title] = Status(Level.OK, f"{state}: {worker.label}", values)
+        return found
 
     def close(self) -> None:
-        """End the bag properly and the work at once."""
+        """End the bag properly and the present job at once."""
         self._cancel()
-        self._intake.stop()
+        self._recorder.stop()
+
+
+def _declare(parameters: Parameters) -> None:
+    """Declare the parameters that do not depend on the joints."""
+    add = parameters.declare
+    add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
+    add("model", "auto+fri", "model to identify, a sum of kernels and bases")
+    add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
+    add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
+        "empty = none")  # fmt: skip
+    add("use_robot_description", False, "take the description from the topic robot_description")
+    add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
+        low=0.01, high=1.0)  # fmt: skip
+    add("samples", 500, "samples to train on", low=10, high=20_000)
+    add("landmarks", -1, "samples the kernel is built on, while all are learned from; 0 = an exact "
+        "model of `samples`, -1 = exact up to two minutes of training motion, else 300",
+        low=-1, high=20_000)  # fmt: skip
+    add("positive", False, "whether the mass matrix is kept positive definite along the training "
+        "motion")  # fmt: skip
+    add("loss", "square", "what a residual costs; huber weighs down contacts and gross errors",
+        choices=("square", "huber"))  # fmt: skip
+    add("bandwidth", 25.0, "Hz of the low-pass on position and effort", low=0.5, high=500.0)
+    add("output_directory", ".", "where bags, models and findings are written")
+    add("bag_prefix", "recording", "how the names of bags begin")
+    add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "
+        "where ~/save puts the last one (empty = model.npz in output_directory)")  # fmt: skip
+    add("identify_on_stop", False, "whether ~/stop begins the identification, too")
+    add("add.effect", "", "name of the effect that ~/add adds, see lagrangian_ff effects; empty = "
+        "what the last diagnosis confirmed")  # fmt: skip
+    add("add.joint", "", "the joint that ~/add adds it to")
+    add("effects_file", "", "Python that defines effects of your own; empty = none")
 
 
 def main() -> int:
-    """Entry point of the executable `identify`."""
+    """Run the executable `identify`."""
     return run(IdentifyNode, sys.argv)
 
 

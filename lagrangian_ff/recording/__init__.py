@@ -1,4 +1,4 @@
-"""What was measured: recordings, what was found in them, and the motion made of them."""
+"""Recordings, their inspection, and the motion made of them."""
 
 from lagrangian_ff.lazy import attach
 

@@ -1,56 +1,51 @@
-"""Write rosbag2 directories that survive a kill: what was appended is on disk."""
+"""Write rosbag2 directories that survive a kill of the process."""
 
 import json
 import shutil
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from mcap.writer import CompressionType, Writer
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from rosbags.typesys import Stores, get_typestore
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.files import whole
 from lagrangian_ff.progress import Progress, silent
-from lagrangian_ff.recording.bag_folder import is_bag
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateEncoder
 from lagrangian_ff.recording.recording import Recording
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.recording.sources.bag import is_bag
 
 _BLOCK = 4096
 _DISTRO = "jazzy"
 
 
-class BagWriter:
+class BagWriter(AbstractContextManager["BagWriter"]):
     """Appends joint states to a new rosbag2 directory (MCAP).
 
-    Each message is handed to the operating system as it is appended, so a kill of the process
-    loses nothing that was appended (a power failure may lose what the system had not yet
-    written). `close` adds index and metadata.yaml; without them `load` reads the bag all the
-    same. For use by one thread.
+    Each message is handed to the operating system as it is appended: a kill of the process loses
+    none, a power failure may. `close` adds index and metadata.yaml; `load` can do without. For use
+    by one thread.
 
     Args:
         path: the directory to make.
-        topic: where messages go that do not say otherwise.
+        topic: of messages that name no other.
         joints: names for `append`.
-        overwrite: replace a bag that is there.
+        overwrite: replace an existing bag.
 
     Raises:
         RecordingError: the path exists or cannot be written; also from every append.
     """
 
     def __init__(
-        self,
-        path: str | PathLike[str],
-        *,
-        topic: str = "joint_states",
-        joints: Sequence[str] = (),
+        self, path: str | PathLike[str], *, topic: str = "joint_states", joints: Sequence[str] = (),
         overwrite: bool = False,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.path = Path(path)
         self.count = 0
         self._topic = topic
@@ -66,8 +61,7 @@ class BagWriter:
             self._file = (self.path / self._file_name).open("xb")
         except OSError as error:
             raise self._unwritable(error) from error
-        # Without chunks every message stands for itself the moment it is written, as in the
-        # preset `fastwrite` of rosbag2.
+        # Without chunks every message is readable once written, as in rosbag2's `fastwrite`.
         self._mcap = Writer(self._file, use_chunking=False, compression=CompressionType.NONE)
         self._mcap.start(profile="ros2", library="lagrangian_ff")
         definition, _ = _joint_state_type()
@@ -87,12 +81,9 @@ class BagWriter:
             self._first = self._latest
         try:
             self._mcap.add_message(
-                channel_id=channel,
-                log_time=self._latest,
-                publish_time=max(0, stamp_ns),
-                sequence=self.count,
-                data=data,
-            )
+                channel_id=channel, log_time=self._latest, publish_time=max(0, stamp_ns),
+                sequence=self.count, data=data,
+            )  # fmt: skip
             self._file.flush()
         except OSError as error:
             raise self._unwritable(error) from error
@@ -100,12 +91,9 @@ class BagWriter:
         self._counts[topic] += 1
 
     def append(
-        self,
-        time: float,
-        position: ArrayLike,
-        velocity: ArrayLike | None = None,
+        self, time: float, position: ArrayLike, velocity: ArrayLike | None = None,
         effort: ArrayLike | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Append one sample of the joints: `time` in s since the epoch, the others (N,)."""
         stamp = round(time * 1e9)
         values = [
@@ -121,27 +109,18 @@ class BagWriter:
         self.append_raw(message, stamp)
 
     def close(self) -> None:
-        """Write index and metadata.yaml; nothing can be appended afterwards. Safe to repeat."""
+        """Write index and metadata.yaml and end appending; may be repeated."""
         if self._file.closed:
             return
         try:
             self._mcap.finish()
             self._file.close()
-            part = self.path / "metadata.yaml.part"
-            part.write_text(self._metadata(), encoding="utf-8")
-            part.replace(self.path / "metadata.yaml")
+            with whole(self.path / "metadata.yaml") as made:
+                made.write_text(self._metadata(), encoding="utf-8")
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def __enter__(self) -> "BagWriter":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def _row(self, name: str, given: ArrayLike) -> Floats:
@@ -156,11 +135,9 @@ class BagWriter:
     def _channel(self, topic: str) -> int:
         if topic not in self._channels:
             self._channels[topic] = self._mcap.register_channel(
-                topic=_absolute(topic),
-                message_encoding="cdr",
-                schema_id=self._schema,
+                topic=_absolute(topic), message_encoding="cdr", schema_id=self._schema,
                 metadata={"offered_qos_profiles": ""},
-            )
+            )  # fmt: skip
             self._counts[topic] = 0
         return self._channels[topic]
 
@@ -189,30 +166,20 @@ class BagWriter:
             for topic, count in self._counts.items()
         ]
         information = {
-            "version": 9,
-            "storage_identifier": "mcap",
-            "relative_file_paths": [self._file_name],
-            **spans,
-            "topics_with_message_count": topics,
-            "compression_format": "",
-            "compression_mode": "",
-            "files": [{"path": self._file_name, **spans}],
-            "custom_data": None,
-            "ros_distro": _DISTRO,
-        }
+            "version": 9, "storage_identifier": "mcap", "relative_file_paths": [self._file_name],
+            **spans, "topics_with_message_count": topics, "compression_format": "",
+            "compression_mode": "", "files": [{"path": self._file_name, **spans}],
+            "custom_data": None, "ros_distro": _DISTRO,
+        }  # fmt: skip
         # JSON is YAML, and needs no further library.
         return json.dumps({"rosbag2_bagfile_information": information}, indent=2) + "\n"
 
 
 def write_bag(
-    path: str | PathLike[str],
-    recording: Recording,
-    *,
-    topic: str = "joint_states",
-    overwrite: bool = False,
-    progress: Progress = silent,
-) -> Path:
-    """Write a recording as a rosbag2 directory (MCAP). Returns the path.
+    path: str | PathLike[str], recording: Recording, *, topic: str = "joint_states",
+    overwrite: bool = False, progress: Progress = silent,
+) -> Path:  # fmt: skip
+    """Write a recording as a rosbag2 directory (MCAP); return the path.
 
     Header stamps are `start` + `time`, to the nanosecond; velocity or effort that is NaN
     throughout is left empty in the messages.
@@ -236,11 +203,9 @@ def write_bag(
         for first in range(0, len(recording), _BLOCK):
             part = slice(first, first + _BLOCK)
             messages = encoder.encode(
-                stamps[part],
-                recording.position[part],
-                recording.velocity[part],
+                stamps[part], recording.position[part], recording.velocity[part],
                 recording.effort[part],
-            )
+            )  # fmt: skip
             for stamp, message in zip(stamps[part].tolist(), messages, strict=True):
                 bag.append_raw(message, stamp)
             progress(first / len(recording), f"write {bag.path.name}")
@@ -270,7 +235,7 @@ def _absolute(topic: str) -> str:
 
 @cache
 def _joint_state_type() -> tuple[str, str]:
-    """Definition and hash of the message type."""
+    """Return definition and hash of the message type."""
     store = get_typestore(Stores.ROS2_JAZZY)
     definition, _ = store.generate_msgdef(MESSAGE_TYPE, ros_version=2)
     return definition, store.hash_rihs01(MESSAGE_TYPE)

@@ -1,4 +1,4 @@
-"""From what was measured to motion: the chain of the paper's section IV-B.
+"""From recordings to motion: the chain of the paper's section IV-B.
 
 Stamps are put in order; each signal is resampled onto one uniform clock, piece by piece between
 the gaps; position and torque pass the same Butterworth low-pass, forward and backward, so that
@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass, field
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 from lagrangian_ff.recording.inspection import find_clipping
@@ -19,31 +19,33 @@ from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.splines import interpolate
-from lagrangian_ff.recording.usable import require_known, require_usable
-from lagrangian_ff.recording.words import counted
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.words import counted
 
 _CLOCKS = ("auto", "stamps", "steady")
 _SLOWEST = 10.0  # Hz; an arm sampled more slowly hides its accelerations
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
+_POSITION_HINT = "check the joint's driver"
+_EFFORT_HINT = (
+    "the driver must offer an effort state interface and joint_state_broadcaster must publish it"
+)
+_ZERO_HINT = f"{_EFFORT_HINT}, not fill it with zeros"
 
 
 @dataclass(frozen=True)
 class Conditioning:
-    """How a recording is made ready.
+    """Settings of conditioning.
 
     Attributes:
         bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be.
         order: of the Butterworth low-pass.
         rate: Hz, of the resulting motion; None keeps the rate of the recording.
         max_gap: s, longer pauses of a signal end a segment, shorter ones are interpolated;
-            None takes half a period of the bandwidth or 2.5 samples, whichever is longer.
-        trim: s, cut off at both ends of a segment, where the filter had to guess what lies
-            beyond; None takes the time in which it settles to 1/1000.
-        clock: "stamps" believes the stamps, "steady" that samples were taken by a steady clock
-            and stamped with delay, "auto" decides by which of the two the motion follows.
+            None takes the longer of half a period of the bandwidth and 2.5 samples.
+        trim: s, cut off at both ends of a segment, where the filter extrapolates; None takes the
+            time in which it settles to 1/1000.
+        clock: "stamps" trusts the stamps, "steady" assumes a steady clock and late stamps, "auto"
+            decides by which of the two the motion follows.
         effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
         effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
     """
@@ -76,7 +78,7 @@ class Conditioning:
                     raise RecordingError(f"conditioning: {name} of {joint} is {value}")
 
     def record(self) -> dict[str, object]:
-        """For a model's record, so that other recordings are treated alike."""
+        """Return the settings for a model's record, so that other recordings are treated alike."""
         return {
             name: dict(value) if isinstance(value, Mapping) else value
             for name, value in asdict(self).items()
@@ -84,7 +86,7 @@ class Conditioning:
 
     @classmethod
     def from_record(cls, record: object) -> "Conditioning | None":
-        """What a record describes; None where it holds none, or one of another version."""
+        """Return the settings of a record; None if it has none, or those of another version."""
         if not isinstance(record, dict) or not record:
             return None
         try:
@@ -94,7 +96,7 @@ class Conditioning:
 
 
 def condition(recording: Recording, conditioning: Conditioning | None = None) -> Motion:
-    """Make a recording ready for identification.
+    """Return a recording's motion, ready for identification.
 
     Raises:
         RecordingError: no effort or no position on a joint, nothing moves, no stretch long
@@ -102,8 +104,8 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
     """
     settings = conditioning or Conditioning()
     named = {"effort_scale": settings.effort_scale, "effort_offset": settings.effort_offset}
-    require_known(recording, named)
-    require_usable(recording)
+    _require_known(recording, named)
+    _require_usable(recording)
     notes = list(recording.notes)
     signals = read_signals(recording, settings.clock, notes)
     _require_timed(recording, signals)
@@ -127,22 +129,15 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
     _require_moving(recording, q, notes)
     notes += [entry.text() for entry in find_clipping(recording)]
     return Motion(
-        joints=recording.joints,
-        time=np.concatenate(pieces),
-        q=q,
-        qd=qd,
-        qdd=qdd,
-        tau=tau,
-        segment=np.repeat(np.arange(len(pieces)), np.diff(ends)),
-        source=recording.source,
-        notes=tuple(notes),
-        conditioning=settings.record(),
-    )
+        joints=recording.joints, time=np.concatenate(pieces), q=q, qd=qd, qdd=qdd, tau=tau,
+        segment=np.repeat(np.arange(len(pieces)), np.diff(ends)), source=recording.source,
+        notes=tuple(notes), conditioning=settings.record(),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Filters:
-    """The low-pass on its clock, and how much of a segment it spoils.
+    """The low-pass on its clock, and the ends of a segment that it spoils.
 
     Attributes:
         butterworth: the low-pass itself.
@@ -179,31 +174,28 @@ class _Filters:
             f"{spoilt * period:.3f} s cut off at both ends of each segment"
         )
         return _Filters(
-            butterworth=Butterworth(settings.order, bandwidth, 1 / period),
-            period=period,
-            spoilt=spoilt,
-            padding=ceil(settled / period),
-            longest_gap=settings.max_gap or max(0.5 / bandwidth, 2.5 * period),
-            rate=settings.rate,
-        )
+            butterworth=Butterworth(settings.order, bandwidth, 1 / period), period=period,
+            spoilt=spoilt, padding=ceil(settled / period),
+            longest_gap=settings.max_gap or max(0.5 / bandwidth, 2.5 * period), rate=settings.rate,
+        )  # fmt: skip
 
     @property
     def least(self) -> int:
-        """Samples a segment must have for some to be left."""
+        """Return the samples that a segment needs for some to be left."""
         return max(2 * self.spoilt + _LEAST, self.padding + 2)
 
     def low_pass(self, values: Floats, ticks: Floats) -> Floats:
-        """Filtered (K,), at the output times."""
+        """Return (K,) filtered, at the output times."""
         return self._output(self.butterworth.zero_phase(values, self.padding), ticks)
 
     def motion(self, position: Floats, ticks: Floats) -> tuple[Floats, Floats, Floats]:
-        """Position, velocity and acceleration at the output times."""
+        """Return position, velocity and acceleration at the output times."""
         q = self.butterworth.zero_phase(position, self.padding)
         qd, qdd = (np.pad(values, REACH) for values in derivatives(q, self.period))
         return self._output(q, ticks), self._output(qd, ticks), self._output(qdd, ticks)
 
     def output_times(self, ticks: Floats) -> Floats:
-        """The ticks that are not spoilt, or as many at the rate asked for."""
+        """Return the ticks that are not spoilt, or times between them at the rate asked for."""
         kept = ticks[self.spoilt : len(ticks) - self.spoilt]
         if self._same_clock():
             return kept
@@ -222,13 +214,10 @@ class _Filters:
 
 
 def _clocks(
-    recording: Recording,
-    signals: Signals,
-    settings: Conditioning,
-    filters: _Filters,
+    recording: Recording, signals: Signals, settings: Conditioning, filters: _Filters,
     notes: list[str],
-) -> list[Floats]:
-    """The ticks of each segment that is long enough; notes on gaps and resampling."""
+) -> list[Floats]:  # fmt: skip
+    """Return the ticks of each segment that is long enough; notes on gaps and resampling."""
     spans = uninterrupted(signals, filters.longest_gap)
     clocks = [ticks_of(signals.fastest, span) for span in spans]
     long = [ticks for ticks in clocks if len(ticks) >= filters.least]
@@ -264,6 +253,46 @@ def _clocks(
             "onto it by cubic splines"
         )
     return long
+
+
+def _require_usable(recording: Recording) -> None:
+    """Require position and effort of every joint."""
+    source, joints, time = recording.source, recording.joints, recording.time
+    if len(recording) < 2 or not joints:
+        raise RecordingError(
+            f"{source}: {len(recording)} samples of {len(joints)} joints; "
+            "expected a recording of an arm that moves"
+        )
+    timeless = ~np.isfinite(time)
+    if timeless.any():
+        raise RecordingError(
+            f"{source}: time is not a number in {int(timeless.sum())} samples, first in sample "
+            f"{int(np.argmax(timeless)) + 1} of {len(timeless)}"
+        )
+    throughout = f"in all {len(recording)} samples from {time.min():.3f} s to {time.max():.3f} s"
+    known = np.isfinite(recording.effort)
+    for there, every, what, hint in (
+        (np.isfinite(recording.position), "", "no position of {}: NaN", _POSITION_HINT),
+        (known, "any joint", "no effort of {}: empty or NaN", _EFFORT_HINT),
+        (known & (recording.effort != 0), "every joint", "the effort of {} is 0", _ZERO_HINT),
+    ):
+        lacking = [joint for k, joint in enumerate(joints) if not there[:, k].any()]
+        if lacking:
+            whole = bool(every) and len(lacking) == len(joints)
+            who = every if whole else ", ".join(lacking)
+            rest = "" if whole else ", or leave the joint out by naming the others as joints"
+            raise RecordingError(f"{source}: {what.format(who)} {throughout}; {hint}{rest}")
+
+
+def _require_known(recording: Recording, named: Mapping[str, Mapping[str, float]]) -> None:
+    """Require that settings by joint, given by name of the setting, are for known joints."""
+    for setting, values in named.items():
+        unknown = [joint for joint in values if joint not in recording.joints]
+        if unknown:
+            raise RecordingError(
+                f"{recording.source}: {setting} is given for {', '.join(unknown)}, but the "
+                f"recording holds {', '.join(recording.joints)}"
+            )
 
 
 def _require_timed(recording: Recording, signals: Signals) -> None:

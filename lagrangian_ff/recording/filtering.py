@@ -1,14 +1,13 @@
-"""The paper's low-pass filter and the derivatives of what it leaves (section IV-B)."""
+"""The paper's low-pass filter and the derivatives of filtered signals (section IV-B)."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
 
 REACH = 4
-"""Samples to either side that a derivative looks at."""
+"""Samples to either side that a derivative uses."""
 
 # Central differences of eighth order over nine samples, for offsets 0 to 4. At half the Nyquist
 # frequency they are 3.0 % and 0.7 % low, at a fifth of it below 0.01 %; differences over three
@@ -19,7 +18,7 @@ _SECOND = np.array([-205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
 
 @dataclass(frozen=True)
 class Butterworth:
-    """A low-pass, passed forward and backward: no delay, and the gain squared.
+    """A low-pass that is passed forward and backward: no delay, and the gain squared.
 
     Attributes:
         order: of the low-pass.
@@ -32,17 +31,17 @@ class Butterworth:
     rate: float
 
     def gain(self, count: int) -> Floats:
-        """Return the gain squared of the waves that so many samples hold."""
+        """Return the gain squared at the frequencies of the transform of `count` samples."""
         # The bilinear transform bends frequencies; at the bandwidth it is exact.
         bent = np.tan(np.pi * np.minimum(np.fft.rfftfreq(count), 0.5 - 1e-9))
         ratio = bent / np.tan(np.pi * self.bandwidth / self.rate)
         return np.asarray(1.0 / (1.0 + ratio ** (2 * self.order)))
 
     def zero_phase(self, values: Floats, padding: int) -> Floats:
-        """Filter (M,).
+        """Return (M,) filtered, M > padding.
 
         `padding` samples are added at each end by point reflection, which keeps value and slope,
-        and removed again; M > padding.
+        and removed again.
         """
         begin = 2.0 * values[0] - values[padding:0:-1]
         end = 2.0 * values[-1] - values[-2 : -2 - padding : -1]
@@ -50,7 +49,7 @@ class Butterworth:
         # Up to a 32nd longer: lengths that are few small factors transform many times faster.
         unit = 1 << max(0, len(padded).bit_length() - 6)
         padded = np.pad(padded, (0, -len(padded) % unit), mode="edge")
-        # A wave that repeats has no step where it begins anew; the low-pass leaves a line as it is.
+        # Less a line, which the low-pass keeps, the periodic continuation has no step.
         line = np.linspace(padded[0], padded[-1], len(padded))
         waves = np.fft.rfft(padded - line)
         waves *= self.gain(len(padded))
@@ -59,7 +58,7 @@ class Butterworth:
 
 
 def settling(order: int, bandwidth: float, remainder: float = 1e-3) -> float:
-    """Seconds until the filter has forgotten all but `remainder` of what was before.
+    """Return the time, s, in which the filter settles to `remainder`.
 
     From the slowest pole of the analogue Butterworth filter, whose real part is
     −2π bandwidth sin(π / (2 order)).
@@ -69,10 +68,7 @@ def settling(order: int, bandwidth: float, remainder: float = 1e-3) -> float:
 
 
 def derivatives(values: Floats, period: float) -> tuple[Floats, Floats]:
-    """First and second derivative of (M,) uniform samples, for all but REACH at each end."""
+    """Return the first and second derivative of (M,) uniform samples but REACH at each end."""
     first = np.concatenate([-_FIRST[:0:-1], _FIRST]) / period
     second = np.concatenate([_SECOND[:0:-1], _SECOND]) / period**2
-    return (
-        np.correlate(values, first, mode="valid"),
-        np.correlate(values, second, mode="valid"),
-    )
+    return (np.correlate(values, first, mode="valid"), np.correlate(values, second, mode="valid"))

@@ -1,21 +1,24 @@
-"""What a recording holds and what is wrong with it, before anything is done to it."""
+"""The content of a recording, and its faults."""
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.recording.publishers import publishers
-from lagrangian_ff.recording.quantisation import clipped, resolution
-from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.record_json import finite
+from lagrangian_ff.recording.recording import Recording, publishers
 from lagrangian_ff.recording.stamps import clock_resets, order
-from lagrangian_ff.recording.words import counted
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.words import counted
 
 _GAP = 1.75  # periods: more than one lost sample's distance less the jitter
 _STILL = 1e-3  # rad
 _SHOWN = 5  # gaps listed for people
+_ROUNDING = 1e-12  # of the largest value: differences below are floating point
+_MULTIPLE = 0.1  # of a step: how near to a multiple counts as one
+_AGREEING = 0.98  # share of the differences that must be multiples
+_FEWEST = 10  # differences to judge by
+_PILE = 5  # times as many samples as on the neighbouring values make a clipped effort
+_REST = 3  # samples in a row at the extreme
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Missing:
-    """Values a publisher of a joint did not give: how many, and when first (s)."""
+    """Values that a joint's publisher left out: their number, and the time of the first (s)."""
 
     joint: str
     quantity: str
@@ -37,7 +40,7 @@ class Missing:
     first: float
 
     def text(self) -> str:
-        """One sentence."""
+        """Return one sentence."""
         return (
             f"{self.joint}: no {self.quantity} in {self.samples} of {self.of} samples, first at "
             f"{self.first:.3f} s"
@@ -53,7 +56,7 @@ class Clipping:
     share: float
 
     def text(self) -> str:
-        """One sentence."""
+        """Return one sentence."""
         return (
             f"{self.joint}: effort rests at {self.value:.6g} for {self.share:.2%} of the time; "
             "it is clipped there"
@@ -62,11 +65,11 @@ class Clipping:
 
 @dataclass(frozen=True)
 class JointRange:
-    """What one joint did.
+    """The motion of one joint.
 
     Attributes:
         low, high: rad.
-        resolution: rad, the smallest step of its position; None where no step shows.
+        resolution: rad, the smallest step of its position; None if no step shows.
         velocity, effort: whether any was recorded.
         still: it moved less than 1e-3 rad.
     """
@@ -97,7 +100,7 @@ class Inspection:
         joints: by joint, in the order of the recording.
         missing: values that are NaN; velocity only where it is there at times.
         clipping: efforts that rest at an extreme.
-        notes: what the reader met.
+        notes: remarks of the reader.
     """
 
     source: str
@@ -116,11 +119,11 @@ class Inspection:
     notes: tuple[str, ...]
 
     def record(self) -> dict[str, object]:
-        """The same for JSON: only dicts, lists, texts, numbers and None."""
-        return {name: _plain(value) for name, value in asdict(self).items()}
+        """Return the findings for JSON: only dicts, lists, texts, numbers and None."""
+        return finite(asdict(self))
 
     def lines(self) -> list[str]:
-        """The same for people."""
+        """Return the findings for people."""
         found = [
             self.source,
             f"  {self.samples} samples in {self.duration:.3f} s, {self.rate:.6g} Hz; "
@@ -162,7 +165,7 @@ class Inspection:
 
 
 def inspect(recording: Recording) -> Inspection:
-    """Look at a recording as it came; nothing is changed and nothing is an error."""
+    """Return the findings on a recording as it came; it is not changed, nothing is an error."""
     sources = publishers(recording)
     rows = max((source.rows for source in sources), key=len, default=np.arange(len(recording)))
     time = recording.time[rows if len(rows) else slice(None)]
@@ -173,25 +176,19 @@ def inspect(recording: Recording) -> Inspection:
     deviation = np.abs(step - np.median(step)) if step.size else np.array([np.nan])
     at = np.flatnonzero(step > _GAP * period)
     return Inspection(
-        source=recording.source,
-        samples=len(recording),
-        duration=float(np.ptp(recording.time)) if len(recording) else 0.0,
-        rate=1 / period,
+        source=recording.source, samples=len(recording),
+        duration=float(np.ptp(recording.time)) if len(recording) else 0.0, rate=1 / period,
         jitter_p50=float(np.quantile(deviation, 0.5)),
         jitter_p99=float(np.quantile(deviation, 0.99)),
-        gaps=tuple(Gap(float(steady[k]), float(step[k])) for k in at),
-        duplicates=ordered.repeated,
-        out_of_order=ordered.moved,
-        clock_resets=len(clock_resets(recording.time)),
+        gaps=tuple(Gap(float(steady[k]), float(step[k])) for k in at), duplicates=ordered.repeated,
+        out_of_order=ordered.moved, clock_resets=len(clock_resets(recording.time)),
         joints=tuple(_joint(recording, column) for column in range(len(recording.joints))),
-        missing=find_missing(recording),
-        clipping=find_clipping(recording),
-        notes=recording.notes,
-    )
+        missing=find_missing(recording), clipping=find_clipping(recording), notes=recording.notes,
+    )  # fmt: skip
 
 
 def find_clipping(recording: Recording) -> tuple[Clipping, ...]:
-    """Efforts that rest at an extreme value."""
+    """Return efforts that rest at an extreme value."""
     return tuple(
         Clipping(joint, value, share)
         for column, joint in enumerate(recording.joints)
@@ -200,7 +197,7 @@ def find_clipping(recording: Recording) -> tuple[Clipping, ...]:
 
 
 def find_missing(recording: Recording) -> tuple[Missing, ...]:
-    """Values that are NaN in messages that tell of the joint's publisher."""
+    """Return values that are NaN in messages of the joint's publisher."""
     found = []
     for publisher in publishers(recording):
         for column in publisher.joints:
@@ -208,15 +205,8 @@ def find_missing(recording: Recording) -> tuple[Missing, ...]:
                 lost = ~np.isfinite(getattr(recording, quantity)[publisher.rows, column])
                 if lost.any() and not (quantity == "velocity" and lost.all()):
                     first = recording.time[publisher.rows[np.argmax(lost)]]
-                    found.append(
-                        Missing(
-                            joint=recording.joints[column],
-                            quantity=quantity,
-                            samples=int(lost.sum()),
-                            of=len(lost),
-                            first=float(first),
-                        )
-                    )
+                    name, count = recording.joints[column], int(lost.sum())
+                    found.append(Missing(name, quantity, count, len(lost), float(first)))
     return tuple(found)
 
 
@@ -227,21 +217,67 @@ def _joint(recording: Recording, column: int) -> JointRange:
         (float(position.min()), float(position.max())) if position.size else (np.nan, np.nan)
     )
     return JointRange(
-        name=recording.joints[column],
-        low=low,
-        high=high,
-        resolution=resolution(position),
+        name=recording.joints[column], low=low, high=high, resolution=resolution(position),
         velocity=bool(np.isfinite(recording.velocity[:, column]).any()),
         effort=bool(np.isfinite(recording.effort[:, column]).any()),
         still=bool(position.size and high - low < _STILL),
-    )
+    )  # fmt: skip
 
 
-def _plain(value: object) -> object:
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, float) and not np.isfinite(value):
+def resolution(position: Floats) -> float | None:
+    """Return the step of which the values are multiples (same unit); None if there is none.
+
+    The smallest difference between distinct values, or a half or third of it, of which all
+    small differences must be multiples; refined by dividing these by their numbers of steps.
+    """
+    values = np.unique(position[np.isfinite(position)])
+    if values.size < 3:
         return None
-    return value
+    floor = _ROUNDING * max(np.abs(values).max(), 1.0)
+    difference = np.diff(values)
+    difference = np.sort(difference[difference > floor])
+    for parts in (1, 2, 3):
+        if difference.size and (step := _common_step(difference, difference[0] / parts)):
+            return step
+    return None
+
+
+def _common_step(difference: Floats, step: float) -> float | None:
+    """Return the step near this one of which the small differences (sorted) are multiples."""
+    for reach in (4, 12, 40, 120):
+        near = difference[difference < (reach + 0.5) * step]
+        count = np.round(near / step)
+        if near.size == 0 or count.min() < 1:
+            return None
+        step = float(near.sum() / count.sum())
+    off = np.abs(near / step - np.round(near / step))
+    agree = near.size >= _FEWEST and np.mean(off < _MULTIPLE) >= _AGREEING
+    return step if agree else None
+
+
+def clipped(effort: Floats) -> list[tuple[float, float]]:
+    """Return extreme values at which (M,) rests, each with its share of the samples.
+
+    A clipped effort is at its largest or smallest value for several samples in a row and many
+    times as often as near it; a smooth peak, even a coarsely quantised one, is not.
+    """
+    known = effort[np.isfinite(effort)]
+    if known.size < 10 * _REST or np.ptp(known) == 0:
+        return []
+    found = []
+    for sign in (1, -1):
+        signed = sign * known
+        top = signed.max()
+        at_top = signed >= top - 1e-9 * abs(top)
+        below = signed[~at_top]
+        # Two further values, as far below as the nearest one: the slope of the distribution.
+        nearest = top - below.max()
+        beside = np.count_nonzero(below >= top - 2.5 * nearest) / 2
+        if at_top.sum() > _PILE * max(beside, 1) and _longest_run(at_top) >= _REST:
+            found.append((float(sign * top), float(at_top.mean())))
+    return found
+
+
+def _longest_run(flags: Flags) -> int:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return int((edges[1::2] - edges[::2]).max(initial=0))

@@ -1,8 +1,9 @@
 """`sensor_msgs/msg/JointState` in the CDR encoding of ROS 2, thousands of messages at a time.
 
 A publisher repeats the same names and array lengths message after message, so messages of one
-size are stacked as the rows of a byte matrix and read by column. The layout is walked byte by
-byte only when it changes. Source of the format: OMG DDS-XTYPES 1.3, section 7.4 (plain CDR).
+size are stacked as the rows of a byte matrix and read by column. The layout is read byte by byte
+only when it changes; a general CDR reader would do so for every message. Source of the format:
+OMG DDS-XTYPES 1.3, section 7.4 (plain CDR).
 """
 
 from dataclasses import dataclass
@@ -10,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from lagrangian_ff.arrays import Flags, Floats, Ints
+
 Bytes = NDArray[np.uint8]
 
 MESSAGE_TYPE = "sensor_msgs/msg/JointState"
@@ -27,23 +28,23 @@ class MalformedError(ValueError):
 
 @dataclass(frozen=True)
 class Layout:
-    """Where things lie in a message: what every message like it has in common.
+    """The offsets in a message, which all messages like it share.
 
     Attributes:
         names: the joints, in the order of the message.
         order: the byte order as NumPy writes it, "<" or ">".
-        start: offset of the first position, velocity and effort; -1 where the array is empty.
+        start: offset of the first position, velocity and effort; -1 if the array is empty.
         fixed: (length,) bytes that must agree for another message to have this layout.
     """
 
     names: tuple[str, ...]
     order: str
     start: tuple[int, int, int]
-    fixed: NDArray[np.bool_]
+    fixed: Flags
 
 
 def read_layout(data: bytes) -> Layout:
-    """Walk one message.
+    """Return the layout of one message.
 
     Raises:
         MalformedError: lengths or encapsulation do not make a JointState.
@@ -103,11 +104,9 @@ def read_layout(data: bytes) -> Layout:
     if position > len(data):
         raise MalformedError("ends inside an array")
     return Layout(
-        names=tuple(names),
-        order="<" if data[1] else ">",
-        start=(starts[0], starts[1], starts[2]),
+        names=tuple(names), order="<" if data[1] else ">", start=(starts[0], starts[1], starts[2]),
         fixed=fixed,
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -131,7 +130,7 @@ class JointStateTable:
 
     @property
     def malformed(self) -> int:
-        """Messages that were no JointState or named no joint; they take no row."""
+        """Return the number of messages that were no JointState or named no joint."""
         self._flush()
         return self._malformed
 
@@ -146,21 +145,21 @@ class JointStateTable:
             self._flush()
 
     def mark(self) -> tuple[int, int, int, int]:
-        """Where the table stands, for `rewind`."""
+        """Return the state of the table, for `rewind`."""
         self._flush()
         return self._rows, self._malformed, len(self._blocks), len(self._stamps)
 
     def rewind(self, mark: tuple[int, int, int, int]) -> None:
-        """Forget the messages added since this mark."""
+        """Remove the messages added since this mark."""
         self._pending.clear()
         self._rows, self._malformed, blocks, batches = mark
         del self._blocks[blocks:], self._stamps[batches:], self._received[batches:]
 
     def finish(self) -> tuple[tuple[str, ...], Ints, Ints, Floats, Floats, Floats]:
-        """Joints, header stamps (M,) ns, times received (M,) ns, position, velocity, effort.
+        """Return joints, header stamps (M,) ns, times received (M,) ns, position, velocity, effort.
 
-        The arrays are (M, N), in order of arrival, NaN where a message did not tell. The table
-        is empty afterwards.
+        The arrays are (M, N), in order of arrival, NaN if a message had no value. The table is
+        empty afterwards.
         """
         self._flush()
         shape = (self._rows, len(self._columns))
@@ -172,13 +171,9 @@ class JointStateTable:
                     table[np.ix_(block.row, block.columns)] = values
         empty = np.empty(0, dtype=np.int64)
         return (
-            tuple(self._columns),
-            np.concatenate([empty, *self._stamps]),
-            np.concatenate([empty, *self._received]),
-            tables[0],
-            tables[1],
-            tables[2],
-        )
+            tuple(self._columns), np.concatenate([empty, *self._stamps]),
+            np.concatenate([empty, *self._received]), tables[0], tables[1], tables[2],
+        )  # fmt: skip
 
     def _flush(self) -> None:
         pending, self._pending = self._pending, []
@@ -279,7 +274,7 @@ class JointStateEncoder:
     def encode(
         self, stamps: Ints, position: Floats, velocity: Floats, effort: Floats
     ) -> list[bytes]:
-        """One message a row: stamps (M,) ns, the others (M, N)."""
+        """Return one message a row: stamps (M,) ns, the others (M, N)."""
         rows = np.tile(self._template, (len(stamps), 1))
         rows[:, 4:8] = _as_bytes(stamps // 1_000_000_000, "<i4")
         rows[:, 8:12] = _as_bytes(stamps % 1_000_000_000, "<u4")

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.recording import columns_of
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+_BY_JOINT = ("q", "qd", "qdd", "tau")
+_BY_SAMPLE = ("time", *_BY_JOINT, "segment")
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Motion:
         segment: (M,) samples recorded without interruption share a number, and numbers never
             decrease: nothing may be differentiated or correlated across a change.
         source: where it came from, for messages.
-        notes: what conditioning did to the recording, in words.
-        conditioning: how it was made ready, so that other recordings can be treated alike.
+        notes: remarks of the reader and of conditioning, in words.
+        conditioning: its settings, so that other recordings can be treated alike.
     """
 
     joints: tuple[str, ...]
@@ -42,7 +42,7 @@ class Motion:
 
     def __post_init__(self) -> None:
         shape = (self.time.shape[0], len(self.joints))
-        for name in ("q", "qd", "qdd", "tau"):
+        for name in _BY_JOINT:
             found = getattr(self, name).shape
             if found != shape:
                 raise RecordingError(
@@ -56,18 +56,12 @@ class Motion:
     def __len__(self) -> int:
         return int(self.time.shape[0])
 
-    def take(self, index: "Ints | NDArray[np.bool_] | slice") -> "Motion":
-        """The samples at these positions, in time order as given."""
-        return replace(
-            self,
-            **{
-                name: getattr(self, name)[index]
-                for name in ("time", "q", "qd", "qdd", "tau", "segment")
-            },
-        )
+    def take(self, index: "Ints | Flags | slice") -> "Motion":
+        """Return the samples at these indices, in the order given."""
+        return replace(self, **{name: getattr(self, name)[index] for name in _BY_SAMPLE})
 
     def select(self, joints: Sequence[str]) -> "Motion":
-        """Keep these joints, in this order.
+        """Return the motion of these joints, in this order.
 
         Raises:
             RecordingError: a joint is not in the motion; names both lists.
@@ -76,19 +70,19 @@ class Motion:
         return replace(
             self,
             joints=tuple(joints),
-            **{name: getattr(self, name)[:, columns] for name in ("q", "qd", "qdd", "tau")},
+            **{name: getattr(self, name)[:, columns] for name in _BY_JOINT},
         )
 
     @property
     def elapsed(self) -> Floats:
-        """(M,) s since the beginning; recordings that follow one another are put end to end."""
+        """Return (M,) s since the beginning; several recordings are put end to end."""
         out = self.time - self.time[:1]
         for k in np.flatnonzero(np.diff(self.time) < 0.0) + 1:
             out[k:] += out[k - 1] - out[k]
         return out
 
     def blocks(self, seconds: float) -> Ints:
-        """(M,) the number of the block each sample lies in.
+        """Return (M,) the number of the block that each sample lies in.
 
         Blocks last `seconds` and never cross a segment; what is left at a segment's end joins the
         last block where it is shorter than half of one. The paper cross-validates in blocks of
@@ -107,7 +101,7 @@ class Motion:
 
 
 def concatenate(motions: Sequence[Motion]) -> Motion:
-    """One motion of several, one after the other, each keeping its own segments.
+    """Return one motion of several, one after the other, each keeping its own segments.
 
     Raises:
         RecordingError: none was given, or they are of different joints.
@@ -128,11 +122,10 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     ordered = [motion.select(joints) for motion in motions]
     return Motion(
         joints=joints,
-        time=np.concatenate([m.time for m in ordered]),
-        q=np.concatenate([m.q for m in ordered]),
-        qd=np.concatenate([m.qd for m in ordered]),
-        qdd=np.concatenate([m.qdd for m in ordered]),
-        tau=np.concatenate([m.tau for m in ordered]),
+        **{
+            name: np.concatenate([getattr(m, name) for m in ordered])
+            for name in ("time", *_BY_JOINT)
+        },
         segment=np.concatenate(segments),
         source=", ".join(dict.fromkeys(m.source for m in motions)),
         notes=tuple(dict.fromkeys(note for m in motions for note in m.notes)),

@@ -1,18 +1,19 @@
-"""What was measured, exactly as it came."""
+"""Measured joint states, exactly as they came."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import RecordingError
 
-Floats = NDArray[np.float64]
+_EPOCH = 1e8  # s; times above are dates (1973 and later), not seconds since start-up
 
 
 def columns_of(wanted: Sequence[str], held: Sequence[str], source: str) -> list[int]:
-    """Where the wanted joints stand among those that a source holds.
+    """Return the indices of the wanted joints among those that a source holds.
 
     Raises:
         RecordingError: one is not there; names both lists.
@@ -36,7 +37,7 @@ class Recording:
         effort: (M, N) in the driver's unit, N·m unless scaled later; NaN where it was not given.
         start: seconds since the Unix epoch of the first sample; 0 where unknown.
         source: the file or topic it came from, for messages.
-        notes: what the reader met on the way, in words.
+        notes: remarks of the reader, in words.
     """
 
     joints: tuple[str, ...]
@@ -63,16 +64,63 @@ class Recording:
         return int(self.time.shape[0])
 
     def select(self, joints: tuple[str, ...]) -> "Recording":
-        """Keep these joints, in this order.
+        """Return the recording of these joints, in this order.
 
         Raises:
             RecordingError: a joint is not in the recording; names both lists.
         """
         columns = columns_of(joints, self.joints, self.source)
         return replace(
-            self,
-            joints=tuple(joints),
-            position=self.position[:, columns],
-            velocity=self.velocity[:, columns],
-            effort=self.effort[:, columns],
+            self, joints=tuple(joints), position=self.position[:, columns],
+            velocity=self.velocity[:, columns], effort=self.effort[:, columns],
+        )  # fmt: skip
+
+
+def from_arrays(
+    path: Path, *, joints: list[str], time: Floats, position: Floats, velocity: Floats,
+    effort: Floats, start: float = 0.0,
+) -> Recording:  # fmt: skip
+    """Return a recording of arrays (M,) and (M, N); times that are dates are made relative.
+
+    Raises:
+        RecordingError: a time is not a number, or shapes disagree.
+    """
+    bad = ~np.isfinite(time)
+    if bad.any():
+        raise RecordingError(
+            f"{path}: time is not a number in {int(bad.sum())} samples, first in sample "
+            f"{int(np.argmax(bad)) + 1} of {len(time)}"
         )
+    if start == 0.0 and len(time) and time[0] > _EPOCH:
+        start = float(time[0])
+        time = time - start
+    time = np.ascontiguousarray(time)
+    return Recording(tuple(joints), time, position, velocity, effort, start, str(path))
+
+
+@dataclass(frozen=True)
+class Publisher:
+    """One of the nodes that publish on a topic, as the messages suggest.
+
+    Attributes:
+        rows: (K,) the samples it published.
+        joints: (J,) the columns it gives values of.
+    """
+
+    rows: Ints
+    joints: Ints
+
+
+def publishers(recording: Recording) -> list[Publisher]:
+    """Return the publishers: joints that share most of their messages have one publisher."""
+    given = np.isfinite(recording.position) | np.isfinite(recording.effort)
+    left = list(range(len(recording.joints)))
+    found = []
+    while left:
+        first = given[:, left[0]]
+        enough = np.count_nonzero(first) / 2
+        common = [j for j in left if np.count_nonzero(given[:, j] & first) > enough] or left[:1]
+        left = [joint for joint in left if joint not in common]
+        joints = np.array(common, dtype=np.int64)
+        found.append(Publisher(np.flatnonzero(given[:, joints].any(axis=1)), joints))
+    return found

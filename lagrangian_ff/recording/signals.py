@@ -1,8 +1,7 @@
-"""A recording seen as signals that are each sampled when they are.
+"""The signals of a recording, each with its own sampling.
 
-Position and effort of a joint need not share their samples: several publishers may tell of
-different joints, a value may be NaN here and there. Columns that do share them are handled
-together.
+Position and effort of a joint need not share their samples: several publishers may send different
+joints, single values may be NaN. Columns that share them are handled together.
 """
 
 from dataclasses import dataclass
@@ -10,22 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.recording.clock import ON_THE_TICK, retime
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.recording.inspection import find_missing
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.splines import interpolate
-from lagrangian_ff.recording.stamps import order, usual_period, without_resets
-from lagrangian_ff.recording.words import counted
+from lagrangian_ff.recording.stamps import ON_THE_TICK, order, retime, usual_period, without_resets
+from lagrangian_ff.words import counted
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Spans = NDArray[np.float64]
 """(S, 2) s, begin and end of intervals of time, in order."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """When some columns were sampled.
+    """The sampling of some columns.
 
     Attributes:
         time: (K,) s, increasing strictly.
@@ -38,12 +35,12 @@ class Sampling:
     period: float
 
     def gaps(self, longest: float) -> Spans:
-        """Pauses longer than `longest` seconds."""
+        """Return the pauses longer than `longest` seconds."""
         at = np.flatnonzero(np.diff(self.time) > longest)
         return np.column_stack([self.time[at], self.time[at + 1]])
 
     def on_clock(self, column: Floats, ticks: Floats) -> Floats:
-        """A column of the recording at these times.
+        """Return a column of the recording at these times.
 
         Samples that lie on the ticks are kept as they are; between samples a cubic spline
         interpolates.
@@ -51,17 +48,17 @@ class Sampling:
         first = max(0, int(np.searchsorted(self.time, ticks[0], side="right")) - 1)
         last = int(np.searchsorted(self.time, ticks[-1], side="left")) + 1
         time, values = self.time[first:last], column[self.index[first:last]]
-        first, last = self._matching(time, ticks)
-        if last - first == len(ticks):
-            tolerance = ON_THE_TICK * self.period
-            if np.abs(time[first:last] - ticks).max() <= tolerance:
-                return values[first:last]
+        near = self.near(time, ticks)
+        on_ticks = len(time[near]) == len(ticks)
+        if on_ticks and np.abs(time[near] - ticks).max() <= ON_THE_TICK * self.period:
+            return values[near]
         return interpolate(time, values, ticks)
 
-    def _matching(self, time: Floats, ticks: Floats) -> tuple[int, int]:
+    def near(self, time: Floats, ticks: Floats) -> slice:
+        """Return the times within half a period of the first to the last tick."""
         half = self.period / 2
         first, last = np.searchsorted(time, [ticks[0] - half, ticks[-1] + half])
-        return int(first), int(last)
+        return slice(int(first), int(last))
 
 
 @dataclass(frozen=True)
@@ -69,8 +66,8 @@ class Signals:
     """The samplings of a recording.
 
     Attributes:
-        samplings: the different ones.
-        position, effort: (N,) which sampling each joint's position and effort have.
+        samplings: all that differ.
+        position, effort: (N,) index of the sampling of each joint's position and effort.
     """
 
     samplings: tuple[Sampling, ...]
@@ -79,23 +76,21 @@ class Signals:
 
     @property
     def fastest(self) -> Sampling:
-        """The one with the shortest period; the common clock follows it."""
+        """Return the sampling with the shortest period; the common clock follows it."""
         return min(self.samplings, key=lambda sampling: sampling.period)
 
     @property
     def slowest(self) -> Sampling:
-        """The one with the longest period; the bandwidth must respect it."""
+        """Return the sampling with the longest period; it limits the bandwidth."""
         return max(self.samplings, key=lambda sampling: sampling.period)
 
     def mended(self, clocks: list[Floats]) -> "Mended":
-        """What has to be made up where the fastest signal is put on these clocks."""
+        """Return how far these clocks depart from the samples of the fastest signal."""
         fastest = self.fastest
         period = fastest.period
         bridged, longest, off_clock = 0, 0.0, 0.0
         for ticks in clocks:
-            half = period / 2
-            first, last = np.searchsorted(fastest.time, [ticks[0] - half, ticks[-1] + half])
-            time = fastest.time[first:last]
+            time = fastest.time[fastest.near(fastest.time, ticks)]
             step = np.diff(time)
             lost = step[step > 1.75 * period]
             bridged += int((np.round(lost / period) - 1).sum())
@@ -109,7 +104,7 @@ class Signals:
 
 @dataclass(frozen=True)
 class Mended:
-    """How far a uniform clock departs from the samples there are.
+    """The departure of a uniform clock from the samples.
 
     Attributes:
         bridged: ticks for which no sample was recorded.
@@ -123,7 +118,7 @@ class Mended:
 
 
 def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
-    """Put stamps in order, column by column, and note what was done.
+    """Return the signals, with stamps in order column by column; notes say what was changed.
 
     Args:
         clock: "auto", "stamps" or "steady", as in `Conditioning`.
@@ -166,9 +161,9 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
 
 
 def uninterrupted(signals: Signals, longest: float) -> Spans:
-    """Spans in which every signal is sampled without a pause longer than `longest` seconds.
+    """Return the spans in which no signal pauses longer than `longest` seconds.
 
-    Signals slower than the fastest are allowed 2.5 of their own periods.
+    Signals slower than the fastest may pause for 2.5 of their periods.
     """
     begin = max(sampling.time[0] for sampling in signals.samplings)
     end = min(sampling.time[-1] for sampling in signals.samplings)
@@ -191,7 +186,7 @@ def uninterrupted(signals: Signals, longest: float) -> Spans:
 
 
 def ticks_of(sampling: Sampling, span: Floats) -> Floats:
-    """Uniform clock of one span: the sampling's own period, in phase with its samples."""
+    """Return the uniform clock of a span, of the sampling's period and in phase with it."""
     inside = sampling.time[
         np.searchsorted(sampling.time, span[0]) : np.searchsorted(
             sampling.time, span[1], side="right"

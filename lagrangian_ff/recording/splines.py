@@ -1,13 +1,12 @@
-"""Cubic splines: through samples, and near them.
+"""Cubic splines through samples and near them.
 
-As those of scipy.interpolate, which takes longer to import than a minute of motion to condition.
+Written out since importing scipy.interpolate takes longer than conditioning a minute of motion.
 """
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
 
 
 def interpolate(time: Floats, values: Floats, at: Floats) -> Floats:
@@ -45,12 +44,12 @@ def slopes(time: Floats, values: Floats) -> Floats:
 
 
 def smooth(x: Floats, values: Floats, pieces: int) -> Floats:
-    """Return the spline of so many equal pieces that is nearest to samples (K,), at each of them.
+    """Return the least-squares spline of equal pieces near samples (K,), at each of them.
 
     Args:
         x: (K,) increasing, some in each piece.
         values: (K,) the samples.
-        pieces: how many.
+        pieces: number of pieces.
     """
     u = (x - x[0]) * (pieces / (x[-1] - x[0]))
     piece = np.minimum(u.astype(np.int64), pieces - 1)

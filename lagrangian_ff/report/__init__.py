@@ -1,10 +1,9 @@
-"""Figures and pages that show a person what was found.
+"""Pages and figures that show a person what was found.
 
-`figures` holds one figure a file, drawn by matplotlib without a display; `interactive` those that
-are drawn in the reader's browser; `sections` one part of a page a file, each a function that turns
-findings into a `Section`. `write_page` puts sections into one file that needs nothing else: styles,
-pictures and scripts are inside. `pages` holds the pages of compare, diagnose and history. Whoever
-makes a page lists the sections it shall have, once.
+`pages` holds the pages of compare, diagnose and history; each lists its sections once. A section is
+one file in `sections`: a function that turns a record into text and figures. To add one, write its
+file and put it in the list of its page. `write_page` makes one file of them that needs nothing
+else: styles, pictures and scripts are inside.
 """
 
 from lagrangian_ff.lazy import attach

@@ -5,25 +5,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 
-__all__ = [
-    "Card",
-    "Share",
-    "badge",
-    "beside",
-    "bullets",
-    "cards",
-    "columns",
-    "escape",
-    "figure",
-    "note",
-    "paragraph",
-    "plots",
-    "shares",
-    "steps",
-    "table",
-    "tabs",
-]
-
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -35,7 +16,7 @@ class Card:
         value: the number, with its unit.
         label: what it is.
         detail: against what it is measured.
-        good: whether it is as it should be; None where there is nothing to judge.
+        good: whether it is as it should be; None if there is nothing to judge.
     """
 
     value: str
@@ -60,27 +41,27 @@ class Share:
 
 
 def paragraph(text: str) -> str:
-    """Running text."""
+    """Return running text."""
     return f"<p>{escape(text)}</p>"
 
 
 def note(text: str) -> str:
-    """Small print."""
+    """Return small print."""
     return f'<p class="note">{escape(text)}</p>'
 
 
 def steps(texts: Iterable[str]) -> str:
-    """A numbered list."""
+    """Return a numbered list."""
     return f"<ol>{''.join(f'<li>{escape(text)}</li>' for text in texts)}</ol>"
 
 
 def bullets(texts: Iterable[str]) -> str:
-    """A list without numbers."""
+    """Return a list without numbers."""
     return f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in texts)}</ul>"
 
 
 def badge(text: str, kind: str = "") -> str:
-    """A word in a coloured frame.
+    """Return a word in a coloured frame.
 
     Args:
         text: the word.
@@ -90,7 +71,7 @@ def badge(text: str, kind: str = "") -> str:
 
 
 def shares(rows: Iterable[Share]) -> str:
-    """Places with their shares as bars, one under the other."""
+    """Return places with their shares as bars, one under the other."""
     return f'<div class="shares">{"".join(map(_share, rows))}</div>'
 
 
@@ -107,15 +88,15 @@ def _share(row: Share) -> str:
 
 
 def plots(pieces: Iterable[str]) -> str:
-    """Small figures in columns, as many as there is room for."""
+    """Return small figures in columns, as many as there is room for."""
     return f'<div class="plots">{"".join(pieces)}</div>'
 
 
 def tabs(name: str, panels: Sequence[tuple[str, str]], first: int = 0) -> str:
-    """Pieces of HTML of which one is shown; no script is needed to choose it.
+    """Return pieces of HTML of which one is shown; choosing it needs no script.
 
     Args:
-        name: unlike that of any other tabs of the page.
+        name: differs from that of all other tabs of the page.
         panels: label and HTML of each.
         first: the one shown before any choice.
     """
@@ -132,17 +113,17 @@ def tabs(name: str, panels: Sequence[tuple[str, str]], first: int = 0) -> str:
 
 
 def beside(left: str, right: str) -> str:
-    """Two pieces of HTML side by side, where there is room."""
+    """Return two pieces of HTML side by side if there is room."""
     return f'<div class="beside"><div>{left}</div><div>{right}</div></div>'
 
 
 def columns(pieces: Iterable[str]) -> str:
-    """Pieces of HTML in columns of one width, as many as there is room for."""
+    """Return pieces of HTML in columns of one width, as many as there is room for."""
     return f'<div class="columns">{"".join(f"<div>{piece}</div>" for piece in pieces)}</div>'
 
 
 def cards(found: Iterable[Card]) -> str:
-    """Findings side by side."""
+    """Return findings side by side."""
     return f'<div class="cards">{"".join(map(_card, found))}</div>'
 
 
@@ -155,14 +136,13 @@ def _card(card: Card) -> str:
     )
 
 
-def figure(picture: bytes, alternative: str, caption: str = "", *, narrow: bool = False) -> str:
-    """A picture inside the page.
+def figure(picture: bytes, alternative: str, caption: str = "") -> str:
+    """Return a picture inside the page.
 
     Args:
         picture: a PNG file.
-        alternative: what it shows, for who cannot see it.
+        alternative: what it shows, for readers who cannot see it.
         caption: text under it.
-        narrow: for pictures that need not be as wide as the page.
 
     Raises:
         ValueError: not a PNG.
@@ -171,10 +151,8 @@ def figure(picture: bytes, alternative: str, caption: str = "", *, narrow: bool 
         raise ValueError("expected the bytes of a PNG file")
     data = base64.b64encode(picture).decode("ascii")
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
-    return (
-        f"<figure{' class=narrow' if narrow else ''}>"
-        f'<img alt="{escape(alternative)}" src="data:image/png;base64,{data}">{below}</figure>'
-    )
+    image = f'<img alt="{escape(alternative)}" src="data:image/png;base64,{data}">'
+    return f"<figure>{image}{below}</figure>"
 
 
 def table(
@@ -185,11 +163,11 @@ def table(
     strong: int | None = None,
     total: bool = False,
 ) -> str:
-    """A table whose first columns are words and whose others are numbers.
+    """Return a table whose first columns are words and whose others are numbers.
 
     Args:
         header: one text a column.
-        rows: of as many texts each.
+        rows: one text a column each.
         words: how many columns, from the left, hold words.
         strong: the column that matters most.
         total: whether the last row sums up the others.
@@ -203,20 +181,14 @@ def table(
             raise ValueError(f"a row of {len(row)} texts under {len(header)} headings: {row}")
         lines.append(_row(row, "td", words, strong))
     kind = ' class="total"' if total else ""
-    return (
-        f'<div class="wide"><table{kind}><thead>{lines[0]}</thead>'
-        f"<tbody>{''.join(lines[1:])}</tbody></table></div>"
-    )
+    body = f"<thead>{lines[0]}</thead><tbody>{''.join(lines[1:])}</tbody>"
+    return f'<div class="wide"><table{kind}>{body}</table></div>'
 
 
 def _row(texts: Sequence[str], tag: str, words: int, strong: int | None) -> str:
     cells = []
     for column, text in enumerate(texts):
-        kinds = [
-            kind
-            for kind, holds in (("word", column < words), ("strong", column == strong))
-            if holds
-        ]
+        kinds = ["word"] * (column < words) + ["strong"] * (column == strong)
         attribute = f' class="{" ".join(kinds)}"' if kinds else ""
         cells.append(f"<{tag}{attribute}>{escape(text)}</{tag}>")
     return f"<tr>{''.join(cells)}</tr>"

@@ -1,4 +1,4 @@
-"""What all figures share: colours with a meaning, a quiet frame, PNG as bytes."""
+"""The common style of pictures drawn by matplotlib: a quiet frame, PNG as bytes."""
 
 import io
 from collections.abc import Iterator, Sequence
@@ -14,20 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
-from lagrangian_ff.report.colours import (
-    FAINT,
-    FRAME,
-    GRID,
-    INK,
-)
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK
 
 WIDTH = 10.0  # inches
 DPI = 150
 LEGEND_STRIP = 0.3  # inches
 MOST_POINTS = 3000
-"""A line of more points is thinned: no eye and no pixel tells them apart."""
+"""A line of more points is thinned: no eye and no pixel can separate them."""
 
 _RC: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -65,14 +59,14 @@ def styled() -> Iterator[None]:
 
 
 def new_figure(height: float) -> Figure:
-    """An empty figure of the common width, `height` in inches, with room kept for its labels."""
+    """Return an empty figure of the common width, `height` in inches, with room for labels."""
     figure = Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def legend_above(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
-    """One line of legend above all panels; the layout keeps a strip of the figure free for it."""
+    """Put one line of legend above all panels, in a strip that the layout keeps free."""
     free = LEGEND_STRIP / float(figure.get_size_inches()[1])
     engine = figure.get_layout_engine()
     assert isinstance(engine, ConstrainedLayoutEngine)
@@ -81,7 +75,7 @@ def legend_above(figure: Figure, handles: Sequence[Artist], labels: Sequence[str
 
 
 def png(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG file."""
+    """Return the figure as the bytes of a PNG file."""
     buffer = io.BytesIO()
     with styled():
         figure.savefig(buffer, format="png")
@@ -89,7 +83,7 @@ def png(figure: Figure) -> bytes:
 
 
 def thinned(time: Floats, *columns: Floats) -> tuple[Floats, ...]:
-    """At most `MOST_POINTS` of the samples, the last one among them."""
+    """Return at most `MOST_POINTS` of the samples, the last one among them."""
     index = np.arange(len(time))
     if len(time) > MOST_POINTS:
         index = np.round(np.linspace(0, len(time) - 1, MOST_POINTS)).astype(np.int64)
@@ -97,12 +91,12 @@ def thinned(time: Floats, *columns: Floats) -> tuple[Floats, ...]:
 
 
 def broken(time: Floats, segment: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
-    """Time and values with NaN between segments, so that no line is drawn across a gap."""
+    """Return time and values with NaN between segments, so that no line crosses a gap."""
     cuts = np.flatnonzero(np.diff(segment)) + 1
     return np.insert(time, cuts, np.nan), np.insert(values, cuts, np.nan)
 
 
 def symmetric(axes: Axes, largest: float) -> None:
-    """Zero in the middle, and everything up to `largest` to be seen."""
+    """Put zero in the middle, and show everything up to `largest`."""
     reach = 1.08 * largest if largest > 0.0 else 1.0
     axes.set_ylim(-reach, reach)

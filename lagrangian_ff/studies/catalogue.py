@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
-    from lagrangian_ff.studies.common.study import Study
+    from lagrangian_ff.studies.study import Study
 
 
 @dataclass(frozen=True)
@@ -16,9 +16,9 @@ class Entry:
     """A study whose code is not loaded yet.
 
     Attributes:
-        about: what it shows, in a line.
+        about: its subject, in a line.
         place: its class, as `module:class` below `lagrangian_ff.studies`.
-        arm: whether it drives the simulated arm.
+        arm: whether it needs the simulated arm.
     """
 
     about: str
@@ -27,50 +27,29 @@ class Entry:
 
 
 STUDIES = {
-    "ideal": Entry(
-        "Fig. 2 of the paper: which kernel learns ideal robots best?", "ideal.study:IdealStudy"
-    ),
-    "friction": Entry(
-        "Fig. 3: the same robots with friction and noise, kernels with and without fri",
-        "friction.study:FrictionStudy",
-    ),
-    "speeds": Entry(
-        "Fig. 5: error of predicted torque over speed, model by model",
-        "speeds.study:SpeedsStudy",
-        arm=True,
-    ),
-    "tracking": Entry(
-        "Fig. 6: tracking error over speed with precomputed torque",
-        "tracking.study:TrackingStudy",
-        arm=True,
-    ),
-    "loaded": Entry(
-        "Fig. 7: as speeds, with masses on the arm",
-        "loaded.study:LoadedStudy",
-        arm=True,
-    ),
-    "consistency": Entry(
-        "Theorem 2: what is left of the error with ever more samples",
-        "consistency.study:ConsistencyStudy",
-    ),
-    "sparsity": Entry(
-        "section V: error and time with fewer centres than samples",
-        "sparsity.study:SparsityStudy",
-        arm=True,
-    ),
-    "hidden": Entry(
-        "effects hidden in the arm's physics: found, missed, or invented?",
-        "hidden.study:HiddenStudy",
-        arm=True,
-    ),
-}
+    "ideal": Entry("Fig. 2 of the paper: which kernel learns ideal robots best?",
+        "ideal:IdealStudy"),
+    "friction": Entry("Fig. 3: the same robots with friction and noise, kernels with and without "
+        "fri", "friction:FrictionStudy"),
+    "speeds": Entry("Fig. 5: error of predicted torque over speed, model by model",
+        "speeds:SpeedsStudy", True),
+    "tracking": Entry("Fig. 6: tracking error over speed with precomputed torque",
+        "tracking:TrackingStudy", True),
+    "loaded": Entry("Fig. 7: as speeds, with masses on the arm", "loaded:LoadedStudy", True),
+    "consistency": Entry("Theorem 2: what is left of the error with more and more samples",
+        "consistency:ConsistencyStudy"),
+    "sparsity": Entry("section V: error and time with fewer centres than samples",
+        "sparsity:SparsityStudy", True),
+    "hidden": Entry("effects hidden in the arm's physics: found, missed, or invented?",
+        "hidden.study:HiddenStudy", True),
+}  # fmt: skip
 
 
 def study_class(name: str) -> "type[Study]":
-    """The class of a study.
+    """Return the class of a study.
 
     Raises:
-        UserError: there is none of the name, and those there are; or PyBullet is missing.
+        UserError: there is no study of the name, or PyBullet is missing.
     """
     if name not in STUDIES:
         raise UserError(f"there is no study '{name}'; there are {', '.join(STUDIES)}")

@@ -175,7 +175,11 @@ def test_inverse_dynamics_are_linear_in_acceleration(body: Body) -> None:
         np.testing.assert_allclose(torque[row], expected, rtol=1e-9, atol=1e-9)
 
 
-def test_closing_twice_is_harmless() -> None:
-    it = Body()
-    it.close()
-    it.close()
+def test_closing_twice_ends_no_other_world() -> None:
+    first = Body()
+    client = first.client
+    first.close()
+    with Body() as second:
+        assert second.client == client, "the number is free again"
+        first.close()
+        assert (np.linalg.eigvalsh(second.mass_matrix(np.zeros(6))) > 0.0).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.arm import HOME, Trajectory, check_clearance, move_to
-from lagrangian_ff.arm.collision import Surroundings
+from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.errors import ArmError
 
 

@@ -11,7 +11,7 @@ from lagrangian_ff.arm import (
     limits,
     true_torque,
 )
-from lagrangian_ff.arm.collision import Surroundings
+from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.errors import ArmError
 
 

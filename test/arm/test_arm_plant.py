@@ -19,7 +19,6 @@ from lagrangian_ff.arm import (
     true_torque,
 )
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.gear import GearedPlant
 from lagrangian_ff.errors import ArmError
 
 Floats = NDArray[np.float64]
@@ -95,7 +94,7 @@ def test_a_step_moves_the_links_as_pybullets_own_step_does(plant: Plant) -> None
 
 @pytest.mark.parametrize("gears", [[], [Gear(4, 2000.0, 5.0)]])
 def test_a_joint_rests_at_its_stop_however_it_is_pushed(gears: list[Gear]) -> None:
-    plant = GearedPlant(gears=gears)
+    plant = Plant(gears=gears)
     home, stop = np.array(HOME), limits().upper[4]
     plant.reset(home)
     torque = plant.true_torque(home, STILL, STILL)

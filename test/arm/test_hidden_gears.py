@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.arm import HOME, ArmParameters, Gear, Plant, exciting_trajectory, simulate
-from lagrangian_ff.arm.gear import GearedPlant
 
 FREE = ArmParameters(viscous=(0.0,) * 6, coulomb=(0.0,) * 6)
 STILL = np.zeros(6)
@@ -12,7 +11,7 @@ REST = np.array(HOME)
 
 
 def test_at_rest_the_gear_is_twisted_by_the_load() -> None:
-    plant = GearedPlant(gears=[Gear(1, 2000.0, 40.0)])
+    plant = Plant(gears=[Gear(1, 2000.0, 40.0)])
     plant.reset(REST)
     hold = plant.body.bias(REST, STILL)
     for _ in range(3000):
@@ -28,7 +27,7 @@ def test_at_rest_the_gear_is_twisted_by_the_load() -> None:
 def test_rotor_against_link_rings_at_its_frequency() -> None:
     """With the arm's inertia at that joint M, ω² = k (1 / M + 1 / g²J); gravity adds little."""
     stiffness = 4000.0
-    plant = GearedPlant(FREE, gears=[Gear(0, stiffness, 0.0)])
+    plant = Plant(FREE, gears=[Gear(0, stiffness, 0.0)])
     plant.reset(REST)
     mass = np.linalg.inv(np.linalg.inv(plant.body.mass_matrix(REST) + np.diag(
         [0.0, *FREE.reflected_inertia[1:]]))[:1, :1])[0, 0]  # fmt: skip
@@ -48,7 +47,7 @@ def test_rotor_against_link_rings_at_its_frequency() -> None:
 
 
 def test_a_gear_never_gives_energy() -> None:
-    plant = GearedPlant(FREE, gears=[Gear(1, 3000.0, 5.0, 0.004), Gear(4, 60.0, 0.1)])
+    plant = Plant(FREE, gears=[Gear(1, 3000.0, 5.0, 0.004), Gear(4, 60.0, 0.1)])
     plant.reset(np.array([0.0, 0.2, -0.8, 0.0, 0.4, 0.0]))
     energy = [plant.energy()]
     for _ in range(300):
@@ -73,7 +72,7 @@ def test_a_stiff_gear_moves_like_none() -> None:
 
 def test_play_lets_the_rotor_turn_before_the_link() -> None:
     play = 0.02
-    plant = GearedPlant(gears=[Gear(0, 1.2e4, 100.0, play)])
+    plant = Plant(gears=[Gear(0, 1.2e4, 100.0, play)])
     plant.reset(STILL)
     hold = plant.body.bias(STILL, STILL)
     push = np.array([6.0, 0.0, 0.0, 0.0, 0.0, 0.0])

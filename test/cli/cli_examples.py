@@ -4,8 +4,10 @@ import io
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
@@ -110,6 +112,30 @@ def process(*arguments: str | Path) -> Outcome:
         [*command(), *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False
     )
     return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def interrupted(when: str, *arguments: str | Path) -> Outcome:
+    """Run a command through its entry point; press Ctrl-C once it has printed these words."""
+    running = subprocess.Popen(
+        [*command(), *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        # What a test runner in the background ignores, its children would.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
+    )
+    try:
+        assert running.stdout is not None
+        out = ""
+        while when not in out and (line := running.stdout.readline()):
+            out += line
+        time.sleep(0.5)
+        running.send_signal(signal.SIGINT)
+        rest, errors = running.communicate(timeout=60)
+    finally:
+        running.kill()
+    return Outcome(running.returncode, out + rest, errors)
 
 
 def assert_refused(outcome: Outcome, *words: str) -> None:

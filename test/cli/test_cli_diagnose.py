@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from cli_examples import (
     arm,
     assert_refused,
     csv,
+    interrupted,
     lagrangian_ff,
     motion,
     small_model,
@@ -43,10 +43,10 @@ def cogging(seconds: float = 24.0, reach: float = 1.0) -> Recording:
 def _few_samples() -> Iterator[None]:
     """Judge on fewer samples and choose the prior in fewer sweeps, which is quicker."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.ROWS", 1000)
+        patch.setattr("lagrangian_ff.diagnosis.whitening.hyperparameters.ROWS", 1000)
         stages = ((60, 10), (120, 3), (240, 1))
-        patch.setattr("lagrangian_ff.diagnosis.ground.tuning.STAGES", stages)
-        patch.setattr("lagrangian_ff.diagnosis.search.confirm.ROWS", 1000)
+        patch.setattr("lagrangian_ff.diagnosis.whitening.hyperparameters.STAGES", stages)
+        patch.setattr("lagrangian_ff.diagnosis.search.hold_out.ROWS", 1000)
         yield
 
 
@@ -186,19 +186,16 @@ def test_what_is_refused_before_any_work(
     assert_refused(lagrangian_ff("diagnose", "model.npz", "first.csv", *arguments), *words)
 
 
-def test_faults_of_measurement_are_told_first_and_an_interrupt_leaves_nothing(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_faults_of_measurement_are_printed_first_and_an_interrupt_leaves_nothing(
+    folder: Path, tmp_path: Path
 ) -> None:
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
     recording = arm(30.0)
     recording.effort[:, 1] *= 0.5
     source = csv(tmp_path / "half.csv", recording)
-    monkeypatch.setattr(import_module("lagrangian_ff.diagnosis.diagnose"), "tune", interrupted)
-    outcome = lagrangian_ff(
-        "diagnose", folder / "old.npz", source, "--apply", "--output", tmp_path / "new.npz",
-        "--report", tmp_path / "page.html", "--json", tmp_path / "found.json",
+    outcome = interrupted(
+        "--effort-scale", "diagnose", folder / "old.npz", source, "--apply",
+        "--output", tmp_path / "new.npz", "--report", tmp_path / "page.html",
+        "--json", tmp_path / "found.json",
     )  # fmt: skip
     assert outcome.code == 130
     assert "Traceback" not in outcome.text

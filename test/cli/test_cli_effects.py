@@ -2,13 +2,12 @@
 
 import json
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 from cli_examples import assert_refused, lagrangian_ff, process
 
 from lagrangian_ff.cli.commands.effects import EPILOG
-from lagrangian_ff.effects import EFFECTS, KINDS, user
+from lagrangian_ff.effects import EFFECTS, KINDS, effect_record, look_alikes
 
 
 @pytest.fixture
@@ -39,7 +38,7 @@ def test_one_is_explained(name: str) -> None:
     words = [effect.formula, effect.source, effect.shows_as, effect.next_motion, effect.caution]
     words += [f"{p.unit} {p.meaning}" for p in effect.parameters]
     words += [s.meaning for s in effect.shapes]
-    words += [f"{other} {difference}" for other, difference in effect.look_alikes.items()]
+    words += [f"{other} {difference}" for other, difference in look_alikes(effect).items()]
     missing = [
         word for word in words if " ".join(word.split()) not in " ".join(outcome.out.split())
     ]
@@ -52,11 +51,11 @@ def test_records() -> None:
     records = json.loads(outcome.out)["effects"]
     assert [record["name"] for record in records] == list(EFFECTS)
     record = json.loads(lagrangian_ff("effects", "stribeck", "--json", "-").out)
-    assert record == EFFECTS["stribeck"].record()
+    assert record == effect_record(EFFECTS["stribeck"])
     assert record["parameters"] == [
         {"name": "F_s", "unit": "N·m", "meaning": "static friction above Coulomb's"}
     ]
-    assert set(record["look_alikes"]) == set(EFFECTS["stribeck"].look_alikes)
+    assert set(record["look_alikes"]) == set(look_alikes(EFFECTS["stribeck"]))
 
 
 def test_a_picture(tmp_path: Path) -> None:
@@ -70,9 +69,8 @@ def test_a_picture(tmp_path: Path) -> None:
 
 
 def test_ones_own(own: Path, tmp_path: Path) -> None:
-    """The second in a process of its own, as users see it."""
-    with patch.dict(EFFECTS), patch.dict(user._origin):  # not in the catalogue afterwards
-        listed = lagrangian_ff("effects", "--effects-file", own)
+    """In processes of their own, as users see it: the catalogue of this one stays as it is."""
+    listed = process("effects", "--effects-file", own)
     assert listed.code == 0, listed
     assert "  pit " in listed.out
     picture = tmp_path / "pit.png"

@@ -1,13 +1,9 @@
 """--effects-file: effects of one's own take part in every command that makes or reads a model."""
 
-from collections.abc import Callable
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
 from cli_examples import Outcome, arm, assert_refused, csv, lagrangian_ff, process, small_model
-
-from lagrangian_ff.effects import EFFECTS, user
 
 OWN = """
 import numpy as np
@@ -35,21 +31,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         + "".join(f"{0.1 * k:.1f},{0.01 * k},{0.02 * k}\n" for k in range(20))
     )
     arguments = ("add", "old.npz", "pit", "--joint", "elbow", "--output", "model.npz")
-    outcome = run(path, *arguments, through=process)
+    outcome = run(path, *arguments)
     assert outcome.code == 0, outcome
     return path
 
 
-def run(
-    folder: Path, command: str, *arguments: str, own: bool = True,
-    through: Callable[..., Outcome] = lagrangian_ff,
-) -> Outcome:  # fmt: skip
-    """Run a command on the files of the folder, which knows nothing of what others have loaded."""
+def run(folder: Path, command: str, *arguments: str, own: bool = True) -> Outcome:
+    """Run a command on the files of the folder, in a process that has loaded no other effects."""
     files = [str(folder / one) if (folder / one).exists() or one.endswith((".npz", ".csv"))
              else one for one in arguments]  # fmt: skip
     more = ["--effects-file", str(folder / "mine.py")] if own else []
-    with patch.dict(EFFECTS), patch.dict(user._origin):
-        return through(command, *files, *more)
+    return process(command, *files, *more)
 
 
 @pytest.mark.parametrize(

@@ -202,12 +202,12 @@ def test_the_motion_shrinks_until_it_is_clear(
     """This arm touches nothing within its limits; let there be a wall."""
     looked: list[float] = []
 
-    def wall(trajectory: Trajectory, loaded: bool) -> None:
+    def wall(trajectory: Trajectory, *_: object) -> None:
         looked.append(float(np.ptp(trajectory.q[:, 2])))
         if looked[-1] > farthest:
             raise ArmError("trajectory: link_4 and the wall touch at 2.00 s")
 
-    monkeypatch.setattr(arm_motion, "_check_clear", wall)
+    monkeypatch.setattr("lagrangian_ff.arm.check_clearance", wall)
     output = tmp_path / "m.csv"
     command = ["excite", "slow sweep", "--arm", "--joint", "joint_3", "--duration", "12"]
     farthest = 1.0

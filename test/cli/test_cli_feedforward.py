@@ -46,7 +46,8 @@ def test_the_torque_is_that_of_the_arm(model: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("without", "kept"),
     [
-        (("gravity",), {"inertia", "coriolis", "viscous", "coulomb", "offset"}),
+        (("gravity",), {"inertia", "coriolis", "viscous", "coulomb"}),
+        (("friction",), {"gravity", "inertia", "coriolis", "offset"}),
         (("friction,gravity",), {"inertia", "coriolis"}),
         (("coulomb", "inertia"), {"gravity", "coriolis", "viscous", "offset"}),
     ],

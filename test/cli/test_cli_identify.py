@@ -22,7 +22,7 @@ from cli_examples import (
 )
 
 from lagrangian_ff.cli.commands.identify import EPILOG
-from lagrangian_ff.cli.parser import build_parser
+from lagrangian_ff.cli.main import build_parser
 from lagrangian_ff.effects import EFFECTS, GROUPS
 from lagrangian_ff.identification import Model, Settings
 from lagrangian_ff.identification.settings import CRITERIA, LOSSES, SCALES

@@ -71,7 +71,7 @@ def test_a_model_with_a_record_of_another_kind(tmp_path: Path) -> None:
     path = small_model(tmp_path / "model.npz", "--model", "none+fri")
     outcome = lagrangian_ff("info", tampered(path, tmp_path / "bare.npz", record={}))
     assert outcome.code == 0
-    assert "note: the model does not tell its model, samples" in outcome.text
+    assert "note: the model's record has no model, samples" in outcome.text
     assert "the motion it was identified on" in outcome.text
 
 

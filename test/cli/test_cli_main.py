@@ -1,14 +1,11 @@
 """The entry point: help, versions, exit codes, and how every run ends."""
 
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-from cli_examples import arm, command, csv, lagrangian_ff, process
+from cli_examples import arm, command, csv, interrupted, lagrangian_ff, process
 
 from lagrangian_ff import __version__
 from lagrangian_ff.cli.commands import COMMANDS
@@ -136,27 +133,11 @@ def test_ctrl_c_ends_with_130_and_leaves_nothing(tmp_path: Path) -> None:
     source = csv(tmp_path / "arm.csv", arm())
     folder = tmp_path / "out"
     folder.mkdir()
-    arguments = ["identify", str(source), "--output", str(folder / "model.npz")]
-    running = subprocess.Popen(
-        [*command(), *arguments, "--samples", "2000"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
-        # What a test runner in the background ignores, its children would.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
+    output = folder / "model.npz"
+    outcome = interrupted(
+        "note: low-pass", "identify", source, "--output", output, "--samples", "2000"
     )
-    try:
-        assert running.stdout is not None
-        for line in running.stdout:
-            if "note: low-pass" in line:
-                break
-        time.sleep(0.5)
-        running.send_signal(signal.SIGINT)
-        _, errors = running.communicate(timeout=60)
-    finally:
-        running.kill()
-    assert running.returncode == 130
-    assert errors.splitlines()[-1] == "interrupted"
-    assert "Traceback" not in errors
+    assert outcome.code == 130
+    assert outcome.err.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in outcome.err
     assert list(folder.iterdir()) == []

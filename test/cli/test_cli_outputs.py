@@ -10,55 +10,10 @@ from cli_examples import lagrangian_ff
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.options import assignments, names
 from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record, write_table
-from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.errors import UserError
-
-
-@pytest.mark.parametrize("end", [KeyboardInterrupt, UserError, ZeroDivisionError])
-def test_what_was_there_stays_when_writing_is_cut_short(
-    end: type[BaseException], tmp_path: Path
-) -> None:
-    path = tmp_path / "model.npz"
-    path.write_text("before")
-    with pytest.raises(end), whole(path) as made:  # noqa: PT012
-        made.write_text("half of")
-        raise end
-    assert path.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_whole_file_takes_its_place(tmp_path: Path) -> None:
-    path = tmp_path / "model.npz"
-    path.write_text("before")
-    with whole(path) as made:
-        made.write_text("after")
-        assert path.read_text() == "before"
-    assert path.read_text() == "after"
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_whole_folder_takes_its_place(tmp_path: Path) -> None:
-    path = tmp_path / "bag"
-    path.mkdir()
-    (path / "old.mcap").touch()
-    with whole(path) as made:
-        made.mkdir()
-        (made / "new.mcap").touch()
-    assert [file.name for file in path.iterdir()] == ["new.mcap"]
-    assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_folder_comes_back_where_the_new_one_cannot_take_its_place(tmp_path: Path) -> None:
-    path = tmp_path / "bag"
-    path.mkdir()
-    (path / "old.mcap").touch()
-    with pytest.raises(UserError, match="cannot be written"), whole(path):
-        pass  # nothing was made
-    assert [file.name for file in path.iterdir()] == ["old.mcap"]
-    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize(("name", "replaced"), [("metadata.yaml", True), ("identify.yaml", False)])
@@ -98,7 +53,7 @@ def test_numbers_that_json_has_no_word_for_become_null(tmp_path: Path) -> None:
 
 def test_a_table_reads_back_to_the_same_numbers(tmp_path: Path) -> None:
     values = np.random.default_rng(0).normal(size=(50, 2)) * 1e-3
-    write_table(tmp_path / "t.csv", {"time": values[:, 0], "effort/a": values[:, 1]})
+    write_table(tmp_path / "t.csv", values[:, 0], {"effort": values[:, 1:]}, ["a"])
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[0] == "time,effort/a"
     assert np.array_equal(np.loadtxt(lines[1:], delimiter=","), values)
@@ -108,7 +63,7 @@ def test_a_note_is_shown_once(capsys: pytest.CaptureFixture[str]) -> None:
     console = Console()
     for _ in range(3):
         console.note("the bag was cut off")
-    assert capsys.readouterr().out == "  note: the bag was cut off\n"
+    assert capsys.readouterr().out == "note: the bag was cut off\n"
 
 
 def test_text_gives_way_to_json_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
@@ -124,7 +79,7 @@ def test_short_work_is_not_mentioned_in_a_log(
     with progress_bar("reading") as progress:
         progress(0.5, "half")
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr("lagrangian_ff.cli.common.progress.QUIET_SECONDS", -1.0)
+    monkeypatch.setattr("lagrangian_ff.cli.common.console.QUIET_SECONDS", -1.0)
     with progress_bar("reading") as progress:
         progress(0.5, "half")
         progress(0.6, "more")

@@ -90,7 +90,7 @@ def test_loads_change_what_the_arm_needs(short: Path, tmp_path: Path) -> None:
 def test_hidden_physics_is_in_the_arm_and_not_in_what_it_is_told(
     short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lagrangian_ff.cli.common.hiding.SECONDS", 4.0)
+    monkeypatch.setattr("lagrangian_ff.cli.common.simulated.SIZED_SECONDS", 4.0)
     efforts = []
     for name, hidden in (("plain", ()), ("odd", ("--hidden", "stribeck@joint_1:0.5"))):
         bag = tmp_path / name

@@ -3,15 +3,12 @@
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.console import Console, table
 from lagrangian_ff.cli.text.advice import RULES, Findings, advice, usable
-from lagrangian_ff.cli.text.changed import say_changed
+from lagrangian_ff.cli.text.diagnose import say_changed
 from lagrangian_ff.cli.text.effects import equations, negative_friction, parameter_table
 from lagrangian_ff.cli.text.errors import error_table, grade, verdict
-from lagrangian_ff.cli.text.layout import number, table
 
 
 def effect(
@@ -41,23 +38,6 @@ def record(nmse: dict[str, float], **changes: Any) -> dict[str, Any]:
         "settings": {"train": 0.5, "samples": 500},
         **changes,
     }
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0"), (1234.5, "1234"), (99.96, "100.0"), (12.34, "12.3"), (-0.5, "-0.500"),
-        (0.0571, "0.0571"), (1.19e-06, "1.19e-06"), (3.2e7, "3.20e+07"), (None, "-"),
-        (float("nan"), "-"),
-    ],
-)  # fmt: skip
-def test_numbers_have_three_digits(value: float | None, text: str) -> None:
-    assert number(value) == text
-
-
-@given(st.floats(1e-9, 1e9), st.sampled_from([-1.0, 1.0]))
-def test_numbers_stay_what_they_are(size: float, sign: float) -> None:
-    assert float(number(sign * size)) == pytest.approx(sign * size, rel=5.1e-3)
 
 
 def test_columns_of_numbers_stand_to_the_right() -> None:

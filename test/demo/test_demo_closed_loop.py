@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
+from lagrangian_ff.numbers import mrad, percent
 from lagrangian_ff.report import html
-from lagrangian_ff.report.numbers import mrad, percent
 
 pytest.importorskip("rclpy", reason="rclpy is not installed")
 

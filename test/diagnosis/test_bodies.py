@@ -1,4 +1,4 @@
-"""What changed of a known robot's bodies, by name, in kg, m and rad."""
+"""Changes of a known robot's bodies are named in kg, m and rad."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -8,10 +8,9 @@ import pytest
 import two_rods
 from mechanism_examples import pendulum_urdf
 
-from lagrangian_ff.diagnosis import since
+from lagrangian_ff.diagnosis import since, thresholds
 from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
-from lagrangian_ff.diagnosis.ground import Ground, lay, tuning
-from lagrangian_ff.diagnosis.search.change import WORTH
+from lagrangian_ff.diagnosis.whitening import Whitened, hyperparameters, whiten
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.kernels import KERNELS
@@ -29,8 +28,8 @@ BOUNDARY = 40.0  # s
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 900)
-        patch.setattr(tuning, "STAGES", ((60, 6), (120, 2), (240, 1)))
+        patch.setattr(hyperparameters, "ROWS", 900)
+        patch.setattr(hyperparameters, "STAGES", ((60, 6), (120, 2), (240, 1)))
         friction = ("viscous", "coulomb", "offset")
         patch.setattr(since, "EFFECTS", {name: EFFECTS[name] for name in friction})
         yield
@@ -45,25 +44,25 @@ def model() -> Model:
 
 
 @pytest.fixture(scope="module")
-def plain(model: Model) -> Ground:
-    """Return the ground of the motion the model knows and of as much from `BOUNDARY` on."""
+def plain(model: Model) -> Whitened:
+    """Return the whitened of the motion the model knows and of as much from `BOUNDARY` on."""
     new = two_rods.motion(2, 20.0)
     both = concatenate([model.data, replace(new, time=new.time + BOUNDARY)])
-    return tuning.tune(both, model.inputs_of(both), model.basis)
+    return hyperparameters.fit(both, model.inputs_of(both), model.basis)
 
 
-def changed(model: Model, plain: Ground, torque: Floats) -> BodyChange:
-    """What is found where the second motion has (M, 2) N·m more."""
+def changed(model: Model, plain: Whitened, torque: Floats) -> BodyChange:
+    """Return what is found if the second motion has (M, 2) N·m more."""
     tau = plain.motion.tau.copy()
     tau[plain.motion.time >= BOUNDARY] += torque
     motion = replace(plain.motion, tau=tau)
-    args = plain.index, plain.block, plain.inputs, plain.prior, plain.basis
-    found = changed_bodies(model, lay(motion, *args, seen=plain.seen), BOUNDARY)
+    parts = plain.index, plain.block, plain.inputs, plain.problem
+    found = changed_bodies(model, whiten(motion, *parts, plain.x), BOUNDARY)
     assert found is not None
     return found
 
 
-def second(plain: Ground) -> tuple[Floats, Floats, Floats]:
+def second(plain: Whitened) -> tuple[Floats, Floats, Floats]:
     """q, qd and qdd, (M, 2) each, from the boundary on."""
     later = plain.motion.time >= BOUNDARY
     return plain.motion.q[later], plain.motion.qd[later], plain.motion.qdd[later]
@@ -77,18 +76,18 @@ def assert_holds(found: BodyChange, name: str, truth: float, unit: str, least: f
     assert abs(value - truth) < 3.0 * deviation
 
 
-def test_a_payload_is_told_in_kilograms_and_where(model: Model, plain: Ground) -> None:
+def test_a_payload_is_found_in_kilograms_and_where(model: Model, plain: Whitened) -> None:
     q, qd, qdd = second(plain)
     load = two_rods.rods(q, qd, qdd, two_rods.LOAD) - two_rods.rods(q, qd, qdd)
     found = changed(model, plain, load)
     assert found.what == "payload"
     assert_holds(found, "m", two_rods.LOAD, "kg", 0.1)
     assert_holds(found, "x", 0.4, "m", 0.05)
-    # In the plane of the rods nothing tells where the load is across it.
+    # A motion in a plane does not show where the load is across it.
     assert "y" not in found.parameters
 
 
-def test_a_tilted_base_is_told_in_radians(model: Model, plain: Ground) -> None:
+def test_a_tilted_base_is_found_in_radians(model: Model, plain: Whitened) -> None:
     """Turned about y, all angles to the horizon are less by that."""
     first = second(plain)[0][:, 0]
     both = second(plain)[0].sum(axis=1)
@@ -100,7 +99,7 @@ def test_a_tilted_base_is_told_in_radians(model: Model, plain: Ground) -> None:
     assert "about x" not in found.parameters
 
 
-def test_a_link_of_another_mass_is_named(model: Model, plain: Ground) -> None:
+def test_a_link_of_another_mass_is_named(model: Model, plain: Whitened) -> None:
     q, _, qdd = second(plain)
     more = MORE * (0.25 / 3 * qdd[:, 0] + 9.81 * 0.25 * np.cos(q[:, 0]))
     found = changed(model, plain, np.stack([more, 0.0 * more], axis=1))
@@ -108,13 +107,16 @@ def test_a_link_of_another_mass_is_named(model: Model, plain: Ground) -> None:
     assert_holds(found, "m", MORE, "kg", 0.05)
 
 
-def test_no_body_is_blamed_where_none_changed(model: Model, plain: Ground) -> None:
+def test_no_body_is_blamed_where_none_changed(model: Model, plain: Whitened) -> None:
     worn = 0.5 * np.tanh(second(plain)[1][:, 1] / two_rods.WIDTH)
-    assert changed(model, plain, np.stack([0.0 * worn, worn], axis=1)).gain < WORTH
-    assert changed(model, plain, np.zeros((len(worn), 2))).gain < 0.0
+    assert (
+        changed(model, plain, np.stack([0.0 * worn, worn], axis=1)).log_bayes_factor
+        < thresholds.USED.change_floor
+    )
+    assert changed(model, plain, np.zeros((len(worn), 2))).log_bayes_factor < 0.0
 
 
-def test_a_model_without_a_urdf_knows_no_bodies(model: Model, plain: Ground) -> None:
+def test_a_model_without_a_urdf_knows_no_bodies(model: Model, plain: Whitened) -> None:
     blind = replace(model, kernel=KERNELS["none"].start(model.centres))
     assert changed_bodies(blind, plain, BOUNDARY) is None
 

@@ -1,4 +1,4 @@
-"""A model held against a motion."""
+"""A model compared with a motion."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.diagnosis import compare, with_intervals
-from lagrangian_ff.diagnosis.interval import Interval
+from lagrangian_ff.diagnosis.compare import Interval
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording.motion import Motion

@@ -1,6 +1,5 @@
 """From a model and recordings to what is missing, confirmed on motion that was not used."""
 
-import importlib
 import json
 from collections.abc import Iterator
 from dataclasses import replace
@@ -9,23 +8,39 @@ import numpy as np
 import pytest
 import two_rods
 
-from lagrangian_ff.diagnosis import Diagnosis, add, apply, diagnose, history
-from lagrangian_ff.diagnosis.ground import tuning
-from lagrangian_ff.diagnosis.search import confirm
+from lagrangian_ff.diagnosis import (
+    Diagnosis,
+    Finding,
+    Verdict,
+    add,
+    apply,
+    consequences,
+    diagnose,
+    diagnosis_record,
+    history,
+    thresholds,
+)
+from lagrangian_ff.diagnosis.diagnose import doubt_of, findings_of
+from lagrangian_ff.diagnosis.results import Reason
+from lagrangian_ff.diagnosis.search import hold_out
 from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.forward import Search, search
+from lagrangian_ff.diagnosis.search.hold_out import judge_hold_out
+from lagrangian_ff.diagnosis.thresholds import Thresholds
+from lagrangian_ff.diagnosis.whitening import fit, hyperparameters
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification.basis import Basis
 
-engine = importlib.import_module("lagrangian_ff.diagnosis.diagnose")
 FEW = Settings(train=1.0, samples=120, evaluations=20)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tuning, "ROWS", 1200)
-        patch.setattr(confirm, "ROWS", 1200)
+        patch.setattr(hyperparameters, "ROWS", 1200)
+        patch.setattr(hold_out, "ROWS", 1200)
         yield
 
 
@@ -47,9 +62,48 @@ def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:
         0.6, rel=0.2
     )
     assert finding.shape["v_s"] == pytest.approx(0.15, rel=0.3)
-    assert finding.trial.ratio == pytest.approx(1.0, abs=0.4)
+    assert finding.hold_out.ratio == pytest.approx(1.0, abs=0.4)
     assert not stuck.unexplained
     assert stuck.taken_up is None
+
+
+@pytest.fixture(scope="module")
+def stuck_search(stuck: Diagnosis) -> Search:
+    """Return the search behind `stuck`."""
+    model, motion = stuck.model, stuck.motion
+    return search(fit(motion, model.inputs_of(motion), model.basis))
+
+
+@pytest.mark.parametrize(
+    ("limits", "reason"),
+    [
+        (Thresholds(size_ratio=(3.0, 4.0)), Reason.OTHER_SIZE),
+        (Thresholds(held_out_share=1.1), Reason.NOT_HELD_OUT),
+        (Thresholds(fewest_groups=99), Reason.TOO_SHORT),
+        (Thresholds(large_rest=-1.0), Reason.LARGE_REST),
+    ],
+)
+def test_a_threshold_decides_the_verdict(
+    stuck: Diagnosis,
+    stuck_search: Search,
+    monkeypatch: pytest.MonkeyPatch,
+    limits: Thresholds,
+    reason: Reason,
+) -> None:
+    judged = stuck_search, stuck.held_out, stuck.model, None
+    assert findings_of(*judged)[0].verdict is Verdict.CONFIRMED
+    monkeypatch.setattr(thresholds, "USED", limits)
+    (finding,) = findings_of(*judged)
+    assert finding.verdict is Verdict.SUGGESTED
+    assert finding.doubt is not None
+    assert finding.doubt.reason is reason
+
+
+def test_below_the_floor_nothing_is_found(
+    stuck: Diagnosis, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(thresholds, "USED", Thresholds(floor=1e6, event_floor=1e6))
+    assert not diagnose(stuck.model, stuck.motion, stuck.held_out).findings
 
 
 def sprung(
@@ -59,65 +113,77 @@ def sprung(
     return np.stack([np.zeros(len(t)), 3.0 * q[:, 1]], axis=1)
 
 
-def test_a_spring_is_missing_only_where_gravity_is_not_free(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+@pytest.fixture(scope="module")
+def with_spring() -> tuple[Model, Search, Finding]:
+    """Return a model, and the search and the finding of a spring that it lacks."""
     model = identify(two_rods.motion(1), replace(FEW, model="chain+fri")).model
     first, second = (two_rods.motion(seed, hidden=sprung) for seed in (1, 2))
-    found = diagnose(model, first, second)
-    (finding,) = found.confirmed
+    (finding,) = diagnose(model, first, second).confirmed
+    found = search(fit(first, model.inputs_of(first), model.basis))
+    return model, found, finding
+
+
+def test_a_spring_is_found(with_spring: tuple[Model, Search, Finding]) -> None:
+    finding = with_spring[2]
     assert (finding.effect.name, finding.joint) == ("spring", "elbow")
     assert finding.low[0] < 3.0 < finding.high[0]
-    with monkeypatch.context() as patch:
-        found_at = (finding.parameters, finding.low - 9.0, finding.high - 9.0)
-        patch.setattr(engine, "_frozen", lambda _: [found_at])
-        (pushing,) = engine._confirmed(found.search, second, model, None)
-        assert pushing.verdict == "suggested"
-        assert "below zero as no spring's is" in pushing.reason
-    monkeypatch.setattr(type(model.kernel), "free", True)
-    (finding,) = engine._confirmed(found.search, second, model, None)
-    assert finding.verdict == "suggested"
-    assert "has this torque already" in finding.reason
 
 
-def test_what_is_not_there_does_not_take_a_larger_effect_with_it(
-    stuck: Diagnosis, monkeypatch: pytest.MonkeyPatch
+def test_a_spring_that_pushes_is_doubted(with_spring: tuple[Model, Search, Finding]) -> None:
+    model, found, finding = with_spring
+    assert doubt_of(found, found.steps[0], model, finding.low, finding.high) is None
+    doubt = doubt_of(found, found.steps[0], model, finding.low - 9.0, finding.high - 9.0)
+    assert doubt is not None
+    assert doubt.reason is Reason.IMPOSSIBLE
+    assert "below zero as no spring's is" in doubt.words
+
+
+def test_a_spring_is_missing_only_where_gravity_is_not_free(
+    with_spring: tuple[Model, Search, Finding],
 ) -> None:
-    """A smaller one that the unseen motion refutes is fitted anew before the larger is judged."""
-    (step,) = stuck.search.steps
+    _, found, finding = with_spring
+    free = identify(two_rods.motion(1), replace(FEW, model="chain_rbf+fri")).model
+    assert free.kernel.free
+    doubt = doubt_of(found, found.steps[0], free, finding.low, finding.high)
+    assert doubt is not None
+    assert doubt.reason is Reason.ABSORBED
+    assert "has this torque already" in doubt.words
+
+
+def test_what_is_not_there_does_not_take_a_larger_effect_with_it() -> None:
+    """A smaller one that other motion refutes is fitted to it before the larger is judged."""
+    model = model_of(two_rods.stick)
+    first, second = (two_rods.motion(seed, hidden=two_rods.stick) for seed in (1, 2))
+    found = search(fit(first, model.inputs_of(first), model.basis))
+    (step,) = found.steps
     wrong = Candidate(EFFECTS["position_friction"], 1)
-    smaller = replace(step, score=replace(step.score, candidate=wrong, gain=25.0))
-    found = replace(stuck.search, steps=(step, smaller))
-    (right,) = engine._frozen(stuck.search)
-    far_off = np.array([1.5, -1.5])
-    monkeypatch.setattr(engine, "_frozen", lambda _: [right, (far_off, far_off, far_off)])
-    unseen = two_rods.motion(2, hidden=two_rods.stick)
-    assert not engine._trial(found, engine._unseen(found, unseen, None), 0).holds
-    views = engine._views(found, unseen, None)
+    smaller = replace(step, score=replace(step.score, candidate=wrong, log_bf=25.0))
+    basis = Basis((*found.whitened.basis.terms, wrong.term()))
+    whitened = found.whitened.explaining(basis, ())
+    coefficients = whitened.system.coefficients.copy()
+    coefficients[basis.slices()[-1][1]] = [1.5, -1.5]  # far off
+    system = replace(whitened.system)
+    object.__setattr__(system, "coefficients", coefficients)
+    found = replace(found, steps=(step, smaller), whitened=replace(whitened, system=system))
+    views = judge_hold_out(found, second, None)
     assert views[0][1].holds
     assert not views[1][1].holds
 
 
 def test_what_happened_once_is_never_added(stuck: Diagnosis) -> None:
     (finding,) = stuck.findings
-    contact = Candidate(EFFECTS["contact"], 1, {"t0": 1.0, "length": 2.0})
-    once = replace(finding.step, score=replace(finding.step.score, candidate=contact))
-    found = replace(stuck, findings=(replace(finding, step=once),))
-    assert apply(found) is stuck.model
+    once = replace(finding, effect=EFFECTS["contact"], shape={"t0": 1.0, "length": 2.0})
+    assert once.verdict is Verdict.CONFIRMED
+    assert apply(replace(stuck, findings=(once,))) is stuck.model
 
 
-def test_the_load_of_another_model_is_no_part_of_a_finding(stuck: Diagnosis) -> None:
-    (finding,) = stuck.findings
-    mesh = Candidate(EFFECTS["gear_mesh"], 1, {"order": 6.0, "Jr": 0.02})
-    found = replace(
-        finding, step=replace(finding.step, score=replace(finding.step.score, candidate=mesh))
-    )
-    assert found.shape == {"order": 6.0}
-    assert finding.shape == finding.step.score.candidate.shape
+def test_the_load_of_another_model_is_no_part_of_a_finding() -> None:
+    mesh = EFFECTS["gear_mesh"]
+    assert mesh.transferable({"order": 6.0, "Jr": 0.02}) == {"order": 6.0}
 
 
 def test_the_record_is_json_and_complete(stuck: Diagnosis) -> None:
-    record = json.loads(json.dumps(stuck.record(), allow_nan=False))
+    record = json.loads(json.dumps(diagnosis_record(stuck, consequences(stuck)), allow_nan=False))
     assert "stribeck on elbow" in record["verdict"]
     (found,) = [one for one in record["findings"] if one["verdict"] == "confirmed"]
     assert found["error_after"] < found["error_before"]
@@ -158,7 +224,7 @@ def test_nothing_is_added_twice(stuck: Diagnosis) -> None:
 
 
 def test_once_added_it_is_not_missing_any_more(stuck: Diagnosis) -> None:
-    again = diagnose(apply(stuck), stuck.motion, stuck.unseen)
+    again = diagnose(apply(stuck), stuck.motion, stuck.held_out)
     assert not again.confirmed
 
 
@@ -174,7 +240,7 @@ def test_a_clean_arm_lacks_nothing() -> None:
     found = diagnose(model_of(None, 5), motions[0], motions[1])
     assert not found.confirmed
     assert not found.unexplained
-    assert "noise" in str(found.record()["verdict"])
+    assert "noise" in str(diagnosis_record(found, consequences(found))["verdict"])
 
 
 def test_what_no_effect_explains_is_named_by_its_coordinate() -> None:
@@ -189,7 +255,7 @@ def test_one_recording_is_confirmed_on_its_end() -> None:
     motion = two_rods.motion(1, 60.0, two_rods.stick)
     found = diagnose(model_of(two_rods.stick), motion)
     assert not found.separate
-    assert found.unseen.time[0] > found.motion.time[-1]
+    assert found.held_out.time[0] > found.motion.time[-1]
     assert found.findings[0].effect.name == "stribeck"
 
 
@@ -198,7 +264,7 @@ def test_a_motion_too_short_to_rule_out_chance_is_not_called_clean(stuck: Diagno
     motions = [two_rods.motion(seed, 7.0, two_rods.stick) for seed in (1, 2)]
     found = diagnose(stuck.model, motions[0], motions[1])
     assert not found.findings
-    said = str(found.record()["verdict"])
+    said = str(diagnosis_record(found, consequences(found))["verdict"])
     assert "stribeck on elbow" in said
     assert "Record longer" in said
 
@@ -209,6 +275,6 @@ def test_too_little_motion_is_said_with_what_to_do() -> None:
 
 
 def test_results_are_reproducible(stuck: Diagnosis) -> None:
-    again = diagnose(stuck.model, stuck.motion, stuck.unseen)
-    gains = [finding.step.score.gain for finding in stuck.findings]
-    assert [finding.step.score.gain for finding in again.findings] == gains
+    again = diagnose(stuck.model, stuck.motion, stuck.held_out)
+    gains = [finding.log_bayes_factor for finding in stuck.findings]
+    assert [finding.log_bayes_factor for finding in again.findings] == gains

@@ -1,4 +1,4 @@
-"""The gain in evidence is what it says it is, and chance is as rare as it says."""
+"""Log Bayes factors agree with their definition, and the search finds what is hidden."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import two_rods
-from ground_examples import begun, dense, ground_of, quickly
 from scipy.stats import multivariate_normal
+from whitened_examples import begun, dense, quickly, whitened_of
 
-from lagrangian_ff.diagnosis.ground import Ground
-from lagrangian_ff.diagnosis.search.candidates import Candidate, named, unnamed
-from lagrangian_ff.diagnosis.search.chance import Chance
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, Score, scores, tempered_log_bf
+from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.change import change_of
-from lagrangian_ff.diagnosis.search.forward import FLOOR, Needed, search, superfluous
-from lagrangian_ff.diagnosis.search.gain import PRIOR_SHARE, Score, scores, tempered_gain
-from lagrangian_ff.diagnosis.search.rivals import best_of_each, rivals
+from lagrangian_ff.diagnosis.search.forward import Needed, search, superfluous
+from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
+from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.recording.motion import concatenate
@@ -28,100 +28,102 @@ def _small() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def clean() -> Ground:
-    """Return the ground of a motion in which nothing is hidden."""
-    return ground_of(two_rods.motion(1, 30.0))
+def clean() -> Whitened:
+    """Return the whitened of a motion in which nothing is hidden."""
+    return whitened_of(two_rods.motion(1, 30.0))
 
 
-def test_the_gain_is_the_difference_of_log_evidence(clean: Ground) -> None:
+def test_the_log_bayes_factor_is_the_difference_of_log_evidence(clean: Whitened) -> None:
     """Against the definition, with dense matrices, on a few samples and without a basis."""
     small = begun(clean, 40)
     candidate = Candidate(EFFECTS["quadratic_drag"], 1)
     (score,) = scores(small, [candidate])
-    columns = candidate.columns(small.seen)
+    columns = candidate.columns(small.x)
     scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2))
     full = np.zeros((40, 2))
-    full[:, 1] = columns[:, 0] * scale / small.prior.unit[1]
+    full[:, 1] = columns[:, 0] * scale / small.problem.unit[1]
     gram, y = dense(small)
     gram *= small.amplitude**2
     with_it = multivariate_normal.logpdf(y, cov=gram + np.outer(full, full))
     expected = with_it - multivariate_normal.logpdf(y, cov=gram)
     whole = score.blocks.sum(axis=0, keepdims=True)
-    untempered = tempered_gain(whole, score.information, 1.0)[0]
+    untempered = tempered_log_bf(whole, score.information, 1.0)[0]
     assert untempered == pytest.approx(expected, abs=1e-6)
 
 
-def test_what_the_model_has_gains_nothing(clean: Ground) -> None:
+def test_what_the_model_has_explains_nothing_more(clean: Whitened) -> None:
     twins = [Candidate(EFFECTS[name], joint) for name in ("viscous", "offset") for joint in (0, 1)]
     twins.append(Candidate(EFFECTS["asymmetric_coulomb"], 0))
     for score in scores(clean, twins):
-        assert score.gain <= 1e-6
+        assert score.log_bf <= 1e-6
         assert score.survival < 1e-4
 
 
-def test_clean_motion_gives_no_candidate_more_than_chance(clean: Ground) -> None:
+def test_clean_motion_gives_no_candidate_more_than_chance(clean: Whitened) -> None:
     found = [
-        *scores(clean, [*named(clean.seen, clean.basis, (0, 1)), *unnamed(clean.seen, (0, 1))])
+        *scores(clean, [*named(clean.x, clean.basis, (0, 1)), *nonparametric(clean.x, (0, 1))])
     ]
     lasting = [score for score in found if not score.once]
-    chance = Chance.of(lasting)
-    best = max(lasting, key=lambda score: score.gain)
-    assert best.gain < max(8.0, chance.threshold)
-    assert 0.0 < chance.p_value(chance.threshold) < 0.1
-    assert chance.p_value(1e9) < 0.01
+    null = MaximumNull.of(lasting)
+    best = max(lasting, key=lambda score: score.log_bf)
+    assert best.log_bf < max(8.0, null.threshold)
+    assert 0.0 < null.p_value(null.threshold) < 0.1
+    assert null.p_value(1e9) < 0.01
 
 
-def test_chance_is_reproducible_from_its_seed(clean: Ground) -> None:
-    found = list(scores(clean, named(clean.seen, clean.basis, (0,))))
-    np.testing.assert_array_equal(Chance.of(found, 3).largest, Chance.of(found, 3).largest)
+def test_chance_is_reproducible_from_its_seed(clean: Whitened) -> None:
+    found = list(scores(clean, named(clean.x, clean.basis, (0,))))
+    np.testing.assert_array_equal(
+        MaximumNull.of(found, 3).largest, MaximumNull.of(found, 3).largest
+    )
 
 
 def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
-    ground = ground_of(two_rods.motion(2, 30.0, two_rods.stick))
-    found = best_of_each(scores(ground, named(ground.seen, ground.basis, (0, 1))))
+    whitened = whitened_of(two_rods.motion(2, 30.0, two_rods.stick))
+    found = best_of_each(scores(whitened, named(whitened.x, whitened.basis, (0, 1))))
     assert found[0].candidate.key == ("stribeck", 1)
-    assert found[0].gain > 30.0
+    assert found[0].log_bf > 30.0
     assert found[0].candidate.shape["v_s"] == pytest.approx(0.15, rel=0.5)
 
 
 def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:
-    ground = ground_of(two_rods.motion(2, 30.0, two_rods.stick))
-    found = best_of_each(scores(ground, named(ground.seen, ground.basis, (1,))))
+    whitened = whitened_of(two_rods.motion(2, 30.0, two_rods.stick))
+    found = best_of_each(scores(whitened, named(whitened.x, whitened.basis, (1,))))
     names = [score.candidate.source.name for score in rivals(found[0], found[1:])]
     assert "ripple" not in names
     assert "drift" not in names
 
 
-def test_nothing_takes_hold_of_a_clean_arm(clean: Ground) -> None:
+def test_nothing_takes_hold_of_a_clean_arm(clean: Whitened) -> None:
     assert change_of(clean) is None
 
 
 def test_a_load_taken_up_is_dated() -> None:
     motion = two_rods.motion(4, 30.0, load_since=14.0)
-    change = change_of(ground_of(motion))
+    change = change_of(whitened_of(motion))
     assert change is not None
-    assert change.name == "payload"
+    assert change.effect.name == "payload"
     assert change.since == pytest.approx(14.0, abs=0.1)
-    assert change.gain > 50.0
+    assert change.log_bayes_factor > 50.0
     low, high = change.since_range
     assert low < 14.0 < high
     assert low < change.since < high
     assert high - low < 5.0
 
 
-def test_no_moment_is_told_of_several_recordings() -> None:
+def test_several_recordings_have_no_common_moment() -> None:
     motion = concatenate([two_rods.motion(seed, 30.0, load_since=14.0) for seed in (4, 5)])
-    assert change_of(ground_of(motion)) is None
+    assert change_of(whitened_of(motion)) is None
 
 
-def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
+def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Whitened) -> None:
     """Unless the new one explains clearly more."""
-    (score, *_) = scores(clean, named(clean.seen, clean.basis, (0,)))
+    (score, *_) = scores(clean, named(clean.x, clean.basis, (0,)))
     gear = EFFECTS["elasticity"]
 
     def of(joint: float, gain: float) -> Score:
         shape = {"of": joint, "f": 4.0, "z": 0.1}
-        return replace(score, candidate=Candidate(gear, 0, shape), gain=gain)
+        return replace(score, candidate=Candidate(gear, 0, shape), log_bf=gain)
 
     causes = frozenset({("elasticity", 1)})
     for new, known, chosen in ((100.0, 90.0, 1.0), (100.0, 30.0, 0.0)):
@@ -134,7 +136,7 @@ def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Ground) -> None:
 def test_plain_friction_comes_before_friction_with_a_bend() -> None:
     """A joint whose model has no friction at all lacks Coulomb's first, then the viscous."""
     motion = two_rods.motion(1, 30.0)
-    found = search(ground_of(motion, Basis(())), steps=4)
+    found = search(whitened_of(motion, Basis(())), steps=4)
     names = [step.score.candidate.key for step in found.steps]
     assert {("coulomb", 0), ("coulomb", 1)} <= set(names)
     assert {name for name, _ in names} <= {"coulomb", "viscous"}
@@ -151,38 +153,38 @@ def test_friction_that_every_joint_has_comes_before_any_that_changes_with_positi
         return np.stack([np.zeros_like(more), more], axis=1)
 
     motion = two_rods.motion(1, 30.0, uneven)
-    found = search(ground_of(motion, Basis(())), steps=6)
+    found = search(whitened_of(motion, Basis(())), steps=6)
     on_elbow = [name for name, joint in (s.score.candidate.key for s in found.steps) if joint]
     assert on_elbow[0] in ("coulomb", "viscous")
     assert "position_friction" in on_elbow
 
 
 def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
-    """Rods that lie flat: which inertia is the rotor's no motion tells; the friction does."""
+    """For rods that lie flat, only the friction separates the load's inertia from the rotors'."""
     motion = two_rods.motion(1, 40.0)
     still = np.zeros_like(motion.q)
     weight = two_rods.rods(motion.q, still, still)
     link = two_rods.rods(motion.q, motion.qd, motion.qdd) - weight
     tau = motion.tau - weight + motion.qdd * np.array([3.0, 0.05])
     tau[:, 0] += 0.3 * np.abs(link[:, 0]) * np.tanh(motion.qd[:, 0] / two_rods.WIDTH)
-    found = search(ground_of(replace(motion, tau=tau)), steps=1)
+    found = search(whitened_of(replace(motion, tau=tau)), steps=1)
     assert found.steps[0].score.candidate.key == ("load_friction", 0)
 
 
-def test_a_gain_that_ties_with_chance_does_not_beat_it() -> None:
-    chance = Chance(np.full(400, 225.0))
+def test_a_tie_with_the_null_does_not_exceed_it() -> None:
+    null = MaximumNull(np.full(400, 225.0))
     rounded = 225.0 * (1.0 + 1e-9)
-    assert not chance.beaten_by(rounded)
-    assert chance.p_value(rounded) == 1.0
-    assert chance.beaten_by(226.0)
-    assert chance.p_value(226.0) == 1.0 / 401.0
+    assert not null.exceeded_by(rounded)
+    assert null.p_value(rounded) == 1.0
+    assert null.exceeded_by(226.0)
+    assert null.p_value(226.0) == 1.0 / 401.0
 
 
 def test_what_is_needed_too_little_is_taken_out_again() -> None:
     gear, ripple = Needed(0, 1, 1800.0), Needed(1, 1, 40.0)
-    assert superfluous([gear, Needed(1, 1, FLOOR - 1.0)]) == 1
+    assert superfluous([gear, Needed(1, 1, thresholds.USED.floor - 1.0)]) == 1
     # Forty nats are much alone, and little beside eighteen hundred on the same joint.
     assert superfluous([gear, ripple]) == 1
     assert superfluous([gear, ripple._replace(joint=0)]) is None
-    assert superfluous([gear, ripple._replace(gain=100.0)]) is None
-    assert superfluous([gear, ripple, Needed(2, 0, FLOOR - 12.0)]) == 2
+    assert superfluous([gear, ripple._replace(log_bf=100.0)]) is None
+    assert superfluous([gear, ripple, Needed(2, 0, thresholds.USED.floor - 12.0)]) == 2

@@ -1,12 +1,14 @@
-"""What changed since the model was identified."""
+"""Changes since the model was identified are found, and only those."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
-from ground_examples import SHORT, quickly
+from whitened_examples import SHORT, quickly
 
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.since import MASSES, changed_since
 from lagrangian_ff.identification import Model, Settings, identify
 
@@ -44,6 +46,12 @@ def test_a_load_that_was_attached_is_told_from_friction(model: Model) -> None:
     assert found[0].what == MASSES
     assert set(found[0].joints) == {"shoulder", "elbow"}
     assert not [one for one in found[1:] if one.what in ("viscous", "coulomb")]
+
+
+def test_the_threshold_of_a_change_decides(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(thresholds, "USED", replace(thresholds.USED, change_floor=1e9))
+    found = changed_since(model, two_rods.motion(2, 30.0, load_since=-1.0), steps=1)
+    assert MASSES not in [one.what for one in found]
 
 
 def test_an_arm_as_it_was_has_not_changed(model: Model) -> None:

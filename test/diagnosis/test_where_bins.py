@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from where_examples import course, motion, noise
+from where_examples import motion, noise, series
 
 from lagrangian_ff.diagnosis.where import COORDINATES, bins_of
 
@@ -17,7 +17,7 @@ VELOCITY = COORDINATES["velocity"]
 @given(st.integers(0, 100), st.sampled_from(sorted(COORDINATES)), st.integers(2, 20))
 def test_the_bins_share_out_time_and_error(seed: int, name: str, count: int) -> None:
     moved = motion(seed, 20.0)
-    looked = course(moved, noise(len(moved), seed))
+    looked = series(moved, noise(len(moved), seed))
     found = bins_of(looked, 0, COORDINATES[name], count)
     if found is None:
         assert name == "outside_range"  # this motion never leaves the range
@@ -35,7 +35,7 @@ def test_the_bins_share_out_time_and_error(seed: int, name: str, count: int) -> 
 
 def test_the_mean_is_that_of_the_samples_inside() -> None:
     moved = motion()
-    looked = course(moved, noise(len(moved), 1))
+    looked = series(moved, noise(len(moved), 1))
     found = bins_of(looked, 0, VELOCITY)
     assert found is not None
     qd, r = moved.qd[:, 0], looked.residual[:, 0]
@@ -49,8 +49,8 @@ def test_the_band_holds_the_true_mean_nine_times_of_ten() -> None:
     for seed in range(15):
         moved = motion(seed)
         truth = 0.5 * moved.qd[:, 0]
-        found = bins_of(course(moved, truth + noise(len(moved), seed)), 0, VELOCITY)
-        exact = bins_of(course(moved, truth), 0, VELOCITY)
+        found = bins_of(series(moved, truth + noise(len(moved), seed)), 0, VELOCITY)
+        exact = bins_of(series(moved, truth), 0, VELOCITY)
         assert found is not None
         assert exact is not None
         held += int(np.sum((found.mean_low <= exact.mean) & (exact.mean <= found.mean_high)))
@@ -64,7 +64,7 @@ def test_a_function_of_the_coordinate_is_explained_by_it() -> None:
     explained = {
         name: found.explained
         for name in ("velocity", "position", "time")
-        if (found := bins_of(course(moved, smooth), 0, COORDINATES[name], 40)) is not None
+        if (found := bins_of(series(moved, smooth), 0, COORDINATES[name], 40)) is not None
     }
     assert explained["velocity"] > 0.98
     assert explained["time"] < 0.5
@@ -72,7 +72,7 @@ def test_a_function_of_the_coordinate_is_explained_by_it() -> None:
 
 def test_noise_is_explained_by_nothing() -> None:
     moved = motion()
-    looked = course(moved, noise(len(moved), 3))
+    looked = series(moved, noise(len(moved), 3))
     for coordinate in COORDINATES.values():
         found = bins_of(looked, 0, coordinate)
         assert found is None or found.explained < 0.06
@@ -81,12 +81,12 @@ def test_noise_is_explained_by_nothing() -> None:
 def test_a_joint_that_stands_still_has_no_bins_over_its_velocity() -> None:
     moved = motion()
     still = replace(moved, qd=0.0 * moved.qd)
-    assert bins_of(course(still, noise(len(moved), 0)), 0, VELOCITY) is None
+    assert bins_of(series(still, noise(len(moved), 0)), 0, VELOCITY) is None
 
 
 def test_the_two_directions_are_two_bins() -> None:
     moved = motion()
-    found = bins_of(course(moved, np.sign(moved.qd[:, 0])), 0, COORDINATES["direction"])
+    found = bins_of(series(moved, np.sign(moved.qd[:, 0])), 0, COORDINATES["direction"])
     assert found is not None
     np.testing.assert_array_equal(found.low, [-1.0, 1.0])
     np.testing.assert_allclose(found.mean, [-1.0, 1.0], atol=0.01)

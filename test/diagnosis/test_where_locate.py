@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.diagnosis import compare
-from lagrangian_ff.diagnosis.where import Whereabouts, locate
+from lagrangian_ff.diagnosis.where import Localisation, locate
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording.motion import Motion
 
@@ -34,12 +34,12 @@ def model() -> Model:
 
 
 @pytest.fixture(scope="module")
-def found(model: Model) -> Whereabouts:
+def found(model: Model) -> Localisation:
     """Return where it fails on the arm with the bump."""
     return locate(model, compare(model, arm(40.0, 0.9, bump=1.5), intervals=True))
 
 
-def test_the_bump_is_named_on_its_joint_and_speed(found: Whereabouts) -> None:
+def test_the_bump_is_named_on_its_joint_and_speed(found: Localisation) -> None:
     region = found.regions[0]
     assert region.joint == "b"
     assert region.conditions[0].coordinate == "velocity"
@@ -47,7 +47,7 @@ def test_the_bump_is_named_on_its_joint_and_speed(found: Whereabouts) -> None:
     assert found.words()[0].startswith("b below 0.")
 
 
-def test_the_record_is_json_and_holds_what_is_promised(found: Whereabouts) -> None:
+def test_the_record_is_json_and_holds_what_is_promised(found: Localisation) -> None:
     record = found.record()
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     assert {"joints", "rmse", "nmse", "regions", "blocks", "bins", "spectra", "words"} <= set(
@@ -61,7 +61,7 @@ def test_the_record_is_json_and_holds_what_is_promised(found: Whereabouts) -> No
     assert "series" not in record
 
 
-def test_the_blocks_hold_all_of_the_error(found: Whereabouts) -> None:
+def test_the_blocks_hold_all_of_the_error(found: Localisation) -> None:
     blocks = found.record()["blocks"]
     assert isinstance(blocks, list)
     assert len(blocks) == 13
@@ -71,7 +71,7 @@ def test_the_blocks_hold_all_of_the_error(found: Whereabouts) -> None:
         assert np.mean(squared) == pytest.approx(expected, rel=0.05)
 
 
-def test_the_series_is_thinned_and_true(found: Whereabouts) -> None:
+def test_the_series_is_thinned_and_true(found: Localisation) -> None:
     series = found.record(series=True)["series"]
     assert isinstance(series, dict)
     motion = found.comparison.motion
@@ -93,7 +93,7 @@ def test_the_series_is_thinned_and_true(found: Whereabouts) -> None:
 def test_the_load_is_the_models_and_never_the_measured_torque(model: Model) -> None:
     motion = arm(20.0)
     spoiled = replace(motion, tau=motion.tau + 100.0)
-    clean, dirty = (locate(model, compare(model, one)).course.load for one in (motion, spoiled))
+    clean, dirty = (locate(model, compare(model, one)).series.load for one in (motion, spoiled))
     np.testing.assert_array_equal(clean, dirty)
 
 

@@ -2,23 +2,22 @@
 
 import numpy as np
 import pytest
-from where_examples import course, motion, noise
+from where_examples import motion, noise, series
 
-from lagrangian_ff.diagnosis.where import COORDINATES, Course, Region, find_regions
-from lagrangian_ff.diagnosis.where.coordinates import PAIRS
-from lagrangian_ff.diagnosis.where.reversals import direction, since_reversal
+from lagrangian_ff.diagnosis.where import COORDINATES, PAIRS, Region, ResidualSeries, find_regions
+from lagrangian_ff.effects.reversals import direction, since_reversal
 from lagrangian_ff.recording.motion import Motion
 
 QUIET = 0.1
 
 
-def planted(moved: Motion, place: np.ndarray, seed: int = 0) -> Course:
+def planted(moved: Motion, place: np.ndarray, seed: int = 0) -> ResidualSeries:
     """Noise everywhere, and five times as much of it in one place."""
     r = noise(len(moved), seed)
-    return course(moved, QUIET * r * np.where(place, 5.0, 1.0))
+    return series(moved, QUIET * r * np.where(place, 5.0, 1.0))
 
 
-def inside(looked: Course, region: Region) -> np.ndarray:
+def inside(looked: ResidualSeries, region: Region) -> np.ndarray:
     """Where all conditions of a region hold."""
     return np.logical_and.reduce([one.holds(looked, 0) for one in region.conditions])
 
@@ -36,7 +35,7 @@ def test_error_at_low_speed_is_found(seed: int) -> None:
 def test_error_after_a_reversal_is_found() -> None:
     moved = motion(1)
     with np.errstate(invalid="ignore"):
-        after = since_reversal(moved, 0) < 0.15
+        after = since_reversal(moved.time, moved.qd[:, 0], moved.segment) < 0.15
     regions = find_regions(planted(moved, after), 0)
     assert any("after a reversal" in region.words for region in regions)
     assert regions[0].share_of_error > 2.0 * regions[0].share_of_time
@@ -44,7 +43,7 @@ def test_error_after_a_reversal_is_found() -> None:
 
 def test_error_at_some_positions_in_one_direction_is_found_as_both() -> None:
     moved = motion(2)
-    place = (moved.q[:, 0] > 0.3) & (direction(moved, 0) > 0.0)
+    place = (moved.q[:, 0] > 0.3) & (direction(moved.qd[:, 0], moved.segment) > 0.0)
     looked = planted(moved, place)
     region = find_regions(looked, 0)[0]
     assert {one.coordinate for one in region.conditions} == {"position", "direction"}
@@ -56,7 +55,7 @@ def test_error_outside_what_the_model_knows_is_found() -> None:
     moved = motion(3)
     away = moved.q[:, 0] + moved.qd[:, 0] > 1.5
     r = QUIET * noise(len(moved), 0) * np.where(away, 5.0, 1.0)
-    region = find_regions(course(moved, r, away.astype(np.float64)), 0)[0]
+    region = find_regions(series(moved, r, away.astype(np.float64)), 0)[0]
     assert region.place == "outside the range the model was identified on"
 
 
@@ -72,7 +71,7 @@ def test_a_burst_in_time_is_found_beside_what_else_there_is() -> None:
 
 def test_error_spread_evenly_names_hardly_ever_a_region() -> None:
     named = sum(
-        bool(find_regions(course(moved, noise(len(moved), 100 + seed)), 0, seed))
+        bool(find_regions(series(moved, noise(len(moved), 100 + seed)), 0, seed))
         for seed in range(30)
         if (moved := motion(seed))
     )
@@ -100,7 +99,7 @@ def test_the_same_data_give_the_same_words() -> None:
 
 def test_a_perfect_model_fails_nowhere() -> None:
     moved = motion(7)
-    assert find_regions(course(moved, np.zeros(len(moved))), 0) == []
+    assert find_regions(series(moved, np.zeros(len(moved))), 0) == []
 
 
 def test_pairs_are_of_coordinates_that_exist() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from lagrangian_ff.diagnosis.where import Course
+from lagrangian_ff.diagnosis.where import ResidualSeries
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ def noise(count: int, seed: int, seconds: float = 0.2) -> Floats:
     return np.asarray(lfilter([np.sqrt(1.0 - keep**2)], [1.0, -keep], white)[1000:])
 
 
-def course(moved: Motion, residual: Floats, excess: Floats | None = None) -> Course:
+def series(moved: Motion, residual: Floats, excess: Floats | None = None) -> ResidualSeries:
     """What is looked at, with a load that goes with the position."""
     away = np.zeros(len(moved)) if excess is None else excess
-    return Course(moved, residual[:, None], 10.0 * np.sin(moved.q), away)
+    return ResidualSeries(moved, residual[:, None], 10.0 * np.sin(moved.q), away)

@@ -1,6 +1,9 @@
 """The page on effects says what the effects themselves say."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +15,14 @@ from lagrangian_ff.effects import EFFECTS, load_effects, user
 def page(root: Path) -> str:
     """Return the page's text."""
     return (root / "docs" / "effects.md").read_text()
+
+
+def test_the_table_is_that_of_the_list(root: Path) -> None:
+    tool = root / "tools" / "effects_table.py"
+    command = [sys.executable, str(tool), "--check"]
+    here = {**os.environ, "PYTHONPATH": str(root)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=here)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_the_table_holds_every_effect_as_it_is(page: str) -> None:

@@ -15,10 +15,12 @@ from lagrangian_ff.effects import (
     GROUPS,
     KINDS,
     MOTIONS,
+    PARTS,
     Effect,
     Inputs,
     checked_columns,
     checked_energies,
+    look_alikes,
 )
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import States
@@ -59,6 +61,7 @@ def test_it_explains_itself(effect: Effect) -> None:
     assert all(words)
     assert effect.source != "user"
     assert effect.kind in KINDS
+    assert effect.part in PARTS
     assert effect.coordinate in COORDINATES
     assert effect.motion in MOTIONS
     assert effect.uses <= {"load", "torque"}
@@ -73,12 +76,37 @@ def test_its_formula_has_every_number_by_its_name(effect: Effect) -> None:
     assert {p.name for p in effect.parameters} | {s.name for s in effect.shapes} <= named
 
 
-def test_its_look_alikes_know_it_too(effect: Effect) -> None:
+def test_its_look_alikes_are_stated_once_and_hold_both_ways(effect: Effect) -> None:
     for other, difference in effect.look_alikes.items():
         assert other in EFFECTS
         assert other != effect.name
         assert difference
-        assert effect.name in EFFECTS[other].look_alikes
+        assert effect.name not in EFFECTS[other].look_alikes
+    for other, difference in look_alikes(effect).items():
+        assert look_alikes(EFFECTS[other])[effect.name] == difference
+
+
+def test_it_goes_with_gravity_if_it_is_there_at_rest(effect: Effect, moving: Inputs) -> None:
+    """With equal parameters: unequal Coulomb friction holds an offset."""
+    still = np.zeros_like(moving.q)
+    resting = replace(
+        moving, q=still + 0.3, qd=still, qdd=still, load=still + 5.0, torque=still + 5.0
+    )
+    shapes = effect.candidates(resting, 1) or [shape_of(effect)]
+    columns = [effect.columns(resting, 1, shape) for shape in shapes]
+    torque = [float(np.abs(one.sum(axis=1)).max()) > 1e-9 for one in columns]
+    follows_limit = effect.name == "saturation"  # its limits come from a torque that varies
+    assert any(torque) or follows_limit if effect.part == "gravity" else not any(torque)
+
+
+def test_friction_takes_energy(effect: Effect, moving: Inputs) -> None:
+    """At each moment, but for what remembers, and together with a joint that it shares."""
+    if effect.part != "friction" or effect.remembers or "partner" in shape_of(effect):
+        return
+    for shape in shapes_of(effect, moving, 1):
+        power = effect.columns(moving, 1, shape).sum(axis=1) * moving.qd[:, 1]
+        # The sine and cosine of position friction do so together with Coulomb's only.
+        assert effect.name == "position_friction" or (power >= 0.0).all()
 
 
 def test_there_is_one_finite_column_a_parameter(effect: Effect, moving: Inputs) -> None:
@@ -193,7 +221,17 @@ def test_friction_keeps_no_energy(moving: Inputs) -> None:
         if effect.energies(moving, 0, shape_of(effect)) is not None
     }
     assert kept == {"rotor_inertia", "spring", "counterbalance", "ripple"}
-    assert not any(EFFECTS[name].kind == "friction" for name in kept)
+    assert not any(EFFECTS[name].part == "friction" for name in kept)
+
+
+def test_the_engine_finds_one_effect_of_each_kind_that_it_asks_for() -> None:
+    events = [effect.arm_event for effect in EFFECTS.values() if effect.arm_event]
+    assert sorted(events) == ["lasting", "passing"]
+    for effect in EFFECTS.values():
+        assert effect.sign_width in {"", *shape_of(effect)}
+        assert not effect.plain or effect.part == "friction"
+        assert not effect.constant or effect.part == "gravity"
+    assert any(effect.plain for effect in EFFECTS.values())
 
 
 def test_groups_are_made_of_effects() -> None:

@@ -9,9 +9,12 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
-from lagrangian_ff.effects import EFFECTS, load_effects, user
+from lagrangian_ff.cli.main import main
+from lagrangian_ff.diagnosis.search.candidates import named
+from lagrangian_ff.effects import EFFECTS, load_effects, look_alikes, user
 from lagrangian_ff.effects.check import check, trial_motion
 from lagrangian_ff.errors import EffectError
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.spec import parse
 
 TEN_LINES = """\
@@ -63,6 +66,21 @@ def test_ten_lines_take_part_in_everything(tmp_path: Path) -> None:
     assert EFFECTS["pit"] is pit
     assert parse("vrbfs+fri+pit@elbow").further == ((pit, "elbow"),)
     assert [f.name for f in tmp_path.iterdir()] == ["mine.py"]
+
+
+def test_a_new_effect_is_one_class_and_is_known_everywhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    looks = '    look_alikes = {"coulomb": "a pit is in one place only"}\n'
+    line = '    parameters = (Parameter("F", "N·m", "extra friction in a worn place"),)\n'
+    (pit,) = load_effects(changed(tmp_path, line, line + looks))
+    assert look_alikes(EFFECTS["coulomb"])["pit"] == "a pit is in one place only"
+    assert main(["effects"]) == 0
+    assert "  pit " in capsys.readouterr().out
+    assert main(["effects", "coulomb"]) == 0
+    assert "a pit is in one place only" in capsys.readouterr().out
+    missing = named(trial_motion(), Basis(()), joints=(0, 1))
+    assert [one.joint for one in missing if one.source is pit] == [0, 1]
 
 
 def test_instances_and_classes_with_shapes(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ def inputs(samples: int = 50) -> Inputs:
 
 
 def test_a_limit_is_that_of_the_torque_before_it() -> None:
-    """Whatever else follows the torque: not of one that is clipped already."""
+    """The torque that is clipped already plays no part, nor do other effects that follow it."""
     x = inputs()
     viscous = Term(EFFECTS["viscous"], 0)
     clipped = Term(EFFECTS["saturation"], 0, {"L": 0.8})

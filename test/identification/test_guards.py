@@ -14,12 +14,11 @@ from hypothesis import strategies as st
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Settings, identify, memory
-from lagrangian_ff.identification.blueprint import Blueprint
+from lagrangian_ff.identification.blueprint import Blueprint, Solved, solve
 from lagrangian_ff.identification.build import build
-from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.memory import available, needed, require_memory
-from lagrangian_ff.identification.solve import Solved, solve
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
 
@@ -42,7 +41,7 @@ def test_the_size_that_fits_fits_and_one_more_does_not(
         require_memory(fit + 1, joints, **how)
 
 
-def test_where_nobody_knows_the_memory_nothing_is_refused() -> None:
+def test_nothing_is_refused_if_the_memory_is_unknown() -> None:
     require_memory(10**9, 6, free=lambda: None)
 
 
@@ -73,29 +72,31 @@ def test_the_least_of_machine_and_container_counts(tmp_path: Path) -> None:
 
 def test_identify_refuses_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "available", lambda: 2_000_000)
-    told: list[float] = []
+    reports: list[float] = []
     with pytest.raises(ModelError, match=r"600 samples of 2 joints needs .*--samples 118"):
         identify(
-            pendulum.motion(12.0), Settings(samples=600), lambda share, label: told.append(share)
+            pendulum.motion(12.0), Settings(samples=600), lambda share, label: reports.append(share)
         )
     settings = Settings(samples=100, landmarks=300)
     with pytest.raises(ModelError, match=r"300 landmarks of 2 joints .*--landmarks 7\d"):
-        identify(pendulum.motion(12.0), settings, lambda share, label: told.append(share))
-    assert not told
+        identify(pendulum.motion(12.0), settings, lambda share, label: reports.append(share))
+    assert not reports
 
 
 def twice(noise: float, qdd: float = 1.0, loss: str = "square") -> Solved:
-    """A fit of a motion in which every sample stands twice: without noise it has no factor."""
+    """Return a fit of a motion with every sample twice, which has no factor without noise."""
     motion = pendulum.motion(10.0, noise=0.02).take(np.repeat(np.arange(0, 1000, 25), 2))
     x = States.of(motion.q, motion.qd, qdd * motion.qdd)
-    start = starting_choice(SPEC, x)
-    choice = replace(start, noise=noise * start.noise)
-    trust = np.ones_like(motion.tau) if loss == "huber" else None
+    samples = Samples(Inputs.of(x), motion.tau)
+    start = Problem.started(SPEC, samples, Scaling.of(motion.tau)).noisier(noise)
+    weight = np.ones_like(motion.tau) if loss == "huber" else None
     every = np.arange(len(motion))
-    basis, scaling = choice.basis(SPEC, 2), Scaling.of(motion.tau)
     settings, trained = Settings(loss=loss), np.full(len(motion), True)
-    parts = "vrbfs+fri", choice, scaling, basis, motion, trained, every, every, settings, trust
-    return solve(Blueprint(*parts), Inputs.of(x))
+    drawn = Blueprint(
+        "vrbfs+fri", start.kernel, start.noise, start.scaling, start.basis, motion, trained, every,
+        every, settings, weight,
+    )  # fmt: skip
+    return solve(drawn, Inputs.of(x))
 
 
 def test_enough_noise_is_left_alone() -> None:
@@ -104,14 +105,14 @@ def test_enough_noise_is_left_alone() -> None:
 
 
 @pytest.mark.parametrize("loss", ["square", "huber"])
-def test_too_little_noise_is_raised_step_by_step_and_told(loss: str) -> None:
+def test_too_little_noise_is_raised_step_by_step_and_noted(loss: str) -> None:
     solved = twice(1e-17, loss=loss)
-    ratio = solved.fitted.choice.noise[0] / twice(1e-17 * 1e17).fitted.choice.noise[0] * 1e17
+    ratio = solved.noise[0] / twice(1e-17 * 1e17).noise[0] * 1e17
     assert ratio == pytest.approx(10.0 ** round(np.log10(ratio)))
     assert ratio > 1.0
     (note,) = solved.notes
     assert note.startswith(f"the noise is taken {ratio:g} times as large")
-    assert np.isfinite(solved.fitted.weights).all()
+    assert np.isfinite(solved.posterior.weights).all()
 
 
 def test_a_matrix_that_no_noise_mends_is_refused_in_words() -> None:
@@ -119,16 +120,14 @@ def test_a_matrix_that_no_noise_mends_is_refused_in_words() -> None:
         twice(1.0, qdd=1e200)
 
 
-def test_the_record_tells_of_the_noise_that_was_raised() -> None:
+def test_the_record_notes_the_noise_that_was_raised() -> None:
     settings = Settings(samples=40, evaluations=4, train=1.0)
     model = identify(pendulum.motion(10.0), settings).model
     drawn = Blueprint.of(model)
     index = np.sort(np.tile(drawn.index[:20], 2))
     variance = model.kernel.variance(model.centres)
-    hardly = replace(drawn.choice, noise=1e-18 * np.full(2, variance.mean()))
-    found = build(
-        replace(drawn, index=index, seen=index, choice=hardly), model.inputs_of_data(), {}
-    )
+    hardly = 1e-18 * np.full(2, variance.mean())
+    found = build(replace(drawn, index=index, seen=index, noise=hardly), model.inputs_of_data(), {})
     notes = json.loads(json.dumps(found.record["notes"]))
     assert any("Gram matrix of 40 samples" in note for note in notes)
-    assert (found.model.noise > hardly.noise).all()
+    assert (found.model.noise > hardly).all()

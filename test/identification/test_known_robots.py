@@ -1,4 +1,4 @@
-"""Models of robots whose bodies a URDF tells."""
+"""Models of robots with the bodies of a URDF."""
 
 import json
 import sys
@@ -22,7 +22,7 @@ SETTINGS = Settings(samples=100, evaluations=20, train=0.2)
 
 
 def identified(robot: Robot | None, settings: Settings = SETTINGS) -> Identification:
-    """A model of the first fifth of a recording with 1 % of noise."""
+    """Return a model of the first fifth of a recording with 1 % of noise."""
     return identify(pendulum.motion(40.0, noise=0.01), settings, mechanism=robot)
 
 
@@ -38,7 +38,7 @@ def found(wrong: Robot) -> Identification:
 
 
 def error(found: Identification) -> float:
-    """N·m of the model against torques without noise, on motion not learned from."""
+    """Return the error in N·m against torques without noise, on motion not learned from."""
     data = pendulum.motion(40.0)
     predicted = found.model.predict(data.q, data.qd, data.qdd)
     return float(np.sqrt(np.mean((predicted - data.tau)[len(data) // 5 :] ** 2)))
@@ -59,7 +59,9 @@ def test_every_sort_of_kernel_corrects(name: str, wrong: Robot) -> None:
 
 
 @pytest.mark.parametrize("name", ["auto", "rbfs", "none"])
-def test_a_known_robot_is_learned_on_landmarks(name: str, wrong: Robot, tmp_path: Path) -> None:
+def test_a_known_robot_is_learned_on_inducing_points(
+    name: str, wrong: Robot, tmp_path: Path
+) -> None:
     settings = replace(SETTINGS, model=f"{name}+fri", evaluations=6, landmarks=30)
     some = identified(wrong, settings)
     assert (some.record["samples"], some.record["landmarks"]) == (800, 30)
@@ -94,7 +96,7 @@ def test_what_neither_bodies_nor_friction_hold_is_left_to_the_kernel(wrong: Robo
     assert float(str(both["rmse"])) < 0.2 * float(str(rigid["rmse"]))
 
 
-def test_the_record_tells_what_was_known(found: Identification) -> None:
+def test_the_record_has_the_known_mechanism(found: Identification) -> None:
     record = json.loads(json.dumps(found.record, allow_nan=False))
     assert record["mechanism"] == {
         "kind": "urdf", "name": "pendulum", "mass": pytest.approx(3.2), "prismatic": [],

@@ -19,7 +19,7 @@ def test_they_survive_the_file(settings: Settings) -> None:
     assert Settings.from_record(read) == settings
 
 
-def test_a_record_that_does_not_tell_them_all_means_the_usual_ones() -> None:
+def test_settings_that_a_record_lacks_have_their_defaults() -> None:
     assert Settings.from_record({"samples": 50}) == Settings(samples=50)
 
 

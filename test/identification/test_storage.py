@@ -47,7 +47,7 @@ def test_a_model_predicts_the_same_after_a_round_trip(name: str, tmp_path: Path)
 
 
 def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any]], None]) -> Path:
-    """A copy of a model file with its header or arrays changed."""
+    """Return a copy of a model file with its header or arrays changed."""
     with np.load(source) as file:
         content: dict[str, Any] = {name: file[name] for name in file.files}
     content["header"] = json.loads(bytes(content["header"]).decode())

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from test_kernel_list import random_states
 
 from lagrangian_ff.kernels import KERNELS, States
-from lagrangian_ff.kernels.finite import Motor
-from lagrangian_ff.kernels.rbf import Rbf, Rbfs
+from lagrangian_ff.kernels.baselines import Motor, Rbf, Rbfs
 
 Floats = NDArray[np.float64]
 

@@ -1,9 +1,11 @@
 """A model of two joints whose terms can be written down, for tests of the logic around it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lagrangian_ff.identification.predicting import MotionRange
 
 Floats = NDArray[np.float64]
 
@@ -18,19 +20,19 @@ class FakeTerms:
     effects: dict[str, Floats]
 
 
-@dataclass(frozen=True)
-class FakeRange:
-    q_low: Floats = field(default_factory=lambda: np.array([-2.0, -2.0]))
-    q_high: Floats = field(default_factory=lambda: np.array([2.0, 2.0]))
-    qd_max: Floats = field(default_factory=lambda: np.array([3.0, 3.0]))
-    qdd_max: Floats = field(default_factory=lambda: np.array([20.0, 20.0]))
-    tau_max: Floats = field(default_factory=lambda: np.array([50.0, 50.0]))
+RANGE = MotionRange(
+    q_low=np.full(2, -2.0),
+    q_high=np.full(2, 2.0),
+    qd_max=np.full(2, 3.0),
+    qdd_max=np.full(2, 20.0),
+    tau_max=np.full(2, 50.0),
+)
 
 
 @dataclass(frozen=True)
 class FakeModel:
     joints: tuple[str, ...] = ("a", "b")
-    range: FakeRange = field(default_factory=FakeRange)
+    range: MotionRange = RANGE
 
     def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
         return FakeTerms(

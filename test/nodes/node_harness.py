@@ -22,7 +22,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ruamel.yaml import YAML
 
-from lagrangian_ff.nodes.common.polled import PolledSubscription
+from lagrangian_ff.nodes.common.topics import PolledSubscription
 
 PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
 RELIABLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
@@ -69,7 +69,7 @@ class Process:
 
     @property
     def broke(self) -> bool:
-        """Ended without having been asked to."""
+        """Return whether it ended without having been asked to."""
         return not self.alive and not self._may_end
 
     def signal(self, number: int) -> None:
@@ -77,7 +77,7 @@ class Process:
         os.killpg(self._process.pid, number)
 
     def wait(self) -> int:
-        """The exit code; fails with the output where it does not end."""
+        """Return the exit code; fail with the output if it does not end."""
         self._may_end = True
         try:
             return self._process.wait(PATIENCE)
@@ -104,7 +104,7 @@ def _yaml(value: Any) -> str:
 
 
 def configured(executable: str) -> set[str]:
-    """Names of the parameters in the installed file of this node."""
+    """Return the names of the parameters in the installed file of this node."""
     file = Path(__file__).parents[2] / "config" / f"{executable}.yaml"
     tree = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
 
@@ -122,7 +122,7 @@ SETTLED = 0.4  # s in which a service hears of its client; an answer before that
 
 
 class Bench:
-    """A ROS node of the test, in a context of its own, and the processes it started."""
+    """A ROS node of the test, in its own context, and the processes it started."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -145,7 +145,7 @@ class Bench:
         self._context.try_shutdown()
 
     def start(self, executable: str, **options: Any) -> Process:
-        """Start a node; returns at once. The options are those of Process."""
+        """Start a node and return at once. The options are those of Process."""
         log = self._folder / f"{executable}_{len(self._processes)}.log"
         process = Process(executable, log, **options)
         self._processes.append(process)
@@ -156,7 +156,7 @@ class Bench:
             self.statuses[status.name] = status
 
     def values(self, name: str) -> dict[str, str]:
-        """Key values of the last status of this name; empty before the first."""
+        """Return the key values of the last status of this name; empty before the first."""
         status = self.statuses.get(name)
         return {} if status is None else {pair.key: pair.value for pair in status.values}
 
@@ -180,20 +180,20 @@ class Bench:
         raise AssertionError(f"waited in vain for {what}\n{outputs}")
 
     def collect(self, kind: type, topic: str, qos: QoSProfile = EVERYTHING) -> deque[Any]:
-        """A queue that fills with (time received, message)."""
+        """Return a queue that fills with (time received, message)."""
         queue: deque[Any] = deque(maxlen=100_000)
         self._collected.append((PolledSubscription(self.node, kind, topic, qos), queue))
         return queue
 
     def _take(self) -> None:
-        """One round of the executor and of what is collected."""
+        """Do one round of the executor and of the collected topics."""
         self._executor.spin_once(timeout_sec=0.01)
         for subscription, queue in self._collected:
             for message, _ in subscription.take():
                 queue.append((time.monotonic(), message))
 
     def publisher(self, kind: type, topic: str, qos: QoSProfile = RELIABLE) -> Any:
-        """A publisher that somebody already listens to."""
+        """Return a publisher that somebody already listens to."""
         publisher = self.node.create_publisher(kind, topic, qos)
         self.until(lambda: publisher.get_subscription_count() > 0, f"a subscriber of {topic}")
         return publisher
@@ -212,7 +212,7 @@ class Bench:
         return future.result()
 
     def set_parameter(self, node: str, name: str, value: Any) -> Any:
-        """Set a parameter of a running node; its result."""
+        """Set a parameter of a running node and return the result."""
         kinds = {
             bool: ("bool_value", ParameterType.PARAMETER_BOOL),
             float: ("double_value", ParameterType.PARAMETER_DOUBLE),
@@ -225,23 +225,23 @@ class Bench:
         return self.call(SetParameters, f"{node}/set_parameters", request).results[0]
 
     def parameters(self, node: str) -> set[str]:
-        """Names of the declared parameters of a running node."""
+        """Return the names of the declared parameters of a running node."""
         return set(self.call(ListParameters, f"{node}/list_parameters").result.names)
 
     def transition(self, node: str, label: str) -> bool:
-        """Ask for a lifecycle transition; whether it succeeded."""
+        """Ask for a lifecycle transition and return whether it succeeded."""
         request = ChangeState.Request()
         request.transition.label = label
         return bool(self.call(ChangeState, f"{node}/change_state", request).success)
 
     def state(self, node: str) -> str:
-        """Lifecycle state."""
+        """Return the lifecycle state."""
         return str(self.call(GetState, f"{node}/get_state").current_state.label)
 
 
 @contextlib.contextmanager
 def open_bench(folder: Path) -> Iterator[Bench]:
-    """A bench that ends every process it started."""
+    """Yield a bench that ends every process it started."""
     bench = Bench(folder)
     try:
         yield bench

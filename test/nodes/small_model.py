@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 
 def motion_at(time: Floats) -> tuple[Floats, Floats, Floats]:
-    """(M, 2) q, qd and qdd at these times (M,)."""
+    """Return q, qd and qdd, (M, 2) each, at these times (M,)."""
     phase = time[:, None]
     q, qd, qdd = (np.zeros((len(time), 2)) for _ in range(3))
     for amplitude, speed in ((0.5, (1.1, 1.7)), (0.4, (3.1, 3.7))):
@@ -25,12 +25,12 @@ def motion_at(time: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def torque_of(q: Floats, qd: Floats, qdd: Floats) -> Floats:
-    """(M, 2) N·m of the arm as the model knows it."""
+    """Return the torque (M, 2) N·m of the arm as the model knows it."""
     return np.asarray(8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02))
 
 
 def save_small_model(path: Path) -> Model:
-    """Identify, save, and return it."""
+    """Identify the model, save it, and return it."""
     time = np.arange(0.0, 30.0, 0.02)
     q, qd, qdd = motion_at(time)
     tau = torque_of(q, qd, qdd)
@@ -41,7 +41,7 @@ def save_small_model(path: Path) -> Model:
 
 
 def recorded_bag(path: Path, drag: float) -> Path:
-    """A bag of the same motion with noise and N·m·s²/rad² of drag on joint b."""
+    """Write a bag of the same motion with noise, and drag in N·m·s²/rad² on joint b."""
     time = np.arange(0.0, 30.0, 0.01)
     q, qd, qdd = motion_at(time)
     tau = torque_of(q, qd, qdd) + 0.05 * np.random.default_rng(0).standard_normal(q.shape)

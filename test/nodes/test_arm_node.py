@@ -121,7 +121,7 @@ def test_sources_can_be_changed_at_run_time_to_listed_ones_only(bench: Bench, ar
 
 @pytest.fixture(scope="module")
 def clocked(bench: Bench) -> Process:
-    """An arm whose time is its own and that waits for its commands."""
+    """Start an arm that has its own time and waits for its commands."""
     deep = "qos_overrides./clocked/arm/commands.subscription.reliability"
     return bench.start(
         "arm",
@@ -130,14 +130,14 @@ def clocked(bench: Bench) -> Process:
     )
 
 
-def test_an_arm_with_its_own_clock_tells_it_and_stops_when_told(
+def test_an_arm_with_its_own_clock_publishes_it_and_stops_at_its_end(
     bench: Bench, clocked: Process
 ) -> None:
     states = bench.collect(JointState, "clocked/joint_states")
     clock = bench.collect(Clock, "/clock")
     bench.until(lambda: len(states) > 100 and clock, "joint states and the clock")
-    told = clock[-1][1].clock
-    assert int(told.sec) * 10**9 + int(told.nanosec) in {stamp(message) for _, message in states}
+    last = clock[-1][1].clock
+    assert int(last.sec) * 10**9 + int(last.nanosec) in {stamp(message) for _, message in states}
     assert bench.set_parameter("clocked/arm", "clock_speed", 0.0).successful
     bench.spin(0.2)
     stood = stamp(newest(states))
@@ -162,7 +162,7 @@ def test_each_joint_state_is_answered_before_the_next_tick(bench: Bench, clocked
     answers: dict[int, float] = {}
 
     def answered() -> bool:
-        """Slowly, with another torque for each joint state."""
+        """Answer slowly, with another torque for each joint state."""
         at = stamp(newest(states))
         if at not in answers:
             answers[at] = 0.001 * len(answers)

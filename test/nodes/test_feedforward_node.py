@@ -25,7 +25,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from lagrangian_ff.diagnosis import add
 from lagrangian_ff.effects import EFFECTS, load_effects
 from lagrangian_ff.identification import Model
-from lagrangian_ff.nodes.common.messages import points
+from lagrangian_ff.nodes.common.topics import points
 from lagrangian_ff.nodes.streaming.reference import read_reference
 
 QUICK = {"ramp_time": 0.1, "fade_time": 0.2, "start_delay": 0.2, "joint_state_timeout": 0.0}
@@ -76,7 +76,7 @@ class Feedforward:
         self.bench.until(lambda: any(self.tau), f"torque: {why}")
 
     def set_point(self) -> bool:
-        """Send a set-point and look a moment later; whether its torque is sent."""
+        """Send a set-point, wait a moment, and return whether its torque is sent."""
         self.send.publish(reference([0.0], [[0.2, 0.2]]))
         self.bench.spin(0.02)
         return self.tau[0] > 6.0

@@ -1,4 +1,4 @@
-"""The identify node over DDS: on disk as it comes, refusing in words, identifying beside it."""
+"""The identify node over DDS: written at once, refusing in words, identifying beside it."""
 
 import math
 import re
@@ -150,7 +150,7 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
     assert Path(values["model file"]).exists()
 
 
-def test_an_identification_that_is_impossible_is_told(
+def test_an_identification_that_is_impossible_is_reported(
     bench: Bench, identify: Process, arm: Process
 ) -> None:
     assert ask(bench, "start")[0]
@@ -229,7 +229,7 @@ def test_a_recording_survives_a_kill(bench: Bench, arm: Process, folder: Path) -
     assert len(recording) >= seen
 
 
-def test_a_parameter_of_a_joint_that_cannot_be_is_told_and_survived(
+def test_a_parameter_of_a_joint_that_cannot_be_is_reported_and_survived(
     bench: Bench, folder: Path
 ) -> None:
     params = {"output_directory": str(folder / "wrong"), "effort_scale.a": 2}  # not 2.0
@@ -237,14 +237,14 @@ def test_a_parameter_of_a_joint_that_cannot_be_is_told_and_survived(
     states = bench.publisher(JointState, "wrong/joint_states")
     message = JointState(name=["a"], position=[0.1], effort=[0.2])
 
-    def told() -> Any:
+    def reported() -> Any:
         states.publish(message)
         status = bench.statuses.get("wrong/identify: housekeeping")
         return status is not None and "effort_scale.a" in status.message
 
     success, said = ask(bench, "start", "wrong/identify")
     assert success, said
-    bench.until(told, "the parameter is named")
+    bench.until(reported, "the parameter is named")
     assert bench.values("wrong/identify: input")
     assert ask(bench, "stop", "wrong/identify")[0]
     success, said = ask(bench, "identify", "wrong/identify")

@@ -16,7 +16,7 @@ from small_model import JOINTS, recorded_bag, save_small_model
 from std_srvs.srv import Trigger
 
 from lagrangian_ff.identification import Model
-from lagrangian_ff.nodes.common.messages import stamp
+from lagrangian_ff.nodes.common.topics import stamp
 from lagrangian_ff.recording import load
 
 PUBLISHED = 3000  # samples of 10 ms
@@ -110,7 +110,7 @@ def test_add_what_a_person_asks_for(bench: Bench, identify: Process, folder: Pat
     assert Model.load(folder / "model.npz").name == Model.load(new).name
 
 
-def test_a_diagnosis_that_is_impossible_is_told(
+def test_a_diagnosis_that_is_impossible_is_reported(
     bench: Bench, identify: Process, folder: Path
 ) -> None:
     assert ask(bench, "clear")[0]

@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 
-from lagrangian_ff.nodes.common.errors import MessageError
-from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
+from lagrangian_ff.nodes.common.joint_state_bytes import (
+    JointStateMaker,
+    JointStateReader,
+    MessageError,
+)
+from lagrangian_ff.nodes.common.topics import nanoseconds
 
 State = tuple[list[str], list[float], list[float], list[float]]
 
@@ -95,3 +99,18 @@ def test_faults_of_positions_are_named(state: State, expected: str) -> None:
     fault = JointStateReader().read(message(*state)).fault()
     assert expected in fault
     assert bool(expected) == bool(fault)
+
+
+@pytest.mark.parametrize("joints", [("a",), ("base", "elbow"), ("j_1", "j_2", "j_3", "j_4", "j_5")])
+def test_a_joint_state_is_read_as_it_was_filled_in(joints: tuple[str, ...]) -> None:
+    maker = JointStateMaker(joints)
+    random = np.random.default_rng(0)
+    for at in (5, 1_795_385_495_581_352_713):
+        position, velocity, effort = random.normal(size=(3, len(joints)))
+        velocity[0] = np.nan
+        message = deserialize_message(maker.fill(at, position, velocity, effort), JointState)
+        assert nanoseconds(message.header.stamp) == at
+        assert tuple(message.name) == joints
+        np.testing.assert_array_equal(message.position, position)
+        np.testing.assert_array_equal(message.velocity, velocity)
+        np.testing.assert_array_equal(message.effort, effort)

@@ -28,7 +28,7 @@ class Given:
 
 
 def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[Any, list[Any]]:
-    """The launch description and the nodes it makes with these arguments."""
+    """Return the launch description and the nodes it makes with these arguments."""
     for name, classes in {
         "launch": ("LaunchContext", "LaunchDescription"),
         "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction"),
@@ -41,6 +41,8 @@ def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[
         for word in classes:
             setattr(module, word, type(word, (Given,), {}))
         monkeypatch.setitem(sys.modules, name, module)
+    # It is to import the stand-ins of this test.
+    monkeypatch.delitem(sys.modules, "lagrangian_ff.nodes.launching", raising=False)
     spec = importlib.util.spec_from_file_location(path.stem.replace(".", "_"), path)
     assert spec is not None
     assert spec.loader is not None
@@ -58,7 +60,7 @@ def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[
 
 
 def executables(root: Path) -> set[str]:
-    """Console scripts that setup.py names."""
+    """Return the console scripts that setup.py names."""
     texts = [
         node.value
         for node in ast.walk(ast.parse((root / "setup.py").read_text()))

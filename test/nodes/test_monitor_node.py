@@ -15,7 +15,7 @@ from node_harness import RELIABLE, Bench, Process, configured, open_bench
 from sensor_msgs.msg import JointState
 from small_model import JOINTS, motion_at, save_small_model, torque_of
 
-from lagrangian_ff.nodes.common.messages import nanoseconds, stamp
+from lagrangian_ff.nodes.common.topics import nanoseconds, stamp
 
 START = 1_700_000_000_000_000_000  # ns
 

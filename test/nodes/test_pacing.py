@@ -114,7 +114,7 @@ def test_the_speed_may_be_changed_and_instants_stopped() -> None:
     assert pacer.late == pacer.skipped == 0
 
 
-def test_the_thread_goes_on_after_a_failure_and_ends_when_told() -> None:
+def test_the_thread_goes_on_after_a_failure_and_ends_when_stopped() -> None:
     done = threading.Event()
     failures: list[Exception] = []
     calls = 0

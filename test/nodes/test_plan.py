@@ -1,13 +1,15 @@
-"""Plans: the model's torques along a reference, faded or refused outside what is known."""
+"""Plans: the torques along a reference, faded or refused where unknown; the newest wins."""
+
+import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_model import FakeModel
+from fake_model import FakeModel, FakeTerms, Floats
 
-from lagrangian_ff.nodes.common.errors import RefusedReference
-from lagrangian_ff.nodes.streaming.plan import Plan, Policy, make_plan
-from lagrangian_ff.nodes.streaming.ranges import excess, fade_around
-from lagrangian_ff.nodes.streaming.reference import Reference
+from lagrangian_ff.nodes.streaming.plan import Plan, Planner, Policy, make_plan, reason
+from lagrangian_ff.nodes.streaming.ranges import excess
+from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference
 
 MODEL = FakeModel()
 ALL = np.ones(4)
@@ -16,7 +18,7 @@ LIMIT = np.full(2, 1000.0)
 
 
 def swing(amplitude: float = 1.0, step: float = 0.05) -> Reference:
-    """One swing of both joints, at rest at its ends."""
+    """Return one swing of both joints, at rest at its ends."""
     time = np.arange(0.0, 2.0 + 1e-9, step)
     w = np.pi
     q = amplitude * 0.5 * (1.0 - np.cos(w * time))
@@ -55,6 +57,29 @@ def test_effort_is_the_prediction_at_the_points_within_its_limit() -> None:
     assert np.abs(plan.effort(ALL, SCALE, np.full(2, 3.0))).max() == 3.0
     gravity = plan.effort(np.array([1.0, 0.0, 0.0, 0.0]), SCALE, LIMIT)
     np.testing.assert_allclose(gravity, 10.0 * np.cos(reference.q), atol=1e-9)
+
+
+def test_an_effect_is_switched_with_what_it_is_like() -> None:
+    """Friction off drops what dissipates, and keeps springs, rotors and offsets."""
+
+    class Sprung(FakeModel):
+        def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
+            terms = super().terms(q, qd, qdd)
+            more = {"spring": 4.0 * q, "rotor_inertia": 0.7 * qdd, "stribeck": 0.1 * np.sign(qd)}
+            return replace(terms, effects=terms.effects | more)
+
+    plan = make_plan(Sprung(), swing(), Policy("allow"))
+    q, qd, qdd = plan.reference.q, plan.reference.qd, plan.reference.qdd
+    for number, expected in enumerate(
+        (
+            10.0 * np.cos(q) + 4.0 * q,
+            2.7 * qdd,
+            0.3 * qd**2,
+            0.5 * qd + np.tanh(qd / 0.01) + 0.1 * np.sign(qd),
+        )
+    ):
+        alone = plan.effort(np.eye(4)[number], SCALE, LIMIT)
+        np.testing.assert_allclose(alone, expected, atol=1e-9)
 
 
 def test_looking_up_interpolates_and_holds_the_ends_at_rest() -> None:
@@ -96,15 +121,6 @@ def test_allow_lets_everything_through_and_says_what_is_outside() -> None:
     assert plan.excess.worst
 
 
-def test_fading_takes_its_time_on_both_sides() -> None:
-    time = np.linspace(0.0, 4.0, 401)
-    outside = (time > 1.0) & (time < 2.0)
-    weight = fade_around(time, outside, 0.5)
-    expected = np.clip(np.maximum(1.005 - time, time - 1.995) / 0.5, 0.0, 1.0)
-    np.testing.assert_allclose(weight, expected, atol=0.02)
-    assert (fade_around(time, np.zeros(401, dtype=bool), 0.5) == 1.0).all()
-
-
 def test_a_model_that_gives_no_number_is_refused() -> None:
     class Broken(FakeModel):
         def terms(self, q, qd, qdd):  # type: ignore[no-untyped-def]
@@ -112,3 +128,81 @@ def test_a_model_that_gives_no_number_is_refused() -> None:
 
     with pytest.raises(RefusedReference, match="no finite torque"):
         make_plan(Broken(), swing(), Policy("allow"))
+
+
+class GatedModel(FakeModel):
+    """Computes only while the gate is open, and says when it has begun."""
+
+    gate = threading.Event()
+    begun = threading.Event()
+
+    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
+        self.begun.set()
+        assert self.gate.wait(10.0)
+        return super().terms(q, qd, qdd)
+
+
+class Results:
+    def __init__(self) -> None:
+        self.plans: list[tuple[Plan, str]] = []
+        self.errors: list[Exception] = []
+        self.some = threading.Event()
+
+    def done(self, plan: Plan, tag: str) -> None:
+        self.plans.append((plan, tag))
+        self.some.set()
+
+    def failed(self, error: Exception) -> None:
+        self.errors.append(error)
+        self.some.set()
+
+
+def reference(q: float = 0.5) -> Reference:
+    still = np.zeros((2, 2))
+    return Reference(("a", "b"), np.array([0.0, 1.0]), np.full((2, 2), q), still, still)
+
+
+def test_a_newer_reference_takes_the_place_of_one_under_way() -> None:
+    model, results = GatedModel(), Results()
+    planner: Planner[str] = Planner(model, results.done, results.failed)
+    planner.submit(lambda: (reference(), "old"), Policy())
+    assert model.begun.wait(10.0)
+    planner.submit(lambda: (reference(), "new"), Policy())
+    model.gate.set()
+    assert results.some.wait(10.0)
+    planner.stop()
+    assert [tag for _, tag in results.plans] == ["new"]
+    assert not results.errors
+    assert planner.fraction == 1.0
+
+
+def test_what_is_dropped_never_comes_out() -> None:
+    model, results = GatedModel(), Results()
+    model.gate.clear()
+    model.begun.clear()
+    planner: Planner[str] = Planner(model, results.done, results.failed)
+    planner.submit(lambda: (reference(), "dropped"), Policy())
+    assert model.begun.wait(10.0)
+    planner.drop()
+    model.gate.set()
+    planner.stop()
+    assert not results.plans
+    assert not results.errors
+
+
+def test_a_refusal_is_reported_and_the_next_reference_planned() -> None:
+    results = Results()
+    planner: Planner[str] = Planner(FakeModel(), results.done, results.failed)
+    planner.submit(lambda: (reference(9.0), "outside"), Policy("refuse"))
+    assert results.some.wait(10.0)
+    results.some.clear()
+    planner.submit(lambda: (reference(), "inside"), Policy("refuse"))
+    assert results.some.wait(10.0)
+    planner.stop()
+    assert [tag for _, tag in results.plans] == ["inside"]
+    assert "outside the identified range" in reason(results.errors[0])
+
+
+def test_the_reason_names_what_is_no_mistake_of_the_user() -> None:
+    assert reason(RefusedReference("too far")) == "too far"
+    assert reason(ValueError("too far")) == "ValueError: too far"

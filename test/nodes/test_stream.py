@@ -10,10 +10,21 @@ from fake_model import FakeModel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lagrangian_ff.nodes.streaming.limits import Ramp, clamp, slew
+from lagrangian_ff.nodes.common.joint_state_bytes import MessageError
+from lagrangian_ff.nodes.common.status import Level
 from lagrangian_ff.nodes.streaming.plan import Plan, Policy, make_plan
 from lagrangian_ff.nodes.streaming.reference import Reference
-from lagrangian_ff.nodes.streaming.stream import Output, Phase, Settings, TorqueStream
+from lagrangian_ff.nodes.streaming.stream import (
+    Output,
+    Phase,
+    Ramp,
+    Settings,
+    StreamMonitor,
+    TorqueStream,
+    clamp,
+    effort_limits,
+    slew,
+)
 
 MODEL = FakeModel()
 SECOND = 1_000_000_000
@@ -119,7 +130,7 @@ def test_the_running_trajectory_goes_on_until_the_next_one_starts() -> None:
 
 
 def faded(outputs: list[Output], fade_time: float = 0.5) -> None:
-    """The gain falls steadily to zero within the fade time, and with it the torque."""
+    """Check that the gain and the torque fall steadily to zero within the fade time."""
     gains = np.array([output.gain for output in outputs])
     assert (np.diff(gains) <= 0.0).all()
     assert np.diff(gains).min() >= -0.002 / fade_time - 1e-9
@@ -135,6 +146,7 @@ def test_silent_joint_states_fade_it_and_new_ones_bring_it_back() -> None:
     outputs = bench.run(0.3 + 0.5 + 0.05)
     faded(outputs)
     assert "no joint states" in outputs[-1].withheld
+    assert outputs[-1].silent
     bench.alive = True
     assert bench.run(0.6)[-1].gain == 1.0
 
@@ -306,3 +318,67 @@ def test_ramp_without_duration_is_a_switch() -> None:
     ramp = Ramp(0.0, 0.0)
     assert ramp.move(True, 0.001) == 1.0
     assert ramp.move(False, 0.001) == 0.0
+
+
+def output(
+    phase: Phase = Phase.FOLLOWING,
+    withheld: str = "",
+    saturated: bool = False,
+    silent: bool = False,
+) -> Output:
+    flags, none = np.array([saturated, False]), np.zeros(2, dtype=bool)
+    return Output(np.zeros(2), 1.0, phase, withheld, flags, none, silent=silent)
+
+
+def test_each_beginning_of_a_fade_is_reported_once() -> None:
+    monitor = StreamMonitor()
+    reasons = [
+        monitor.note(output(withheld=reason))
+        for reason in ("", "disabled", "disabled", "", "no joint states", "no joint states")
+    ]
+    assert reasons == ["", "disabled", "", "", "no joint states", ""]
+    assert StreamMonitor().note(output(Phase.WAITING, "no reference")) == ""
+
+
+@pytest.mark.parametrize(
+    ("last", "rate", "level", "message"),
+    [
+        (output(), 0.0, Level.OK, "following"),
+        (output(Phase.WAITING, "no reference"), 0.0, Level.OK, "no reference"),
+        (output(withheld="disabled"), 0.0, Level.WARN, "disabled"),
+        (output(withheld="no joint states", silent=True), 0.0, Level.STALE, "no joint states"),
+        (output(saturated=True), 0.0, Level.WARN, "torque limit reached in 1 ticks"),
+        (output(), 1e12, Level.WARN, "Hz instead of 1e+12 Hz"),
+    ],
+)
+def test_the_status_names_the_worst(last: Output, rate: float, level: Level, message: str) -> None:
+    monitor = StreamMonitor()
+    monitor.note(last)
+    status = monitor.status(rate, {"more": 1})
+    assert status.level is level
+    assert message in status.message
+    assert status.values["more"] == 1
+    assert monitor.status(0.0, {}).values["ticks at the torque limit"] == 0
+
+
+def test_positive_limits_are_found_by_joint() -> None:
+    urdf = """<robot name="r">
+      <joint name="a" type="revolute"><limit effort="12.5" velocity="1"/></joint>
+      <joint name="b" type="continuous"><limit effort="0" velocity="1"/></joint>
+      <joint name="c" type="fixed"/>
+      <joint name="d" type="prismatic"><limit velocity="1"/></joint>
+    </robot>"""
+    assert effort_limits(urdf) == {"a": 12.5}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "not XML"),
+        ("<robot>", "not XML"),
+        ('<robot><joint name="a"><limit effort="strong"/></joint></robot>', "limit of a"),
+    ],
+)
+def test_what_is_no_description_is_reported(text: str, expected: str) -> None:
+    with pytest.raises(MessageError, match=expected):
+        effort_limits(text)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,10 @@ ARROWS: dict[str, set[str]] = {
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
     "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},
 }
-FOR_ALL = {"errors", "lazy", "progress", "record_json", "words", "__version__", ""}
+FOR_ALL = {
+    "arrays", "errors", "files", "lazy", "numbers", "progress", "record_json", "sampling", "words",
+    "__version__", "",
+}  # fmt: skip
 ROS = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python", "launch"}
 
 
@@ -59,9 +63,24 @@ def imports_of(text: str, package: list[str]) -> Iterator[tuple[int, str]]:
         elif isinstance(node, ast.ImportFrom):
             start = package[: len(package) - node.level + 1] if node.level else []
             module = ".".join([*start, *filter(None, [node.module])])
-            # `from lagrangian_ff import recording` names a room behind the word import.
-            names = [alias.name for alias in node.names] if module == PACKAGE.name else [""]
-            yield from ((node.lineno, f"{module}.{name}".rstrip(".")) for name in names)
+            # `from lagrangian_ff import recording` names a module behind the word import.
+            names = [
+                alias.name
+                for alias in node.names
+                if module == PACKAGE.name or is_module(f"{module}.{alias.name}")
+            ]
+            yield from ((node.lineno, f"{module}.{name}".rstrip(".")) for name in names or [""])
+
+
+def is_module(dotted: str) -> bool:
+    """Return whether a dotted name is that of a file or folder of the package."""
+    path = ROOT.joinpath(*dotted.split("."))
+    return dotted.startswith(PACKAGE.name) and (path.is_dir() or path.with_suffix(".py").exists())
+
+
+def module_name(file: Path) -> str:
+    """Return the dotted name of a file; that of its folder for `__init__.py`."""
+    return ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
 def room(dotted: str) -> str:
@@ -70,7 +89,7 @@ def room(dotted: str) -> str:
 
 
 def is_ros(name: str) -> bool:
-    """Tell whether a top-level module comes with ROS."""
+    """Return whether a top-level module comes with ROS."""
     return name in ROS or name.endswith("_msgs") or name.startswith("rosidl")
 
 
@@ -90,6 +109,20 @@ def test_arrows_point_one_way(name: str) -> None:
         if imported.split(".")[0] == PACKAGE.name and room(imported) not in allowed
     ]
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("name", ARROWS)
+def test_no_circle_of_imports_inside_a_room(name: str) -> None:
+    """Imports inside functions and those for type checkers count, too."""
+    files = {module_name(file): file for file in sources(f"{PACKAGE.name}/{name}")}
+    graph = {
+        module: {imported for _, imported in imports(file) if imported in files}
+        for module, file in files.items()
+    }
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
 
 
 def test_what_is_for_all_rests_on_no_room() -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrangian_ff.words import listed, where, which
+from lagrangian_ff.words import listed, sentence, spoken, standing, where, which
 
 ARM = ("base", "elbow", "wrist", "hand")
 
@@ -41,3 +41,27 @@ def test_a_finding_says_whose_gear_it_is_if_it_is_felt_elsewhere() -> None:
     assert where({"joints": ["wrist"], "caused_by": "elbow"}, ARM) == "wrist (gear of elbow)"
     assert where({"joints": ["wrist"], "caused_by": "wrist"}, ARM) == "wrist"
     assert where({"joints": list(ARM)}, ARM) == "every joint"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "others", "word"),
+    [
+        ("confirmed", [], "confirmed"),
+        ("suggested", ["delay"], "suggested"),
+        ("ambiguous with delay, spring", ["delay", "spring"], "ambiguous"),
+    ],
+)
+def test_a_verdict_in_one_word(verdict: str, others: list[str], word: str) -> None:
+    """Whatever it is ambiguous with."""
+    assert standing({"verdict": verdict, "ambiguous_with": others}) == word
+
+
+def test_an_effect_is_spoken_and_its_joint_keeps_its_name() -> None:
+    """Underscores are of names in code."""
+    assert spoken("torque_ripple on joint_2") == "torque ripple on joint_2"
+
+
+def test_a_sentence_begins_and_ends_as_one() -> None:
+    """The name of a joint stays as it is."""
+    assert sentence("go slower") == "Go slower."
+    assert sentence("joint_2 is noisy!") == "joint_2 is noisy!"

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from recording_examples import swinging
 
 from lagrangian_ff.recording import Recording, inspect
-from lagrangian_ff.recording.quantisation import clipped, resolution
+from lagrangian_ff.recording.inspection import clipped, resolution
 
 BASE = swinging(2000)
 WAVE = np.sin(np.linspace(0, 20, 4000))

@@ -89,6 +89,15 @@ def finding(effect: str, verdict: str, **more: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def changed(what: str, **more: Any) -> dict[str, Any]:
+    """A change of the elbow since the model was identified."""
+    return {
+        "what": what, "joints": ["elbow"], "evidence_gain": 90.0, "p_value": 0.0025,
+        "change": {"m": {"value": 0.5, "unit": "kg", "low": 0.4, "high": 0.6}}, "size": 1.5,
+        "rivals": [], **more,
+    }  # fmt: skip
+
+
 def diagnosed() -> dict[str, Any]:
     """A record of diagnose with one confirmed and one ambiguous finding."""
     return deepcopy(
@@ -98,15 +107,15 @@ def diagnosed() -> dict[str, Any]:
             "findings": [
                 finding("stribeck", "confirmed"),
                 finding(
-                    "torque_ripple", "ambiguous", signature=None, blocks=[],
-                    ambiguous_with=[{"effect": "gear_mesh", "joint": "elbow"}, "spring"],
+                    "torque_ripple", "ambiguous with gear_mesh, spring", signature=None, blocks=[],
+                    ambiguous_with=["gear_mesh", "spring"],
                 ),
             ],
             "ranking": [
                 {"effect": "stribeck", "joint": "elbow", "gain": 213.0, "threshold": 14.0},
                 {"effect": "delay", "joint": "elbow", "gain": 3.0, "threshold": 14.0},
             ],
-            "null": {"threshold": 14.0, "level": 0.95},
+            "null": {"threshold": 14.0, "level": 0.05},
             "steps": [{"added": None, "error": 1.5}, {"added": "stribeck on elbow", "error": 0.9}],
             "unexplained": [{"joint": "shoulder", "coordinate": "position", "share": 0.19}],
             "not_observable": [

@@ -12,14 +12,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from report_examples import JOINTS, comparison, motion, runs
 
-from lagrangian_ff.diagnosis.interval import Interval
+from lagrangian_ff.diagnosis.compare import Interval
+from lagrangian_ff.numbers import mrad
 from lagrangian_ff.report import html
-from lagrangian_ff.report.figures import (
-    torque_figure,
-    tracking_bars_figure,
-    tracking_time_figure,
-)
-from lagrangian_ff.report.numbers import mrad
+from lagrangian_ff.report.sections.torque import torque_figure
+from lagrangian_ff.report.sections.tracking import tracking_bars_figure, tracking_time_figure
 from lagrangian_ff.report.style import MOST_POINTS, png, thinned
 
 

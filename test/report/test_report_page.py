@@ -8,8 +8,9 @@ from report_examples import comparison, effects, runs
 from test_report_html import texts
 
 from lagrangian_ff.report import Section, html, write_page
-from lagrangian_ff.report.figures import torque_figure, tracking_time_figure
-from lagrangian_ff.report.sections import effects_section, torque_section, tracking_section
+from lagrangian_ff.report.sections.effects import effects_section
+from lagrangian_ff.report.sections.torque import torque_figure, torque_section
+from lagrangian_ff.report.sections.tracking import tracking_section, tracking_time_figure
 from lagrangian_ff.report.style import png
 
 

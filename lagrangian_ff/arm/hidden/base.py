@@ -1,4 +1,4 @@
-"""What a hidden effect is: physics that the arm's description does not mention, of known size."""
+"""Hidden effects: physics beyond the arm's description, of known size."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -7,18 +7,17 @@ from math import tanh
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import JOINTS
-from lagrangian_ff.arm.gear import Gear
 from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
-from lagrangian_ff.arm.plant import Attached, true_torque
+from lagrangian_ff.arm.plant import Attached, Gear, true_torque
 from lagrangian_ff.arm.servo import SensorEffect
 from lagrangian_ff.arm.simulation import SETTLING, Run
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
 
 ALL_JOINTS = tuple(range(len(JOINTS)))
+TRIES = 12  # of a strength
+CLOSE = 0.01  # of the size
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class Reference:
         time: (M,) s since the beginning of the recording, evenly spaced.
         q: (M, 6) rad.  qd: (M, 6) rad/s.  qdd: (M, 6) rad/s².
         motor: (M, 6) N·m of the motors.  load: (M, 6) N·m that went into the links.
-        ahead: (M, 6) rad of the motors ahead of the links; zero where gears are stiff.
+        ahead: (M, 6) rad of the motors ahead of the links; zero for stiff gears.
     """
 
     time: Floats
@@ -42,7 +41,7 @@ class Reference:
 
     @classmethod
     def of(cls, run: Run) -> "Reference":
-        """What happened in a run."""
+        """Return the reference of a run."""
         time, q, qd = run.recording.time, run.position, run.velocity
         qdd = np.gradient(qd, time, axis=0)
         ahead = run.encoder - q
@@ -50,11 +49,11 @@ class Reference:
 
     @property
     def dt(self) -> float:
-        """s between two samples."""
+        """Return the time between two samples, s."""
         return float(self.time[1] - self.time[0])
 
     def rms(self, torque: Floats) -> Floats:
-        """(6,) N·m of torques (M, 6)."""
+        """Return the RMS, (6,) N·m, of torques (M, 6)."""
         return np.sqrt(np.mean(np.square(torque), axis=0))
 
 
@@ -63,7 +62,7 @@ class Installed:
     """The parts of an arm that make one hidden effect; see `simulate` for each.
 
     Attributes:
-        facts: what the effect's numbers are, by name with unit, for the record.
+        facts: the effect's parameters by name with unit, for the record.
     """
 
     effects: tuple[JointEffect, ...] = ()
@@ -75,15 +74,15 @@ class Installed:
 
 @dataclass(frozen=True)
 class Site:
-    """Where and when an effect is put.
+    """The place of an effect: a joint and a recording.
 
     Attributes:
         joint: 0 to 5.
-        seed: of what chance decides about the effect (its phase, its harmonic, ...).
-        recording: which recording of the same arm this is; only what happens by chance in time
-            differs between them.
-        along: what the arm does without the effect in the first recording; what an effect takes
-            from it (a limit, an angle) is the same in all of them.
+        seed: of the effect's random parameters (its phase, its harmonic, ...).
+        recording: number of the recording of the same arm; only random events in time differ
+            between recordings.
+        along: the run without the effect in the first recording; parameters that depend on it
+            (a limit, an angle) are the same in all recordings.
     """
 
     joint: int
@@ -93,89 +92,52 @@ class Site:
 
     @property
     def random(self) -> np.random.Generator:
-        """Always from its beginning: the same draws at every strength and in every recording."""
+        """Return a fresh generator: the same draws at every strength and in every recording."""
         return np.random.default_rng(self.seed)
 
     @property
     def events(self) -> np.random.Generator:
-        """As `random`, but of its own for each recording."""
+        """Return a fresh generator that differs between recordings."""
         return np.random.default_rng([self.seed, self.recording])
 
 
-Torque = Callable[[Installed, Site], Floats]
-
-
-@dataclass(frozen=True)
-class HiddenEffect:
-    """One kind of hidden physics.
-
-    Attributes:
-        name: in this list.
-        catalogue: the names of the catalogue of effects that are the right answer; empty for
-            what no catalogue has.
-        physics: one sentence.
-        install: builds it at a site with a strength, in the unit of the effect.
-        torque: (M, 6) N·m that the effect makes along the site's run: what the motors must give
-            more, or for sensors, what the reported motion needs more than was reported.
-        joints: where it can be, 0 to 5.
-        reach: which joints it acts on when it is put on one: that one, that one and its
-            `partner`, or the whole arm.
-        absorbed: whether a kernel that can be any Lagrangian holds it already, so that finding
-            nothing is right too.
-        largest: the largest size that is still plausible for a machine.
-        start: a strength to begin the sizing from.
-        strongest: beyond this the physics is impossible; sizing stops here.
-    """
-
-    name: str
-    catalogue: tuple[str, ...]
-    physics: str
-    install: Callable[[Site, float], Installed]
-    torque: Torque
-    joints: tuple[int, ...] = ALL_JOINTS
-    reach: Literal["joint", "pair", "arm"] = "joint"
-    absorbed: bool = False
-    largest: float = 0.2
-    start: float = 1.0
-    strongest: float = np.inf
-
-    def acts_on(self, joint: int) -> tuple[int, ...]:
-        """The joints, 0 to 5, that feel it when it is put on one."""
-        pair = (joint, partner(joint))
-        return {"joint": (joint,), "pair": pair, "arm": ALL_JOINTS}[self.reach]
-
-
 def partner(joint: int) -> int:
-    """The neighbour that a joint shares something with: the next one, the last the one before."""
+    """Return the neighbour of a joint: the next one, of the last the one before."""
     return joint + 1 if joint + 1 < len(JOINTS) else joint - 1
 
 
-class OneJoint(ABC):
+class OneJoint(JointEffect, ABC):
     """A JointEffect on a single joint, written with plain numbers."""
 
     def __init__(self, joint: int) -> None:
         self.joint = joint
 
-    def reset(self, q: Floats) -> None:  # noqa: B027 - most have no state
-        """See JointEffect."""
-
     @abstractmethod
     def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """Torque in N·m and slope in N·m·s/rad at velocity v, see JointEffect.torque."""
+        """Return torque in N·m and slope in N·m·s/rad at velocity v, see JointEffect.torque."""
 
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """See JointEffect."""
         torque, slope = np.zeros(len(JOINTS)), np.zeros(len(JOINTS))
         joint = self.joint
         torque[joint], slope[joint] = self.law(float(moment.qd[joint]), moment)
         return torque, slope
 
-    def advance(self, moment: JointMoment) -> None:  # noqa: B027 - most have no state
-        """See JointEffect."""
+
+class Law(OneJoint):
+    """An effect without state, of a function for `law`."""
+
+    def __init__(
+        self, joint: int, law: Callable[[float, JointMoment], tuple[float, float]]
+    ) -> None:
+        super().__init__(joint)
+        self._law = law
+
+    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
+        return self._law(v, moment)
 
 
 def dry(v: float, turn: float = 0.02) -> tuple[float, float]:
-    """A smooth sign of v that turns over at `turn` rad/s, and its chord to the origin."""
+    """Return a smooth sign of v that changes over `turn` rad/s, and its chord to the origin."""
     x = v / turn
     if abs(x) < 1e-6:
         return x, 1.0 / turn
@@ -184,14 +146,14 @@ def dry(v: float, turn: float = 0.02) -> tuple[float, float]:
 
 
 def recorded(moment: JointMoment) -> float:
-    """s since the beginning of the recording, which follows the arm's settling."""
+    """Return s since the beginning of the recording, which follows the arm's settling."""
     return moment.time - SETTLING
 
 
 def replay(installed: Installed, site: Site) -> Floats:
-    """(M, 6) N·m of the joint effects along the site's run, their states advanced sample by sample.
+    """Return (M, 6) N·m of the joint effects along the site's run, sample by sample.
 
-    The site's own motion is taken as given: what the effect would do to it is not counted.
+    The run is given; it does not react to the effect.
     """
     run = site.along
     torque = np.zeros_like(run.q)
@@ -206,8 +168,54 @@ def replay(installed: Installed, site: Site) -> Floats:
     return torque
 
 
+Torque = Callable[[Installed, Site], Floats]
+
+
+@dataclass(frozen=True)
+class HiddenEffect:
+    """One kind of hidden physics.
+
+    Attributes:
+        name: in this list, and in the catalogue of effects if it is known there.
+        physics: one sentence.
+        install: builds it at a site with a strength, in the unit of the effect.
+        torque: (M, 6) N·m of the effect along the site's run: the additional torque of the motors,
+            or for sensors, of the reported motion.
+        known: whether the catalogue of effects has it.
+        joints: possible ones, 0 to 5.
+        reach: the joints it acts on: its own, its own and the `partner`, or the whole arm.
+        absorbed: whether a kernel of any Lagrangian contains it, so that finding nothing is right
+            too.
+        largest: the largest plausible size.
+        start: the strength at which sizing starts.
+        strongest: the largest possible strength.
+    """
+
+    name: str
+    physics: str
+    install: Callable[[Site, float], Installed]
+    torque: Torque = replay
+    known: bool = True
+    joints: tuple[int, ...] = ALL_JOINTS
+    reach: Literal["joint", "pair", "arm"] = "joint"
+    absorbed: bool = False
+    largest: float = 0.2
+    start: float = 1.0
+    strongest: float = np.inf
+
+    @property
+    def catalogue(self) -> tuple[str, ...]:
+        """Return the right names in the catalogue of effects; empty if it has none."""
+        return (self.name,) if self.known else ()
+
+    def acts_on(self, joint: int) -> tuple[int, ...]:
+        """Return the joints, 0 to 5, that it acts on if installed on one."""
+        pair = (joint, partner(joint))
+        return {"joint": (joint,), "pair": pair, "arm": ALL_JOINTS}[self.reach]
+
+
 def unexplained_by(site: Site, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-    """(M, 6) N·m that the run's motion needs more than another motion, as it was reported.
+    """Return (M, 6) N·m that the run's motion needs more than the reported one.
 
     By the arm's own inverse dynamics with friction, at 100 Hz.
     """
@@ -216,3 +224,39 @@ def unexplained_by(site: Site, q: Floats, qd: Floats, qdd: Floats) -> Floats:
     true = true_torque(run.q[part], run.qd[part], run.qdd[part])
     seen = true_torque(q[part], qd[part], qdd[part])
     return (true - seen)[np.minimum(np.arange(len(run.q)) // every, len(true) - 1)]
+
+
+def size(effect: HiddenEffect, installed: Installed, site: Site) -> float:
+    """Return the RMS of the effect's torque over that of the joint's motor torque in the run."""
+    run, j = site.along, site.joint
+    return float(run.rms(effect.torque(installed, site))[j] / run.rms(run.motor)[j])
+
+
+def sized(effect: HiddenEffect, site: Site, wanted: float) -> tuple[Installed, float]:
+    """Install an effect so that it has the wanted size along the site's run.
+
+    The size rises with the strength: a secant in logarithms, one step if it is proportional.
+
+    Args:
+        effect, site: what to install, and its place.
+        wanted: its size, such as 0.1.
+
+    Returns:
+        The effect, and the strength it has: `strongest`, if that is not enough for the size.
+    """
+    strength, power = min(effect.start, effect.strongest), 1.0
+    before: tuple[float, float] | None = None
+    for _ in range(TRIES):
+        installed = effect.install(site, strength)
+        found = max(size(effect, installed, site), 1e-9)
+        if abs(found / wanted - 1.0) < CLOSE:
+            break
+        if strength == effect.strongest and found < wanted:
+            break
+        if before is not None and strength != before[0] and found != before[1]:
+            slope = np.log(found / before[1]) / np.log(strength / before[0])
+            power = float(np.clip(slope, 0.25, 4.0))
+        before = strength, found
+        step = float(np.clip((wanted / found) ** (1.0 / power), 0.1, 10.0))
+        strength = min(strength * step, effect.strongest)
+    return installed, strength

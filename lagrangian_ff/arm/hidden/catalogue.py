@@ -1,116 +1,65 @@
 """Every hidden effect, listed once; the tests and the study read this list."""
 
-from lagrangian_ff.arm.hidden import events, friction, gears, load, sensing, solid, strange
-from lagrangian_ff.arm.hidden.base import HiddenEffect, replay
+from lagrangian_ff.arm.hidden import events, friction, sensing, solid, strange
+from lagrangian_ff.arm.hidden.base import HiddenEffect
 
 KNOWN = (
-    HiddenEffect(
-        "stribeck",
-        ("stribeck",),
-        "more dry friction below a low speed",
-        friction.stribeck,
-        replay,
-    ),
+    HiddenEffect("stribeck", "more dry friction below a low speed", friction.stribeck),
     HiddenEffect(
         "load_friction",
-        ("load_friction",),
         "dry friction in proportion to the load",
-        load.load_friction,
-        replay,
+        friction.load_friction,
         start=0.1,
         strongest=0.6,
     ),
     HiddenEffect(
         "load_viscous",
-        ("load_viscous",),
         "viscous friction in proportion to the load",
-        load.load_viscous,
-        replay,
+        friction.load_viscous,
         start=0.1,
     ),
+    HiddenEffect("warm_up", "friction that falls as the drive warms up", friction.warm_up),
     HiddenEffect(
-        "warm_up",
-        ("warm_up",),
-        "friction that falls as the drive warms up",
-        friction.warm_up,
-        replay,
+        "quadratic_drag", "drag that grows with the square of speed", friction.quadratic_drag
+    ),
+    HiddenEffect("power_law", "shear of a grease that thins", friction.power_law),
+    HiddenEffect(
+        "asymmetric_viscous", "viscous loss in one direction", friction.asymmetric_viscous
+    ),
+    HiddenEffect("ripple", "cogging some times a turn", friction.ripple),
+    HiddenEffect(
+        "gear_mesh", "ripple that grows with the load", friction.gear_mesh, start=0.1, strongest=0.6
     ),
     HiddenEffect(
-        "quadratic_drag",
-        ("quadratic_drag",),
-        "drag that grows with the square of speed",
-        friction.quadratic_drag,
-        replay,
+        "position_friction", "dry friction that varies once a turn", friction.position_friction
     ),
-    HiddenEffect(
-        "power_law",
-        ("power_law",),
-        "shear of a grease that thins",
-        friction.power_law,
-        replay,
-    ),
-    HiddenEffect(
-        "asymmetric_viscous",
-        ("asymmetric_viscous",),
-        "viscous loss in one direction",
-        friction.asymmetric_viscous,
-        replay,
-    ),
-    HiddenEffect("ripple", ("ripple",), "cogging some times a turn", load.ripple, replay),
-    HiddenEffect(
-        "gear_mesh",
-        ("gear_mesh",),
-        "ripple that grows with the load",
-        load.gear_mesh,
-        replay,
-        start=0.1,
-        strongest=0.6,
-    ),
-    HiddenEffect(
-        "position_friction",
-        ("position_friction",),
-        "dry friction that varies once a turn",
-        friction.position_friction,
-        replay,
-    ),
-    HiddenEffect(
-        "hysteresis",
-        ("hysteresis",),
-        "bristles that bend before they slip",
-        solid.hysteresis,
-        replay,
-    ),
+    HiddenEffect("hysteresis", "bristles that bend before they slip", solid.hysteresis),
     HiddenEffect(
         "coupled",
-        ("coupled",),
         "friction at the sum or difference of two joints' speeds",
         solid.coupled,
-        replay,
         reach="pair",
     ),
     HiddenEffect(
         "backlash",
-        ("backlash",),
         "play between rotor and link",
         solid.backlash,
-        gears.backlash_torque,
-        largest=0.10,
+        solid.backlash_torque,
+        largest=0.1,
         start=1e-3,
         strongest=0.03,
     ),
     HiddenEffect(
         "elasticity",
-        ("elasticity",),
         "a spring between rotor and link",
         solid.elasticity,
-        gears.elasticity_torque,
-        largest=0.10,
+        solid.elasticity_torque,
+        largest=0.1,
         start=3e-3,
         strongest=0.03,
     ),
     HiddenEffect(
         "delay",
-        ("delay",),
         "effort reported late",
         sensing.delay,
         sensing.delay_torque,
@@ -120,7 +69,6 @@ KNOWN = (
     ),
     HiddenEffect(
         "saturation",
-        ("saturation",),
         "effort clipped at the end of the sensor's range",
         sensing.saturation,
         sensing.saturation_torque,
@@ -129,7 +77,6 @@ KNOWN = (
     ),
     HiddenEffect(
         "eccentricity",
-        ("eccentricity",),
         "an encoder off its axis",
         sensing.eccentricity,
         sensing.eccentricity_torque,
@@ -139,7 +86,6 @@ KNOWN = (
     ),
     HiddenEffect(
         "payload",
-        ("payload",),
         "a load picked up on the way",
         events.payload,
         events.payload_torque,
@@ -149,45 +95,34 @@ KNOWN = (
     ),
     HiddenEffect(
         "contact",
-        ("contact",),
         "a push at the tool for some seconds",
         events.contact,
-        replay,
         reach="arm",
         joints=(0, 1, 2, 3, 4),
         start=10.0,
     ),
-    HiddenEffect(
-        "spring",
-        ("spring",),
-        "a hose or cable that is twisted",
-        solid.spring,
-        replay,
-        absorbed=True,
-    ),
+    HiddenEffect("spring", "a hose or cable that is twisted", solid.spring, absorbed=True),
 )
 
 UNKNOWN = (
     HiddenEffect(
         "pitting",
-        (),
         "more dry friction near one angle: a damaged bearing",
         strange.pitting,
-        replay,
+        known=False,
     ),
     HiddenEffect(
-        "shaking", (), "a floor that shakes at a fixed frequency", strange.shaking, replay
+        "shaking", "a floor that shakes at a fixed frequency", strange.shaking, known=False
     ),
     HiddenEffect(
         "capstan",
-        (),
         "friction set by the difference of two joints' angles",
         strange.capstan,
-        replay,
+        known=False,
     ),
-    HiddenEffect("pinched", (), "friction set by another joint's angle", strange.pinched, replay),
-    HiddenEffect("debris", (), "bursts of friction at times of chance", strange.debris, replay),
-    HiddenEffect("starved", (), "friction that remembers acceleration", strange.starved, replay),
+    HiddenEffect("pinched", "friction set by another joint's angle", strange.pinched, known=False),
+    HiddenEffect("debris", "bursts of friction at random times", strange.debris, known=False),
+    HiddenEffect("starved", "friction that remembers acceleration", strange.starved, known=False),
 )
 
 HIDDEN: dict[str, HiddenEffect] = {effect.name: effect for effect in (*KNOWN, *UNKNOWN)}

@@ -1,24 +1,22 @@
-"""What happens to the arm on its way: it picks up a load, it is pushed."""
+"""Events during a motion: the arm picks up a load, or is pushed."""
 
 from math import cos, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
 from lagrangian_ff.arm.description import JOINTS, Load
 from lagrangian_ff.arm.hidden.base import Installed, Site, recorded
-from lagrangian_ff.arm.joint_effect import JointMoment
+from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
 from lagrangian_ff.arm.plant import Attached
 from lagrangian_ff.arm.simulation import SETTLING
+from lagrangian_ff.arrays import Floats
 
-Floats = NDArray[np.float64]
-
-RAMP = 0.2  # s, in which a push sets in and ends
+RAMP = 0.2  # s, in which a push rises and falls
 
 
 def payload(site: Site, strength: float) -> Installed:
-    """A load of strength kg beside the tool, from 35 to 65 % of the recording on."""
+    """Install a load of strength kg beside the tool, from 35 to 65 % of the recording on."""
     random = site.random
     time = float(site.along.time[-1]) * random.uniform(0.35, 0.65)
     angle = random.uniform(0.0, 2.0 * pi)
@@ -30,7 +28,7 @@ def payload(site: Site, strength: float) -> Installed:
 
 
 def payload_torque(installed: Installed, site: Site) -> Floats:
-    """The inverse dynamics with the load less that without, from the time it is taken up."""
+    """Return the inverse dynamics with the load less that without, once it is picked up."""
     attached, run = installed.attached, site.along
     assert attached is not None
     rows = np.arange(0, len(run.time), 5)
@@ -41,12 +39,12 @@ def payload_torque(installed: Installed, site: Site) -> Floats:
     return torque[np.minimum(np.arange(len(run.time)) // 5, len(rows) - 1)]
 
 
-class Push:
-    """A force at the tool between two times: the joints must bear J(q)ᵀ of what resists it.
+class Push(JointEffect):
+    """A force at the tool between two times: the joints must resist J(q)ᵀ of it.
 
     Args:
         force: (3,) N on the tool, along the axes of the base.
-        begin, end: s of the recording; it sets in and ends within 0.2 s.
+        begin, end: s of the recording; it rises and falls within 0.2 s.
     """
 
     def __init__(self, force: Floats, begin: float, end: float) -> None:
@@ -54,11 +52,7 @@ class Push:
         self._body = Body()
         self._none = np.zeros(len(JOINTS))
 
-    def reset(self, q: Floats) -> None:
-        """See JointEffect."""
-
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """See JointEffect."""
         time = recorded(moment)
         inside = min(time - self._begin, self._end - time) / RAMP
         if inside <= 0.0:
@@ -67,12 +61,9 @@ class Push:
         arm = self._body.tool_jacobian(moment.q)
         return -share * (arm.T @ self._force), self._none
 
-    def advance(self, moment: JointMoment) -> None:
-        """See JointEffect."""
-
 
 def contact(site: Site, strength: float) -> Installed:
-    """A push of strength N in a random direction for 5 to 9 s, less in a short run."""
+    """Install a push of strength N in a random direction for 5 to 9 s, less in a short run."""
     random = site.random
     way = random.normal(size=3)
     end = float(site.along.time[-1])

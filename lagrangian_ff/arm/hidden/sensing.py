@@ -1,20 +1,19 @@
-"""Sensors that do not tell the truth: late or clipped effort, an encoder off its axis."""
+"""Faulty sensors: late or clipped effort, an encoder off its axis."""
 
 from collections import deque
 from math import cos, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.hidden.base import Installed, Site, unexplained_by
+from lagrangian_ff.arm.servo import SensorEffect
+from lagrangian_ff.arrays import Floats
 
-Floats = NDArray[np.float64]
 
+class LateEffort(SensorEffect):
+    """The driver reports the effort of d seconds ago beside the present position.
 
-class LateEffort:
-    """The driver reports the effort of d seconds ago beside the position of now.
-
-    Between samples it is taken as linear. A delay of one joint is that of its own bus node.
+    Effort is linear between samples. The delay of one joint is that of its bus node.
     """
 
     def __init__(self, joint: int, delay: float) -> None:
@@ -22,11 +21,9 @@ class LateEffort:
         self._held: deque[tuple[float, float]] = deque()
 
     def reset(self) -> None:
-        """See SensorEffect."""
         self._held.clear()
 
     def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
-        """See SensorEffect."""
         held, then = self._held, time - self.delay
         held.append((time, float(effort[self.joint])))
         while len(held) > 1 and held[1][0] <= then:
@@ -40,12 +37,12 @@ class LateEffort:
 
 
 def delay(site: Site, strength: float) -> Installed:
-    """Of strength s."""
+    """Install a delay of strength s."""
     return Installed(sensors=(LateEffort(site.joint, strength),), facts={"delay [s]": strength})
 
 
 def delay_torque(installed: Installed, site: Site) -> Floats:
-    """The reported torque less the true one."""
+    """Return the reported torque less the true one."""
     (sensor,) = installed.sensors
     assert isinstance(sensor, LateEffort)
     run, j = site.along, sensor.joint
@@ -55,30 +52,26 @@ def delay_torque(installed: Installed, site: Site) -> Floats:
     return torque
 
 
-class ClippedEffort:
+class ClippedEffort(SensorEffect):
     """A current sensor whose range ends below what the motor draws."""
 
     def __init__(self, joint: int, limit: float) -> None:
         self.joint, self.limit = joint, limit
 
-    def reset(self) -> None:
-        """See SensorEffect."""
-
     def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
-        """See SensorEffect."""
         clipped = effort.copy()
         clipped[self.joint] = min(max(float(effort[self.joint]), -self.limit), self.limit)
         return position, clipped
 
 
 def saturation(site: Site, strength: float) -> Installed:
-    """A limit at 1 − strength of the largest torque of the run."""
+    """Install a limit at 1 − strength of the largest torque of the run."""
     limit = (1.0 - strength) * float(np.abs(site.along.motor[:, site.joint]).max())
     return Installed(sensors=(ClippedEffort(site.joint, limit),), facts={"limit [N·m]": limit})
 
 
 def saturation_torque(installed: Installed, site: Site) -> Floats:
-    """The reported torque less the true one."""
+    """Return the reported torque less the true one."""
     (sensor,) = installed.sensors
     assert isinstance(sensor, ClippedEffort)
     j = sensor.joint
@@ -88,24 +81,20 @@ def saturation_torque(installed: Installed, site: Site) -> Floats:
     return torque
 
 
-class OffAxis:
+class OffAxis(SensorEffect):
     """An encoder disk off its axis reads q + e cos(q + phase), once a turn of the joint."""
 
     def __init__(self, joint: int, error: float, phase: float) -> None:
         self.joint, self.error, self.phase = joint, error, phase
 
-    def reset(self) -> None:
-        """See SensorEffect."""
-
     def sense(self, time: float, position: Floats, effort: Floats) -> tuple[Floats, Floats]:
-        """See SensorEffect."""
         read = position.copy()
         read[self.joint] += self.error * cos(float(position[self.joint]) + self.phase)
         return read, effort
 
 
 def eccentricity(site: Site, strength: float) -> Installed:
-    """Of strength rad, at a random phase."""
+    """Install an error of strength rad, at a random phase."""
     phase = site.random.uniform(0.0, 2.0 * pi)
     return Installed(
         sensors=(OffAxis(site.joint, strength, phase),),
@@ -114,7 +103,7 @@ def eccentricity(site: Site, strength: float) -> Installed:
 
 
 def eccentricity_torque(installed: Installed, site: Site) -> Floats:
-    """The torque of the true motion less that which the reported motion would need."""
+    """Return the torque of the true motion less that of the reported one."""
     (sensor,) = installed.sensors
     assert isinstance(sensor, OffAxis)
     run, j, error = site.along, sensor.joint, sensor.error

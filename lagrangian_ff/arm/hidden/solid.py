@@ -3,15 +3,23 @@
 from math import copysign, exp, log10
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arm.description import JOINTS
-from lagrangian_ff.arm.gear import Gear
-from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry, partner
-from lagrangian_ff.arm.joint_effect import JointMoment
+from lagrangian_ff.arm.hidden.base import (
+    Installed,
+    Law,
+    OneJoint,
+    Site,
+    dry,
+    partner,
+    unexplained_by,
+)
+from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
+from lagrangian_ff.arm.plant import Gear
+from lagrangian_ff.arrays import Floats
 
-Floats = NDArray[np.float64]
+WINDOW = 0.03  # s, over which the servo's noise is averaged out of a twist
 
 
 class Bristles(OneJoint):
@@ -27,28 +35,25 @@ class Bristles(OneJoint):
         self._bent = 0.0
 
     def reset(self, q: Floats) -> None:
-        """See JointEffect."""
         self._bent = 0.0
 
     def _after(self, v: float, dt: float) -> tuple[float, float]:
-        """The bend in parts of z_s after a step, and its derivative over v."""
+        """Return the bend, relative to z_s, after a step, and its derivative by v."""
         end = copysign(1.0, v)
         left = exp(-abs(v) * dt / self._distance)
         bent = end + (self._bent - end) * left
         return bent, (1.0 - end * self._bent) * left * dt / self._distance
 
     def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
         bent, slope = self._after(v, moment.dt)
         return self._slip * bent, self._slip * slope
 
     def advance(self, moment: JointMoment) -> None:
-        """See JointEffect."""
         self._bent = self._after(float(moment.qd[self.joint]), moment.dt)[0]
 
 
 def hysteresis(site: Site, strength: float) -> Installed:
-    """Of strength N·m of slip; a presliding distance of 2 to 10 mrad."""
+    """Install bristles of strength N·m of slip; a presliding distance of 2 to 10 mrad."""
     distance = 10.0 ** site.random.uniform(log10(2e-3), -2.0)
     return Installed(
         (Bristles(site.joint, strength, distance),),
@@ -56,7 +61,7 @@ def hysteresis(site: Site, strength: float) -> Installed:
     )
 
 
-class Differential:
+class Differential(JointEffect):
     """A bevel gear between two motors rubs at qd_j ± qd_k, and by virtual work brakes both.
 
     F sign(v_m) + B v_m on the first joint, the same times ±1 on the second.
@@ -69,21 +74,14 @@ class Differential:
         self._bound = 2.0 * np.abs(self._row)
         self._dry, self._viscous = dry, viscous
 
-    def reset(self, q: Floats) -> None:
-        """See JointEffect."""
-
     def torque(self, moment: JointMoment) -> tuple[Floats, Floats]:
-        """See JointEffect."""
         v = float(self._row @ moment.qd)
         chord = self._dry * dry(v)[1] + self._viscous
         return self._row * (chord * v), self._bound * chord
 
-    def advance(self, moment: JointMoment) -> None:
-        """See JointEffect."""
-
 
 def coupled(site: Site, strength: float) -> Installed:
-    """Of strength N·m between a joint and its partner."""
+    """Install friction of strength N·m between a joint and its partner."""
     second = partner(site.joint)
     way = float(site.random.choice((-1.0, 1.0)))
     return Installed(
@@ -92,36 +90,30 @@ def coupled(site: Site, strength: float) -> Installed:
     )
 
 
-class Spring(OneJoint):
-    """A hose or cable that is twisted: k x + k₃ x³ with x = q − q0."""
-
-    def __init__(self, joint: int, stiffness: float, cubic: float, rest: float) -> None:
-        super().__init__(joint)
-        self._stiffness, self._cubic, self._rest = stiffness, cubic, rest
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        x = float(moment.q[self.joint]) - self._rest
-        return (self._stiffness + self._cubic * x * x) * x, 0.0
-
-
 def spring(site: Site, strength: float) -> Installed:
-    """Of strength N·m/rad, 0.3 of it per rad² more, at rest within 0.5 rad of zero."""
-    rest = site.random.uniform(-0.5, 0.5)
+    """Install a hose or cable that is twisted: k x + k₃ x³ with x = q − q0, k of strength N·m/rad.
+
+    k₃ is 0.3 k per rad²; q0 is within 0.5 rad of zero.
+    """
+    joint, cubic, rest = site.joint, 0.3 * strength, site.random.uniform(-0.5, 0.5)
+
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        x = float(moment.q[joint]) - rest
+        return (strength + cubic * x * x) * x, 0.0
+
     return Installed(
-        (Spring(site.joint, strength, 0.3 * strength, rest),),
-        facts={"stiffness [N·m/rad]": strength, "rest [rad]": rest},
+        (Law(joint, law),), facts={"stiffness [N·m/rad]": strength, "rest [rad]": rest}
     )
 
 
 def elasticity(site: Site, strength: float) -> Installed:
-    """A gear that the run's RMS torque twists by strength rad, with 4 % of critical damping."""
+    """Install a gear that the run's RMS torque twists by strength rad; 4 % of critical damping."""
     torque = float(site.along.rms(site.along.motor)[site.joint])
     return _gear(site, torque / strength, 0.04, 0.0)
 
 
 def backlash(site: Site, strength: float) -> Installed:
-    """A play of strength rad; teeth that ring at 15 Hz with 40 % of critical damping."""
+    """Install a play of strength rad; teeth that ring at 15 Hz with 40 % of critical damping."""
     inertia = float(ArmParameters().reflected_inertia[site.joint])
     return _gear(site, inertia * (2.0 * np.pi * 15.0) ** 2, 0.4, strength)
 
@@ -136,3 +128,37 @@ def _gear(site: Site, stiffness: float, damping: float, play: float) -> Installe
         "rotor against the link held [Hz]": float(np.sqrt(stiffness / inertia)) / (2.0 * np.pi),
     }
     return Installed(gears=(Gear(site.joint, stiffness, loss, play),), facts=facts)
+
+
+def elasticity_torque(installed: Installed, site: Site) -> Floats:
+    """Return the torque of the twist; along a stiff run the motor is load / stiffness ahead."""
+    (gear,) = installed.gears
+    return _twisted(site, gear.joint, site.along.load[:, gear.joint] / gear.stiffness)
+
+
+def backlash_torque(installed: Installed, site: Site) -> Floats:
+    """Return the torque of the twist; along a stiff run half the play, to the load's side."""
+    (gear,) = installed.gears
+    load = site.along.load[:, gear.joint]
+    side = np.tanh(load / (0.05 * np.sqrt(np.mean(load**2))))
+    return _twisted(site, gear.joint, 0.5 * gear.play * side)
+
+
+def _twisted(site: Site, joint: int, estimate: Floats) -> Floats:
+    run = site.along
+    ahead = run.ahead[:, joint] if np.any(run.ahead[:, joint]) else estimate
+    ahead = _smooth(ahead, round(WINDOW / run.dt))
+    rate = np.gradient(ahead, run.dt)
+    q, qd, qdd = run.q.copy(), run.qd.copy(), run.qdd.copy()
+    q[:, joint] += ahead
+    qd[:, joint] += rate
+    qdd[:, joint] += np.gradient(rate, run.dt)
+    return unexplained_by(site, q, qd, qdd)
+
+
+def _smooth(values: Floats, width: int) -> Floats:
+    """Return values averaged twice over a window, with constant ends."""
+    for _ in range(2):
+        padded = np.pad(values, (width // 2, width - 1 - width // 2), mode="edge")
+        values = np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
+    return values

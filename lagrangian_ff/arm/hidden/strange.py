@@ -1,149 +1,106 @@
-"""Physics that no catalogue of effects has: what a diagnosis must not give a known name."""
+"""Physics that no catalogue of effects has; a diagnosis must not give it a known name."""
 
 from math import cos, exp, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.arm.hidden.base import Installed, OneJoint, Site, dry, partner, recorded
+from lagrangian_ff.arm.hidden.base import Installed, Law, OneJoint, Site, dry, partner, recorded
 from lagrangian_ff.arm.joint_effect import JointMoment
-
-Floats = NDArray[np.float64]
-
-
-class Pitting(OneJoint):
-    """A damaged spot of a bearing: more dry friction within about 0.15 rad of one angle."""
-
-    def __init__(self, joint: int, height: float, centre: float) -> None:
-        super().__init__(joint)
-        self._height, self._centre = height, centre
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        x = (float(moment.q[self.joint]) - self._centre) / 0.15
-        height = self._height * exp(-0.5 * x * x) if abs(x) < 6.0 else 0.0
-        sign, chord = dry(v)
-        return height * sign, height * chord
+from lagrangian_ff.arrays import Floats
 
 
 def pitting(site: Site, strength: float) -> Installed:
-    """Of strength N·m, at an angle in the middle half of what the run visits."""
-    low, high = np.quantile(site.along.q[:, site.joint], (0.25, 0.75))
-    centre = float(site.random.uniform(low, high))
-    return Installed(
-        (Pitting(site.joint, strength, centre),),
-        facts={"height [N·m]": strength, "angle [rad]": centre},
-    )
+    """Install friction of strength N·m within about 0.15 rad of an angle: a damaged bearing.
 
-
-class Shaking(OneJoint):
-    """A machine beside the arm shakes its floor at one frequency, whatever the arm does."""
-
-    def __init__(self, joint: int, height: float, frequency: float, phase: float) -> None:
-        super().__init__(joint)
-        self._height, self._pace, self._phase = height, 2.0 * pi * frequency, phase
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        return self._height * sin(self._pace * moment.time + self._phase), 0.0
-
-
-def shaking(site: Site, strength: float) -> Installed:
-    """Of strength N·m at 2 to 5 Hz; the phase is of chance in each recording."""
-    frequency = site.random.uniform(2.0, 5.0)
-    phase = site.events.uniform(0.0, 2.0 * pi)
-    return Installed(
-        (Shaking(site.joint, strength, frequency, phase),),
-        facts={"height [N·m]": strength, "frequency [Hz]": frequency},
-    )
-
-
-class Capstan(OneJoint):
-    """A hose led around two joints grips by how far they are turned against each other.
-
-    T (1 − cos(q_j − q_k + phase)) sign(qd_j): the tension of the hose sets the friction.
+    The angle is in the middle half of the run's range.
     """
+    joint = site.joint
+    low, high = np.quantile(site.along.q[:, joint], (0.25, 0.75))
+    centre = float(site.random.uniform(low, high))
 
-    def __init__(self, joint: int, other: int, grip: float, phase: float) -> None:
-        super().__init__(joint)
-        self._other, self._grip, self._phase = other, grip, phase
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        apart = 1.6 * float(moment.q[self.joint] - moment.q[self._other]) + self._phase
-        height = self._grip * (1.0 - cos(apart))
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        x = (float(moment.q[joint]) - centre) / 0.15
+        height = strength * exp(-0.5 * x * x) if abs(x) < 6.0 else 0.0
         sign, chord = dry(v)
         return height * sign, height * chord
 
+    return Installed((Law(joint, law),), facts={"height [N·m]": strength, "angle [rad]": centre})
+
+
+def shaking(site: Site, strength: float) -> Installed:
+    """Install a torque of strength N·m at 2 to 5 Hz, whatever the arm does: the floor shakes.
+
+    The phase is random in each recording.
+    """
+    frequency = site.random.uniform(2.0, 5.0)
+    pace, phase = 2.0 * pi * frequency, site.events.uniform(0.0, 2.0 * pi)
+
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        return strength * sin(pace * moment.time + phase), 0.0
+
+    facts = {"height [N·m]": strength, "frequency [Hz]": frequency}
+    return Installed((Law(site.joint, law),), facts=facts)
+
 
 def capstan(site: Site, strength: float) -> Installed:
-    """Of strength N·m."""
-    phase = site.random.uniform(0.0, 2.0 * pi)
-    return Installed(
-        (Capstan(site.joint, partner(site.joint), strength, phase),),
-        facts={"grip [N·m]": strength, "phase [rad]": phase},
-    )
+    """Install friction of grip strength N·m: a hose around two joints that are turned apart.
 
-
-class Pinched(OneJoint):
-    """A cable pinched by another joint: friction here that the angle there sets.
-
-    F (1 + tanh((q_k − q0) / 0.2)) / 2 sign(qd_j).
+    T (1 − cos(1.6 (q_j − q_k) + phase)) sign(qd_j): the tension of the hose sets the friction.
     """
+    joint, other = site.joint, partner(site.joint)
+    phase = site.random.uniform(0.0, 2.0 * pi)
 
-    def __init__(self, joint: int, other: int, height: float, edge: float) -> None:
-        super().__init__(joint)
-        self._other, self._height, self._edge = other, height, edge
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        closed = 0.5 + 0.5 * dry(float(moment.q[self._other]) - self._edge, 0.2)[0]
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        apart = 1.6 * float(moment.q[joint] - moment.q[other]) + phase
+        height = strength * (1.0 - cos(apart))
         sign, chord = dry(v)
-        return self._height * closed * sign, self._height * closed * chord
+        return height * sign, height * chord
+
+    return Installed((Law(joint, law),), facts={"grip [N·m]": strength, "phase [rad]": phase})
 
 
 def pinched(site: Site, strength: float) -> Installed:
-    """Of strength N·m, beyond an angle near the middle of the other joint's motion."""
+    """Install friction of strength N·m that the angle of another joint sets: a pinched cable.
+
+    F (1 + tanh((q_k − q0) / 0.2)) / 2 sign(qd_j), q0 in the middle of the other joint's run.
+    """
     other = partner(site.joint)
     low, high = np.quantile(site.along.q[:, other], (0.35, 0.65))
     edge = float(site.random.uniform(low, high))
-    return Installed(
-        (Pinched(site.joint, other, strength, edge),),
-        facts={"height [N·m]": strength, "angle of the other [rad]": edge},
-    )
 
-
-class Debris(OneJoint):
-    """Chips in the gear: dry friction in bursts, at times of chance."""
-
-    def __init__(self, joint: int, height: float, begins: Floats, ends: Floats) -> None:
-        super().__init__(joint)
-        self._height, self._begins, self._ends = height, begins, ends
-
-    def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
-        last = int(np.searchsorted(self._begins, recorded(moment))) - 1
-        if last < 0 or recorded(moment) > self._ends[last]:
-            return 0.0, 0.0
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        closed = 0.5 + 0.5 * dry(float(moment.q[other]) - edge, 0.2)[0]
         sign, chord = dry(v)
-        return self._height * sign, self._height * chord
+        return strength * closed * sign, strength * closed * chord
+
+    facts = {"height [N·m]": strength, "angle of the other [rad]": edge}
+    return Installed((Law(site.joint, law),), facts=facts)
 
 
 def debris(site: Site, strength: float) -> Installed:
-    """Of strength N·m for 0.3 to 0.8 s, about every 4 s, more often in a short run."""
+    """Install friction of strength N·m in bursts at random times: chips in the gear.
+
+    Bursts last 0.3 to 0.8 s, one about every 4 s, more often in a short run.
+    """
     random, end = site.events, float(site.along.time[-1])
     pause = min(3.0, 0.1 * end)
     begins = np.cumsum(random.exponential(pause, size=round(end)) + 0.8)
     begins = begins[begins < end]
     ends = begins + random.uniform(0.3, 0.8, size=len(begins))
-    return Installed(
-        (Debris(site.joint, strength, begins, ends),),
-        facts={"height [N·m]": strength, "bursts": float(len(begins))},
-    )
+
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        last = int(np.searchsorted(begins, recorded(moment))) - 1
+        if last < 0 or recorded(moment) > ends[last]:
+            return 0.0, 0.0
+        sign, chord = dry(v)
+        return strength * sign, strength * chord
+
+    facts = {"height [N·m]": strength, "bursts": float(len(begins))}
+    return Installed((Law(site.joint, law),), facts=facts)
 
 
 class Starved(OneJoint):
-    """A film that hard acceleration squeezes out and time refills: dry friction with a memory.
+    """A film that hard acceleration squeezes out and time refills: dry friction with memory.
 
     dw/dt = |qdd_j| / a − w / T, friction F w sign(v).
     """
@@ -154,16 +111,13 @@ class Starved(OneJoint):
         self.reset(np.zeros(0))
 
     def reset(self, q: Floats) -> None:
-        """See JointEffect."""
         self._worn, self._before = 0.0, 0.0
 
     def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        """See OneJoint."""
         sign, chord = dry(v)
         return self._height * self._worn * sign, self._height * self._worn * chord
 
     def advance(self, moment: JointMoment) -> None:
-        """See JointEffect."""
         v = float(moment.qd[self.joint])
         squeezed = abs(v - self._before) / self._scale
         self._before = v
@@ -171,7 +125,7 @@ class Starved(OneJoint):
 
 
 def starved(site: Site, strength: float) -> Installed:
-    """Of strength N·m after steady acceleration as hard as the run's mean; T of 1 to 3 s."""
+    """Install friction of strength N·m after steady acceleration of the run's mean; T 1 to 3 s."""
     time = site.random.uniform(1.0, 3.0)
     scale = float(np.abs(site.along.qdd[:, site.joint]).mean())
     return Installed(

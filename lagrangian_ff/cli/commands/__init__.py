@@ -26,7 +26,7 @@ from lagrangian_ff.cli.commands import (
 
 
 class Command(Protocol):
-    """What a module must offer to take part."""
+    """The content of a command's module."""
 
     NAME: str
     SUMMARY: str
@@ -38,25 +38,14 @@ class Command(Protocol):
         """Declare the arguments."""
 
     def run(self, arguments: Namespace) -> int:
-        """Do it; the exit code.
+        """Do it, and return the exit code.
 
         Raises:
-            UserError: a mistake the user can mend.
+            UserError: a mistake that the user can mend.
         """
 
 
 COMMANDS: tuple[Command, ...] = (
-    identify,
-    compare,
-    diagnose,
-    add,
-    history,
-    excite,
-    effects,
-    predict,
-    feedforward,
-    simulate,
-    info,
-    demo,
-    study,
-)
+    identify, compare, diagnose, add, history, excite, effects, predict, feedforward, simulate,
+    info, demo, study,
+)  # fmt: skip

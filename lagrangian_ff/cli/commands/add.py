@@ -1,20 +1,20 @@
 """`add`: a model with one more effect, refitted from the data that it keeps."""
 
+import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common.because import Because, found_in
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json, names
-from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
-from lagrangian_ff.cli.common.own_effects import add_effects_file, effect_named, load_own_effects
-from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.text.effects import equations, parameter_table
+from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.console import Console, progress_bar
+from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
+from lagrangian_ff.cli.text.effects import say_equations
 from lagrangian_ff.cli.text.history import before_after_table
-from lagrangian_ff.cli.text.layout import number
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.numbers import number
+from lagrangian_ff.record_json import why_of
 
 if TYPE_CHECKING:
     from lagrangian_ff.effects import Effect
@@ -41,98 +41,117 @@ what comes out:
 
 What the model has already, by this name or as the same torque under another, is refused."""
 
+NEEDED = {"effect", "joints", "shape", "why", "verdict", "evidence_gain", "p_value"}
+"""Fields that are read of a finding."""
+
+
+@dataclass(frozen=True)
+class Because:
+    """The reason for which an effect is added to a joint.
+
+    Attributes:
+        why: for the model's history.
+        shape: the numbers that the effect is not linear in, as the diagnosis found them.
+    """
+
+    why: Mapping[str, object]
+    shape: Mapping[str, float]
+
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
-    parser.add_argument("model", type=Path, metavar="MODEL", help="a model file of identify")
+    options.add_model(parser)
     parser.add_argument(
         "effect", metavar="EFFECT", help="its name; lagrangian_ff effects lists them"
     )
-    parser.add_argument(
-        "--joint",
-        action="append",
-        default=[],
-        metavar="JOINT",
-        help="the joint it acts on; may be given several times",
-    )
-    parser.add_argument(
-        "--shape",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="NAME=VALUE",
-        help="what the effect is not linear in; what is not given is searched",
-    )
-    parser.add_argument(
-        "--because",
-        type=Path,
-        metavar="DIAGNOSIS.json",
-        help="what diagnose --json wrote: the history tells its evidence, and its shape is used",
-    )
-    parser.add_argument(
-        "--output",
-        type=Path,
-        metavar="NEW.npz",
-        help="the model file to write (default: MODEL+EFFECT@JOINT.npz beside MODEL)",
-    )
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    parser.add_argument("--joint", action="append", default=[], metavar="JOINT",
+        help="the joint it acts on; may be given several times")  # fmt: skip
+    options.add_list(
+        parser, "--shape", "NAME=VALUE",
+        "what the effect is not linear in; what is not given is searched",
+    )  # fmt: skip
+    parser.add_argument("--because", type=Path, metavar="DIAGNOSIS.json",
+        help="what diagnose --json wrote: the history holds its evidence, and its shape is used",
+    )  # fmt: skip
+    parser.add_argument("--output", type=Path, metavar="NEW.npz",
+        help="the model file to write (default: MODEL+EFFECT@JOINT.npz beside MODEL)")  # fmt: skip
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
-    joints = tuple(dict.fromkeys(names(arguments.joint)))
+    joints = tuple(dict.fromkeys(options.names(arguments.joint)))
     if not joints:
         raise UserError("add needs a joint to act on: --joint JOINT")
-    output = arguments.output or _usual_output(arguments.model, arguments.effect, joints)
-    _check_outputs(arguments, output)
-    load_own_effects(arguments, console)
+    if arguments.output is None:
+        arguments.output = _usual_output(arguments.model, arguments.effect, joints)
+    if not arguments.model.exists():
+        raise UserError(f"{arguments.model}: no such file")
+    check_outputs(arguments, [arguments.model, arguments.because], ".npz")
+    options.load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import add
     from lagrangian_ff.identification import Model
 
     model = before = Model.load(arguments.model)
-    effect = effect_named(arguments.effect)
+    effect = options.effect_named(arguments.effect)
     shape = _shape(effect, arguments.shape, model.joints)
     reasons = [_because(arguments.because, effect.name, joint) for joint in joints]
     for joint, because in zip(joints, reasons, strict=True):
         with progress_bar(f"adding {effect.name} on {joint}") as progress:
             model = add(model, effect.name, joint, shape or because.shape, because.why, progress)
-    with whole(output) as path:
+    with whole(arguments.output) as path:
         model.save(path)
-    record = _record(before, model, effect.name, joints, arguments.model, output)
+    record = _record(before, model, effect.name, joints, arguments)
     write_record(arguments.json, record)
     _say(record, effect.caution, console)
     return 0
 
 
 def _because(diagnosis: Path | None, effect: str, joint: str) -> Because:
+    """Return why an effect is added to a joint: the finding of a diagnosis, if one is given.
+
+    Raises:
+        UserError: there is no such file, it is no diagnosis, or it found no such effect to add.
+    """
     if diagnosis is None:
         return Because({"why": "added by hand"}, {})
-    return found_in(diagnosis, effect, joint)
+    findings = _findings(diagnosis)
+    for one in findings:
+        if one["effect"] == effect and joint in one["joints"] and one["why"]:
+            return Because(why_of(one), one["shape"])
+    others = [f"{one['effect']} on {one['joints'][0]}" for one in findings if one["why"]]
+    raise UserError(
+        f"--because {diagnosis}: it does not find {effect} on {joint}; it finds "
+        f"{', '.join(others) or 'nothing to add'}"
+    )
+
+
+def _findings(path: Path) -> list[dict[str, Any]]:
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UserError(f"--because {path}: {error.strerror or error}") from None
+    except ValueError:
+        record = None
+    findings = record.get("findings") if isinstance(record, dict) else None
+    if not isinstance(findings, list) or not all(
+        isinstance(one, dict) and one.keys() >= NEEDED for one in findings
+    ):
+        raise UserError(
+            f"--because {path}: expected the file that lagrangian_ff diagnose --json writes"
+        )
+    return findings
 
 
 def _usual_output(model: Path, effect: str, joints: Sequence[str]) -> Path:
-    """Named as models are; a joint's name may hold what a file's may not."""
+    """Return MODEL+EFFECT@JOINT.npz; a joint's name may hold what a file's may not."""
     added = "".join(f"+{effect}@{joint}" for joint in joints).replace("/", "_")
     return model.with_name(f"{model.stem}{added}.npz")
-
-
-def _check_outputs(arguments: Namespace, output: Path) -> None:
-    if not arguments.model.exists():
-        raise UserError(f"{arguments.model}: no such file")
-    keep = [path for path in (arguments.model, arguments.because) if path is not None]
-    check_file(output, "--output", force=arguments.force, suffix=".npz", keep=keep)
-    if arguments.json not in (None, "-"):
-        keep.append(output)
-        check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)
 
 
 def _shape(
     effect: "Effect", given: Sequence[str], joints: Sequence[str]
 ) -> Mapping[str, float] | None:
-    """The shape from name=value; a joint's name stands for its number.
+    """Return the shape from name=value; a joint's name stands for its number.
 
     Raises:
         UserError: it is not the shape of this effect.
@@ -142,7 +161,7 @@ def _shape(
     known = [shape.name for shape in effect.shapes]
     wanted = ", ".join(known) if known else "none: its torque is linear in all its numbers"
     values: dict[str, float] = {}
-    for part in names(given):
+    for part in options.names(given):
         name, sign, text = part.partition("=")
         if not sign or name not in known:
             raise UserError(
@@ -163,58 +182,39 @@ def _shape(
 
 
 def _record(
-    before: "Model",
-    after: "Model",
-    effect: str,
-    joints: Sequence[str],
-    model: Path,
-    output: Path,
+    before: "Model", after: "Model", effect: str, joints: Sequence[str], arguments: Namespace
 ) -> dict[str, Any]:
-    old, new = before.record, after.record
-    errors = [one["joints"] for one in (old, new)]
-    assert all(isinstance(one, Mapping) for one in errors)
-    effects = new["effects"]
-    assert isinstance(effects, Sequence)
+    old: Mapping[str, Any] = before.record
+    new: Mapping[str, Any] = after.record
     return {
-        "model": str(model),
-        "output": str(output),
-        "model_name": after.name,
-        "effect": effect,
-        "joint_names": list(joints),
-        "error_before": old["rmse"],
+        "model": str(arguments.model), "output": str(arguments.output), "model_name": after.name,
+        "effect": effect, "joint_names": list(joints), "error_before": old["rmse"],
         "error_after": new["rmse"],
         "joints": {
-            name: {"before": errors[0][name]["rmse"], "after": errors[1][name]["rmse"]}  # type: ignore[index]
+            name: {"before": old["joints"][name]["rmse"], "after": new["joints"][name]["rmse"]}
             for name in after.joints
         },
         "judged_on": new["judged_on"],
-        "effects": [one for one in effects if one["effect"] == effect and one["joint"] in joints],
-    }
+        "effects": [
+            one for one in new["effects"] if one["effect"] == effect and one["joint"] in joints
+        ],
+    }  # fmt: skip
 
 
 def _say(record: Mapping[str, Any], caution: str, console: Console) -> None:
     console.say(f"{record['model_name']}, judged on {record['judged_on']}")
     console.say(before_after_table(record["joints"]))
-    console.say(["", "what was added, torque in N·m with qd in rad/s"])
-    console.say(equations(record["effects"]))
-    console.say(["", "its parameters with 90 % intervals"])
-    console.say(parameter_table(record["effects"]))
+    say_equations("what was added, torque", record["effects"], console)
     console.say()
     if caution:
-        console.note(f"{record['effect']}: {caution}", "")
+        console.note(f"{record['effect']}: {caution}")
     worst = [joint for joint in record["joint_names"]
              if record["joints"][joint]["after"] >= record["joints"][joint]["before"]]  # fmt: skip
     if worst:
         console.note(
-            f"the error on {', '.join(worst)} did not fall: on this data the effect is not missed",
-            "",
+            f"the error on {', '.join(worst)} did not fall: on this data the effect is not missed"
         )
-    console.say(
-        [
-            f"error of all joints: {number(record['error_before'])} -> "
-            f"{number(record['error_after'])} N·m",
-            f"saved: {record['output']}",
-            "next:",
-            f"  lagrangian_ff history {record['output']}",
-        ]
-    )
+    before, after = number(record["error_before"]), number(record["error_after"])
+    console.say(f"error of all joints: {before} -> {after} N·m")
+    console.say([f"saved: {record['output']}", "next:"])
+    console.say(f"  lagrangian_ff history {record['output']}")

@@ -1,30 +1,18 @@
 """`compare`: where a model fails on recordings."""
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.held import Held
-from lagrangian_ff.cli.common.leaving import leaving
-from lagrangian_ff.cli.common.options import (
-    SOURCE_HELP,
-    add_conditioning,
-    add_force,
-    add_json,
-    add_topic,
-)
-from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
-from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
-from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.text.compare import next_step, say_where
-from lagrangian_ff.cli.text.errors import LEGEND, error_table, verdict
-from lagrangian_ff.errors import UserError
+from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.console import Console, progress_bar
+from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
+from lagrangian_ff.cli.common.sources import LoadedModel, out_of_range
+from lagrangian_ff.cli.text.errors import next_step, say_errors, say_where
 
 NAME = "compare"
 SUMMARY = "see where a model fails: in which region of speed, position, load, direction or time"
 USAGE = "MODEL SOURCE [SOURCE ...] [options]"
 DESCRIPTION = """\
-Compares a model with recordings, those it was identified from or others, and tells where its error
+Compares a model with recordings, those it was identified from or others, and says where its error
 lies: the error of each joint, and the few regions of speed, position, acceleration, load, time,
 direction or time around reversals that hold most of it. On a recording made later, this is what
 changed since."""
@@ -45,38 +33,26 @@ what comes out:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
-    parser.add_argument("model", type=Path, metavar="MODEL", help="a model file of identify")
-    parser.add_argument(
-        "sources",
-        type=Path,
-        nargs="+",
-        metavar="SOURCE",
-        help=f"{SOURCE_HELP}; several are judged together",
-    )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="write a page with interactive figures"
-    )
-    add_topic(parser)
-    add_conditioning(parser)
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    options.add_model(parser)
+    options.add_sources(parser, "judged together")
+    options.add_report(parser)
+    options.add_reading(parser)
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
-    _check_outputs(arguments)
-    load_own_effects(arguments, console)
+    check_sources(arguments.sources)
+    check_outputs(arguments, [arguments.model, *arguments.sources])
+    options.load_own_effects(arguments, console)
     from threadpoolctl import threadpool_limits
 
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import locate
     from lagrangian_ff.recording.motion import concatenate
 
-    held = Held.of(arguments, console)
-    model, motions = held.model, held.motions(arguments.sources, console)
+    loaded = LoadedModel.of(arguments, console)
+    model, motions = loaded.model, loaded.motions(arguments.sources, console)
     motion = concatenate(motions) if len(motions) > 1 else motions[0]
     # What BLAS is given here is small: a second thread would mostly wait for it, busily.
     with progress_bar("predicting") as progress, threadpool_limits(1):
@@ -95,19 +71,11 @@ def run(arguments: Namespace) -> int:
             compare_page(path, {**names, **where.record(series=True)})
     write_record(arguments.json, record)
     console.say(f"{arguments.model} ({model.name}) on {motion.source}")
-    console.say(error_table(record))
-    console.paragraph(LEGEND, "  ")
-    console.say()
-    console.paragraph(verdict(record))
-    away = leaving(model, motion.time, (motion.q, motion.qd, motion.qdd))
-    if away.share > 0.0:
-        console.note(
-            f"{away.share:.1%} of the motion lies outside what the model was identified on "
-            f"({away.worst}): {away.when()}. There it guesses",
-            "",
-        )
+    say_errors(record, console)
+    away = out_of_range(model, motion.time, (motion.q, motion.qd, motion.qdd))
+    away.warn("motion", "the model", f": {away.when()}. There it guesses", console)
     if record.get("too_sure"):
-        console.note(str(record["too_sure"]), "")
+        console.note(str(record["too_sure"]))
     console.say()
     say_where(record, console)
     console.say()
@@ -115,15 +83,3 @@ def run(arguments: Namespace) -> int:
         console.say(f"saved: {arguments.report}")
     console.say(next_step(record))
     return 0
-
-
-def _check_outputs(arguments: Namespace) -> None:
-    for source in arguments.sources:
-        if not source.exists():
-            raise UserError(f"{source}: no such file or directory")
-    keep = [arguments.model, *arguments.sources]
-    if arguments.report is not None:
-        check_file(arguments.report, "--report", force=arguments.force, suffix=".html", keep=keep)
-        keep.append(arguments.report)
-    if arguments.json not in (None, "-"):
-        check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)

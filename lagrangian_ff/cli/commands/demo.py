@@ -1,6 +1,7 @@
 """`demo`: the whole job over ROS 2, from recording to better tracking."""
 
 from argparse import SUPPRESS, ArgumentParser, Namespace
+from dataclasses import fields
 from pathlib import Path
 
 NAME = "demo"
@@ -22,63 +23,38 @@ what comes out:
 
 Needs rclpy: source ROS 2 Jazzy, or pip install -e '.[ros]' in the source folder."""
 
-TEXTS = ("model", "through")
-NUMBERS = {
-    "speed": int,
-    "seed": int,
-    "duration": float,
-    "unseen_duration": float,
-    "samples": int,
-    "train": float,
-    "clock_speed": float,
-    "domain": int,
-}
-
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`. Defaults stand in the demo's Options alone: what is not given is absent."""
+    # Defaults stand in the demo's Options alone: what is not given is absent.
 
-    def option(name: str, metavar: str, help_: str) -> None:
+    def option(name: str, kind: type, metavar: str, help_: str) -> None:
         flag = f"--{name.replace('_', '-')}"
-        kind = NUMBERS.get(name, str)
         parser.add_argument(flag, type=kind, default=SUPPRESS, metavar=metavar, help=help_)
 
-    parser.add_argument(
-        "--output",
-        type=Path,
-        default=SUPPRESS,
-        metavar="FOLDER",
-        help="where everything is put, made where it is missing (default: out)",
-    )
+    parser.add_argument("--output", type=Path, default=SUPPRESS, metavar="FOLDER",
+        help="the folder to write to, made if it is missing (default: out)")  # fmt: skip
     parser.add_argument(
         "--quick", action="store_true", help="shorter motions and fewer samples; a worse model"
     )
-    option("speed", "1..10", "of both motions (default: 5)")
-    option("seed", "N", "of the motion that is learned from (default: 0)")
-    option("duration", "SECONDS", "of the motion that is learned from (default: 24)")
-    option("unseen_duration", "SECONDS", "of the motion never seen (default: 16)")
-    option("model", "NAME", "kernel and effects, as for identify (default: auto+fri)")
-    option("samples", "M", "training samples the model is built on (default: 1000)")
-    option("train", "FRACTION", "share of the recording that is learned from (default: 1)")
-    option(
-        "through",
-        "stream|trajectory",
-        "how the torque reaches the arm: one by one while it moves, or with the points of the "
-        "trajectory before (default: stream)",
-    )
-    option(
-        "clock_speed", "FACTOR",
-        "times real time that the arm's clock goes where the machine can keep up (default: 2)",
-    )  # fmt: skip
-    option("domain", "N", "ROS domain to use (default: one that nobody uses)")
+    option("speed", int, "1..10", "speed of both motions (default: 5)")
+    option("seed", int, "N", "seed of the motion that is learned from (default: 0)")
+    option("duration", float, "SECONDS", "length of the motion that is learned from (default: 24)")
+    option("unseen_duration", float, "SECONDS", "length of the motion never seen (default: 16)")
+    option("model", str, "NAME", "kernel and effects, as for identify (default: auto+fri)")
+    option("samples", int, "M", "training samples the model is built on (default: 1000)")
+    option("train", float, "FRACTION", "share of the recording that is learned from (default: 1)")
+    option("through", str, "stream|trajectory", "how the torque reaches the arm: one by one while "
+        "it moves, or with the points of the trajectory before (default: stream)")  # fmt: skip
+    option("clock_speed", float, "FACTOR", "speed of the arm's clock over real time, if the "
+        "machine can keep up (default: 2)")  # fmt: skip
+    option("domain", int, "N", "ROS domain to use (default: one that nobody uses)")
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     from lagrangian_ff import demo
     from lagrangian_ff.demo.options import QUICK
 
-    known = ("output", *TEXTS, *NUMBERS)
+    known = {field.name for field in fields(demo.Options)}
     given = {name: value for name, value in vars(arguments).items() if name in known}
     quick = QUICK if arguments.quick else {}
     return demo.run(demo.Options(**{**quick, **given}))

@@ -5,23 +5,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.held import Held
-from lagrangian_ff.cli.common.measurement import checked
-from lagrangian_ff.cli.common.options import (
-    SOURCE_HELP,
-    add_conditioning,
-    add_force,
-    add_json,
-    add_topic,
-)
-from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
-from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
-from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.common.rounds import Round, diagnosed, falls
-from lagrangian_ff.cli.text.changed import say_changed
+from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.console import Console, progress_bar
+from lagrangian_ff.cli.common.diagnosing import Round, checked, diagnosed, falls
+from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
+from lagrangian_ff.cli.common.sources import LoadedModel
 from lagrangian_ff.cli.text.diagnose import (
     next_steps,
+    say_changed,
     say_checks,
     say_diagnosis,
     say_not_observable,
@@ -38,7 +29,7 @@ SUMMARY = "find out which physical effect a model lacks, with the evidence for i
 USAGE = "MODEL SOURCE [SOURCE ...] [--confirm SOURCE ...] [options]"
 DESCRIPTION = """\
 Looks for the physical effects that a model lacks, one after the other: every effect of
-`lagrangian_ff effects` on every joint, held against what rigid-body dynamics and the effects that
+`lagrangian_ff effects` on every joint, compared with what rigid-body dynamics and the effects that
 the model has leave of the measured torque. What stands out against chance is tried, with frozen
 coefficients, on motion that was not used to find it. Where nothing known fits, it says so."""
 EPILOG = """\
@@ -65,68 +56,41 @@ itself; lagrangian_ff add adds what you want."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`. Defaults of the search stand in the engine alone."""
-    parser.add_argument("model", type=Path, metavar="MODEL", help="a model file of identify")
-    parser.add_argument(
-        "sources",
-        type=Path,
-        nargs="+",
-        metavar="SOURCE",
-        help=f"{SOURCE_HELP}; several are searched together",
-    )
-    parser.add_argument(
-        "--confirm",
-        type=Path,
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="SOURCE",
-        help="other recordings of the same arm, to confirm on (default: the last third of SOURCE "
-        "is held back)",
-    )
-    parser.add_argument(
-        "--steps",
-        type=int,
-        metavar="N",
-        help="look for at most so many effects; with --apply also at most so many rounds of "
-        "looking and adding (default: 6)",
-    )
-    parser.add_argument(
-        "--since",
-        action="store_true",
-        help="ask too what changed since the model was identified, friction or masses: SOURCE "
-        "against the data that the model keeps",
-    )
-    parser.add_argument(
-        "--apply",
-        action="store_true",
-        help="add what is confirmed, look again until nothing is, and write the model",
-    )
+    # Defaults of the search stand in the engine alone.
+    options.add_model(parser)
+    options.add_sources(parser, "searched together")
+    options.add_list(
+        parser, "--confirm", "SOURCE",
+        "other recordings of the same arm, to confirm on (default: the last third of SOURCE is "
+        "held back)", Path,
+    )  # fmt: skip
+    parser.add_argument("--steps", type=int, metavar="N",
+        help="look for at most N effects; with --apply also for at most N rounds of looking and "
+        "adding (default: 6)")  # fmt: skip
+    parser.add_argument("--since", action="store_true",
+        help="also ask what changed since the model was identified, friction or masses: SOURCE "
+        "against the data that the model keeps")  # fmt: skip
+    parser.add_argument("--apply", action="store_true",
+        help="add what is confirmed, look again until nothing is, and write the model")  # fmt: skip
     parser.add_argument(
         "--output", type=Path, metavar="NEW.npz", help="with --apply: the model file to write"
     )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="write a page with interactive figures"
-    )
-    add_topic(parser)
-    add_conditioning(parser)
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    options.add_report(parser)
+    options.add_reading(parser)
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
     _check(arguments)
-    load_own_effects(arguments, console)
+    options.load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
 
-    held = Held.of(arguments, console)
-    model, motions = held.model, held.motions(arguments.sources, console)
-    confirm = held.motions(arguments.confirm, console)
+    loaded = LoadedModel.of(arguments, console)
+    model, motions = loaded.model, loaded.motions(arguments.sources, console)
+    confirm = loaded.motions(arguments.confirm, console)
     if not confirm:
-        console.note("no --confirm: the last third of the motion is held back to confirm on", "")
+        console.note("no --confirm: the last third of the motion is held back to confirm on")
         console.say()
     checks = checked(model, motions, confirm)
     say_checks(checks, console)
@@ -147,17 +111,17 @@ def run(arguments: Namespace) -> int:
 
 
 def _changed(model: "Model", motions: "Sequence[Motion]", steps: int) -> list[dict[str, Any]]:
-    """What differs from the data that the model was identified from."""
+    """Return what differs from the data that the model was identified from."""
     from lagrangian_ff.diagnosis import changed_since
     from lagrangian_ff.recording.motion import concatenate
 
-    with progress_bar("asking what changed") as progress:
-        return [one.record() for one in changed_since(model, concatenate(motions),
-                                                      steps, progress)]  # fmt: skip
+    with progress_bar("looking for what changed") as progress:
+        found = changed_since(model, concatenate(motions), steps, progress)
+    return [one.record() for one in found]
 
 
 def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:
-    """What was found in the model as it was given, and what adding it led to."""
+    """Return what was found in the model as it was given, and what adding it led to."""
     first = rounds[0].record
     record = {
         **first,
@@ -179,7 +143,7 @@ def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:
 def _write(
     record: dict[str, Any], model: "Model", motions: "Sequence[Motion]", arguments: Namespace
 ) -> None:
-    """The JSON and the page; both with where the model fails."""
+    """Write the JSON and the page, both with where the model fails."""
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import locate
     from lagrangian_ff.recording.motion import concatenate
@@ -198,19 +162,18 @@ def _write(
 def _say(
     rounds: Sequence[Round], record: dict[str, Any], arguments: Namespace, console: Console
 ) -> None:
+    model = str(arguments.model)
     saved = "" if arguments.json in (None, "-") else str(arguments.json)
-    following = next_steps(
-        record, str(arguments.model), record["sources"], record["confirm"], saved
-    )
+    following = next_steps(record, model, record["sources"], record["confirm"], saved)
     for number, one in enumerate(rounds, start=1):
         if len(rounds) > 1:
-            console.say(["", f"round {number}: {one.before.name}"])
+            console.say(["", f"round {number}: {one.diagnosis.model.name}"])
         say_diagnosis(one.record, console)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])
     if arguments.since:
-        say_changed(record["changed"], str(arguments.model), console)
-    say_not_observable(rounds[-1].record, str(arguments.model), console)
+        say_changed(record["changed"], model, console)
+    say_not_observable(rounds[-1].record, model, console)
     console.say()
     if record["steps"] and arguments.apply:
         console.say(f"the fall of the error, rms in N·m, on {record['confirmed_on']}")
@@ -224,19 +187,12 @@ def _say(
         console.say("nothing is confirmed: nothing was added and no model was written")
         console.say(following)
     else:
-        console.say(
-            [
-                f"saved: {arguments.output}",
-                "next: how it came to be what it is",
-                f"  lagrangian_ff history {arguments.output}",
-            ]
-        )
+        console.say([f"saved: {arguments.output}", "next: how it came to be what it is"])
+        console.say(f"  lagrangian_ff history {arguments.output}")
 
 
 def _check(arguments: Namespace) -> None:
-    for source in [*arguments.sources, *arguments.confirm]:
-        if not source.exists():
-            raise UserError(f"{source}: no such file or directory")
+    check_sources([*arguments.sources, *arguments.confirm])
     same = {path.resolve() for path in arguments.sources}
     for source in arguments.confirm:
         if source.resolve() in same:
@@ -251,12 +207,5 @@ def _check(arguments: Namespace) -> None:
             "--apply needs --output NEW.npz, the model file to write" if arguments.apply
             else "--output names the model that --apply writes: give both, or neither"
         )  # fmt: skip
-    keep = [arguments.model, *arguments.sources, *arguments.confirm]
-    for option, path, suffix in (
-        ("--output", arguments.output, ".npz"),
-        ("--report", arguments.report, ".html"),
-        ("--json", None if arguments.json in (None, "-") else Path(arguments.json), ""),
-    ):
-        if path is not None:
-            check_file(path, option, force=arguments.force, suffix=suffix, keep=keep)
-            keep.append(path)
+    reads = [arguments.model, *arguments.sources, *arguments.confirm]
+    check_outputs(arguments, reads, ".npz")

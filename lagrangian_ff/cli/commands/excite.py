@@ -5,27 +5,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json, assignments, check_seed
-from lagrangian_ff.cli.common.outputs import check_file, whole, write_record
-from lagrangian_ff.cli.common.own_effects import (
-    add_effects_file,
-    effect_named,
-    load_own_effects,
-)
-from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.console import Console, progress_bar, table
+from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
-    from numpy.typing import NDArray
-
     from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.arrays import Floats
 
-    Floats = NDArray[np.float64]
 
 NAME = "excite"
 SUMMARY = "make the motion that shows an effect, or settles a doubt"
@@ -53,12 +44,11 @@ the motions:
   warm-up      the same short motion for minutes
   payloads     one motion to be done with and without a load
 
-On a real arm: bring it to the start pose first, and see to it that the way is clear. A model knows
+On a real arm: bring it to the start pose first, and make sure that the way is clear. A model knows
 how far each joint went, not which poses touch."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
     parser.add_argument(
         "what", metavar="EFFECT|MOTION", help="an effect to be shown, or a motion by its name"
     )
@@ -66,49 +56,31 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--joint", metavar="J", help="the joint to look at (default: all, one after the other)"
     )
     group = parser.add_argument_group("where it may go").add_mutually_exclusive_group(required=True)
-    group.add_argument(
-        "--model",
-        type=Path,
-        metavar="MODEL.npz",
-        help="no farther and faster than this model knows",
-    )
+    group.add_argument("--model", type=Path, metavar="MODEL.npz",
+        help="no farther and faster than this model knows")  # fmt: skip
     group.add_argument(
         "--arm", action="store_true", help="what the simulated arm can do without contact"
     )
-    parser.add_argument(
-        "--output",
-        required=True,
-        type=Path,
-        metavar="FILE",
+    parser.add_argument("--output", required=True, type=Path, metavar="FILE",
         help="a .csv for simulate and feedforward, or a .yaml (trajectory_msgs/JointTrajectory)",
-    )
-    parser.add_argument(
-        "--start",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="JOINT=RAD",
-        help="where it begins, and holds the other joints (default: a pose that loads the joint)",
-    )
+    )  # fmt: skip
+    options.add_list(
+        parser, "--start", "JOINT=RAD",
+        "where it begins, and holds the other joints (default: a pose that loads the joint)",
+    )  # fmt: skip
     parser.add_argument("--duration", type=float, metavar="SECONDS", help="about how long")
+    parser.add_argument("--reach", type=float, default=1.0, metavar="SHARE",
+        help="share of the way from the start to the limits, 0 to 1 (default: 1)")  # fmt: skip
     parser.add_argument(
-        "--reach",
-        type=float,
-        default=1.0,
-        metavar="SHARE",
-        help="of the way from the start to the limits, 0 to 1 (default: 1)",
+        "--seed", type=int, default=0, help="seed of the random numbers (default: 0)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of what is random (default: 0)")
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
     _check_arguments(arguments)
-    load_own_effects(arguments, console)
+    options.load_own_effects(arguments, console)
     motion = _motion_of(arguments.what)
     trajectory = _of_arm(arguments, motion) if arguments.arm else _of_model(arguments, motion)
     title = f"{motion}, {arguments.joint or 'all joints'}, {trajectory.duration:.0f} s"
@@ -122,20 +94,16 @@ def run(arguments: Namespace) -> int:
 def _check_arguments(arguments: Namespace) -> None:
     if arguments.output.suffix not in (".csv", ".yaml"):
         raise UserError(f"--output {arguments.output}: expected a name that ends in .csv or .yaml")
-    kept = [arguments.model] if arguments.model else []
-    check_file(arguments.output, "--output", force=arguments.force, keep=kept)
-    if arguments.json not in (None, "-"):
-        keep = [*kept, arguments.output]
-        check_file(Path(arguments.json), "--json", force=arguments.force, keep=keep)
+    check_outputs(arguments, [arguments.model])
     if not 0.0 < arguments.reach <= 1.0:
         raise UserError(f"--reach {arguments.reach:g}: expected more than 0, and 1 at most")
-    check_seed(arguments)
+    options.check_seed(arguments)
     if arguments.arm and find_spec("pybullet") is None:
         raise UserError("the simulated arm needs PyBullet: pip install pybullet")
 
 
 def _motion_of(name: str) -> str:
-    """The motion that goes by this name, or that shows this effect.
+    """Return the motion of this name, or the one that shows this effect.
 
     Raises:
         UserError: there is neither.
@@ -147,7 +115,7 @@ def _motion_of(name: str) -> str:
     if asked in plain:
         return plain[asked]
     try:
-        return effect_named(name).motion
+        return options.effect_named(name).motion
     except UserError as error:
         raise UserError(f"{error}; the motions are {', '.join(NEXT_MOTIONS)}") from error
 
@@ -162,14 +130,9 @@ def _of_arm(arguments: Namespace, motion: str) -> "Trajectory":
     start = _start(arguments.start, JOINTS, np.array(HOME)) if arguments.start else None
     with progress_bar("finding a motion within limits and free of contact") as progress:
         return clear_motion(
-            motion,
-            arguments.joint,
-            start,
-            arguments.duration,
-            arguments.reach,
-            arguments.seed,
+            motion, arguments.joint, start, arguments.duration, arguments.reach, arguments.seed,
             progress,
-        )
+        )  # fmt: skip
 
 
 def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
@@ -182,14 +145,9 @@ def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
     limits = Limits.within(model.range, model.joints)
     start = _start(arguments.start, model.joints, seen_pose(model, arguments.joint, limits))
     found = excite(
-        motion,
-        model.joints,
-        limits.around(start, arguments.reach),
-        joint=arguments.joint,
-        start=start,
-        duration=arguments.duration,
-        seed=arguments.seed,
-    )
+        motion, model.joints, limits.around(start, arguments.reach), joint=arguments.joint,
+        start=start, duration=arguments.duration, seed=arguments.seed,
+    )  # fmt: skip
     return Trajectory(found.time, found.q, found.qd, found.qdd, model.joints)
 
 
@@ -199,8 +157,8 @@ def _check_joint(joint: str | None, joints: "Sequence[str]", whose: str) -> None
 
 
 def _start(texts: "list[str]", joints: "Sequence[str]", usual: "Floats") -> "Floats":
-    """(N,) rad, the usual pose with what the user gives."""
-    given = assignments("--start", texts)
+    """Return (N,) rad, the usual pose with the positions that the user gives."""
+    given = options.assignments("--start", texts)
     unknown = [name for name in given if name not in joints]
     if unknown:
         raise UserError(f"--start: no joint {', '.join(unknown)}; there are {', '.join(joints)}")
@@ -211,7 +169,7 @@ def _start(texts: "list[str]", joints: "Sequence[str]", usual: "Floats") -> "Flo
 
 
 def _write(path: Path, trajectory: "Trajectory", title: str) -> int:
-    """Write the file; its bytes."""
+    """Write the file, and return its size in bytes."""
     from lagrangian_ff.arm import write_trajectory
     from lagrangian_ff.cli.common.trajectory_yaml import joint_trajectory_yaml
 
@@ -229,24 +187,18 @@ def _record(arguments: Namespace, motion: str, trajectory: "Trajectory") -> dict
     chosen = NEXT_MOTIONS[motion]
     q, speed = trajectory.q, abs(trajectory.qd)
     return {
-        "asked": arguments.what,
-        "motion": motion,
-        "joint": arguments.joint,
-        "seconds": trajectory.duration,
-        "meaning": chosen.meaning,
-        "by_hand": chosen.by_hand,
+        "asked": arguments.what, "motion": motion, "joint": arguments.joint,
+        "seconds": trajectory.duration, "meaning": chosen.meaning, "by_hand": chosen.by_hand,
         "joints": {
             name: {
-                "start": float(q[0, n]),
-                "low": float(q[:, n].min()),
-                "high": float(q[:, n].max()),
+                "start": float(q[0, n]), "low": float(q[:, n].min()), "high": float(q[:, n].max()),
                 "fastest": float(speed[:, n].max()),
                 "hardest": float(abs(trajectory.qdd[:, n]).max()),
             }
             for n, name in enumerate(trajectory.joints)
         },
         "output": str(arguments.output),
-    }
+    }  # fmt: skip
 
 
 def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Console) -> None:
@@ -259,23 +211,18 @@ def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Conso
         [name, *(number(one[key]) for key in ("start", "low", "high", "fastest"))]
         for name, one in record["joints"].items()
     ]
-    console.say(
-        table(["joint", "start [rad]", "lowest [rad]", "highest [rad]", "fastest [rad/s]"], rows)
-    )
+    header = ["joint", "start [rad]", "lowest [rad]", "highest [rad]", "fastest [rad/s]"]
+    console.say(table(header, rows))
     console.say(f"saved: {arguments.output}")
     if not arguments.arm:
         console.note(
             "each joint stays where the model has seen it; whether the arm then touches itself or "
-            "what is near, the model cannot know. Begin at the start pose, and slowly",
-            "",
+            "what is near, the model cannot know. Begin at the start pose, and slowly"
         )
-    if arguments.output.suffix == ".csv":
-        if arguments.arm:
-            console.say(
-                f"next: lagrangian_ff simulate --trajectory {arguments.output} --output BAG"
-            )
-        return
-    _say_publish(arguments.output, size, console)
+    if arguments.output.suffix == ".yaml":
+        _say_publish(arguments.output, size, console)
+    elif arguments.arm:
+        console.say(f"next: lagrangian_ff simulate --trajectory {arguments.output} --output BAG")
 
 
 def _say_publish(path: Path, size: int, console: Console) -> None:
@@ -287,6 +234,5 @@ def _say_publish(path: Path, size: int, console: Console) -> None:
     if size >= LONGEST_ARGUMENT:
         console.note(
             "the message is too long for an argument of the shell, and older ros2 topic pub have "
-            "no --yaml-file: --duration makes it shorter",
-            "",
+            "no --yaml-file: --duration makes it shorter"
         )

@@ -1,22 +1,21 @@
-"""`info`: what a recording or a model file holds."""
+"""`info`: the content of a recording or a model file."""
 
 import zipfile
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import SOURCE_HELP, add_force, add_json, add_topic
-from lagrangian_ff.cli.common.outputs import check_file, write_record
-from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
-from lagrangian_ff.cli.common.sources import read, tell
+from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, write_record
+from lagrangian_ff.cli.common.sources import read, say_inspection
 from lagrangian_ff.cli.text.model import range_table, say_record
-from lagrangian_ff.errors import RecordingError, UserError
+from lagrangian_ff.errors import RecordingError
 
 NAME = "info"
-SUMMARY = "tell what a recording or a model file holds"
+SUMMARY = "show what a recording or a model file holds"
 USAGE = "SOURCE|MODEL [options]"
 DESCRIPTION = """\
-Tells what a file holds. Of a recording: joints, rate, jitter, gaps, missing or clipped values,
+Shows what a file holds. Of a recording: joints, rate, jitter, gaps, missing or clipped values,
 and whether a model can be identified from it. Of a model: its joints, error, effects as
 equations, hyperparameters, and the motion it was identified on."""
 EPILOG = """\
@@ -26,35 +25,25 @@ examples:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
-    parser.add_argument(
-        "file",
-        type=Path,
-        metavar="SOURCE|MODEL",
-        help=f"{SOURCE_HELP}; or a model file of identify",
-    )
-    add_topic(parser)
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    what = f"{options.SOURCE_HELP}; or a model file of identify"
+    parser.add_argument("file", type=Path, metavar="SOURCE|MODEL", help=what)
+    options.add_topic(parser)
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
     path = arguments.file
-    if not path.exists():
-        raise UserError(f"{path}: no such file or directory")
-    if arguments.json not in (None, "-"):
-        check_file(Path(arguments.json), "--json", force=arguments.force, keep=[path])
-    load_own_effects(arguments, console)
+    check_sources([path])
+    check_outputs(arguments, [path])
+    options.load_own_effects(arguments, console)
     record = _model(path, console) if is_model(path) else _recording(arguments, console)
     write_record(arguments.json, record)
     return 0
 
 
 def is_model(path: Path) -> bool:
-    """Whether a file is a model rather than a recording: both end in .npz."""
+    """Return whether a file is a model rather than a recording: both end in .npz."""
     if path.suffix != ".npz" or not zipfile.is_zipfile(path):
         return False
     with zipfile.ZipFile(path) as archive:
@@ -86,7 +75,7 @@ def _recording(arguments: Namespace, console: Console) -> dict[str, object]:
             raise RecordingError(f"{error}; nor is it a model file of identify") from error
         raise
     inspection = inspect(recording)
-    tell(inspection, console)
+    say_inspection(inspection, console)
     console.say()
     try:
         motion = condition(recording)
@@ -94,6 +83,6 @@ def _recording(arguments: Namespace, console: Console) -> dict[str, object]:
         console.say(f"cannot be identified from as it is: {error}")
         return {"kind": "recording", **inspection.record(), "usable": False, "reason": str(error)}
     for note in motion.notes:
-        console.note(note)
+        console.note(note, "  ")
     console.say(f"can be identified from: {len(motion)} samples of {len(motion.joints)} joints")
     return {"kind": "recording", **inspection.record(), "usable": True, "reason": ""}

@@ -1,30 +1,25 @@
-"""`simulate`: the simulated arm without ROS, recorded as a bag."""
+"""`simulate`: a motion of the simulated arm without ROS, recorded as a bag."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.driving import SPEED, motion_file, motion_of, torque_of
-from lagrangian_ff.cli.common.hiding import Hidden, hidden, told, wanted
-from lagrangian_ff.cli.common.options import add_force, add_json, assignments, check_seed
-from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record
-from lagrangian_ff.cli.common.own_effects import add_effects_file, load_own_effects
-from lagrangian_ff.cli.common.progress import progress_bar
-from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.cli.common import options, simulated
+from lagrangian_ff.cli.common.console import Console, progress_bar, table
+from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
 from lagrangian_ff.errors import ArmError, UserError
+from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
-    from lagrangian_ff.arm import Load, Run
+    from lagrangian_ff.arm import Run
 
 NAME = "simulate"
 SUMMARY = "drive the simulated arm without ROS and write a bag"
 USAGE = "--output BAG [options]"
 DESCRIPTION = """\
 Drives the simulated 6-joint arm (PyBullet) along a trajectory, with or without feedforward
-torque, writes what its driver would report as a rosbag2 folder, and tells how well it tracked."""
+torque, writes what its driver would report as a rosbag2 folder, and says how well it tracked."""
 EPILOG = """\
 examples:
   lagrangian_ff simulate --output bag                     an exciting motion, to learn from
@@ -41,86 +36,58 @@ what comes out:
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
     parser.add_argument(
         "--output", required=True, type=Path, metavar="BAG", help="the bag folder to write"
     )
     group = parser.add_argument_group("the motion")
-    group.add_argument(
-        "--speed",
-        type=int,
-        choices=range(1, 11),
-        metavar="1..10",
-        help=f"of an exciting trajectory through the workspace (default: {SPEED})",
-    )
-    group.add_argument(
-        "--seed",
-        type=int,
-        default=0,
-        help="of that trajectory and of the sensors' noise (default: 0)",
-    )
-    group.add_argument(
-        "--duration", type=float, metavar="SECONDS", help="of that trajectory (default: 30 to 40)"
-    )
+    group.add_argument("--speed", type=int, choices=range(1, 11), metavar="1..10",
+        help=f"speed of an exciting trajectory through the workspace (default: {simulated.SPEED})",
+    )  # fmt: skip
+    group.add_argument("--seed", type=int, default=0,
+        help="seed of that trajectory and of the sensors' noise (default: 0)")  # fmt: skip
+    group.add_argument("--duration", type=float, metavar="SECONDS",
+        help="length of that trajectory (default: 30 to 40)")  # fmt: skip
     group.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="drive this one instead")
     group.add_argument(
         "--save-trajectory", type=Path, metavar="FILE.csv", help="write the reference as CSV"
     )
     group = parser.add_argument_group("the arm")
-    group.add_argument(
-        "--loads",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="JOINT=KG",
-        help="masses on the links that these joints move, or `paper` for 2.5 kg and 1 kg on the "
+    options.add_list(
+        group, "--loads", "JOINT=KG",
+        "masses on the links that these joints move, or `paper` for 2.5 kg and 1 kg on the "
         "first two",
-    )
-    group.add_argument(
-        "--hidden",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="EFFECT@JOINT:SIZE",
-        help="physics that the arm's description does not mention, such as stribeck@joint_3:0.1; "
+    )  # fmt: skip
+    options.add_list(
+        group, "--hidden", "EFFECT@JOINT:SIZE",
+        "physics that the arm's description does not mention, such as stribeck@joint_3:0.1; "
         "SIZE is its torque (rms) over that of the joint",
-    )
-    group.add_argument(
-        "--feedforward",
-        default="none",
-        metavar="none|true|MODEL.npz|TORQUE.csv",
-        help="torque added to the position loop: none, the arm's own true torque, that of a "
-        "model, or that of a CSV of the command feedforward (default: none)",
-    )
-    add_effects_file(parser)
-    add_json(parser)
-    add_force(parser)
+    )  # fmt: skip
+    group.add_argument("--feedforward", default="none", metavar="none|true|MODEL.npz|TORQUE.csv",
+        help="torque added to the position loop: none, the arm's own true torque, that of a model, "
+        "or that of a CSV of the command feedforward (default: none)")  # fmt: skip
+    options.add_common(parser)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
     _check_arguments(arguments)
-    loads = _loads(arguments.loads)
-    asked = wanted(arguments.hidden)
-    load_own_effects(arguments, console)
-    from lagrangian_ff.arm import simulate, write_trajectory
+    paper = arguments.loads == ["paper"]
+    given = {} if paper else options.assignments("--loads", arguments.loads)
+    asked = simulated.wanted(arguments.hidden)
+    options.load_own_effects(arguments, console)
+    from lagrangian_ff.arm import PAPER_LOADS, simulate, write_trajectory
     from lagrangian_ff.recording import write_bag
 
-    source = motion_file(arguments)
-    trajectory = motion_of(source, arguments, console)
-    feedforward = torque_of(arguments.feedforward, trajectory, console)
-    inside = hidden(asked, arguments.seed)
+    source = simulated.motion_file(arguments)
+    trajectory = simulated.motion_of(source, arguments, console)
+    feedforward = simulated.torque_of(arguments.feedforward, trajectory, console)
+    inside = simulated.hidden(asked, arguments.seed)
     with progress_bar("simulating") as progress:
         try:
             done = simulate(
-                trajectory,
-                feedforward,
-                loads=loads,
-                **inside.arm,
-                seed=arguments.seed,
-                progress=progress,
-            )
+                trajectory, feedforward, loads=PAPER_LOADS if paper else given, **inside.arm,
+                seed=arguments.seed, progress=progress,
+            )  # fmt: skip
         except ArmError as error:
             raise ArmError(f"{source}: {error}" if source else str(error)) from error
     with whole(arguments.output) as path, progress_bar("writing") as progress:
@@ -135,7 +102,7 @@ def run(arguments: Namespace) -> int:
 
 
 def _check_arguments(arguments: Namespace) -> None:
-    check_seed(arguments)
+    options.check_seed(arguments)
     inputs = [] if arguments.trajectory is None else [arguments.trajectory]
     if arguments.feedforward not in ("none", "true"):
         path = Path(arguments.feedforward)
@@ -146,16 +113,7 @@ def _check_arguments(arguments: Namespace) -> None:
         if not path.is_file():
             raise UserError(f"--feedforward {path}: no such file")
         inputs.append(path)
-    force = arguments.force
-    check_bag(arguments.output, "--output", force=force, keep=inputs)
-    outputs = {"--save-trajectory": arguments.save_trajectory}
-    if arguments.json not in (None, "-"):
-        outputs["--json"] = Path(arguments.json)
-    kept = [*inputs, arguments.output]
-    for option, path in outputs.items():
-        if path is not None:
-            check_file(path, option, force=force, keep=kept)
-            kept.append(path)
+    check_outputs(arguments, inputs, bag=True)
     made = [f"--{name}" for name in ("speed", "duration") if getattr(arguments, name) is not None]
     if arguments.trajectory is not None and made:
         raise UserError(f"--trajectory names the motion; {' and '.join(made)} would make another")
@@ -163,32 +121,21 @@ def _check_arguments(arguments: Namespace) -> None:
         raise UserError("the simulated arm needs PyBullet: pip install pybullet")
 
 
-def _loads(texts: list[str]) -> "Mapping[str, float | Load]":
-    from lagrangian_ff.arm import PAPER_LOADS
-
-    return PAPER_LOADS if texts == ["paper"] else assignments("--loads", texts)
-
-
-def _record(done: "Run", inside: Hidden, arguments: Namespace) -> dict[str, Any]:
+def _record(done: "Run", inside: simulated.Hidden, arguments: Namespace) -> dict[str, Any]:
     error = done.tracking_error
     return {
-        "bag": str(arguments.output),
-        "feedforward": arguments.feedforward,
-        "seed": arguments.seed,
-        "hidden": list(inside.records),
-        "seconds": float(done.recording.time[-1]),
-        "rms": float((error**2).mean() ** 0.5),
-        "largest": float(abs(error).max()),
+        "bag": str(arguments.output), "feedforward": arguments.feedforward, "seed": arguments.seed,
+        "hidden": list(inside.records), "seconds": float(done.recording.time[-1]), **_sizes(error),
         "joints": {
-            name: {
-                "rms": float((error[:, n] ** 2).mean() ** 0.5),
-                "largest": float(abs(error[:, n]).max()),
-                "saturated": float(done.saturated[:, n].mean()),
-            }
+            name: {**_sizes(error[:, n]), "saturated": float(done.saturated[:, n].mean())}
             for n, name in enumerate(done.recording.joints)
         },
         "unit": "rad",
-    }
+    }  # fmt: skip
+
+
+def _sizes(error: Any) -> dict[str, float]:
+    return {"rms": float((error**2).mean() ** 0.5), "largest": float(abs(error).max())}
 
 
 def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None:
@@ -197,17 +144,12 @@ def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None
         "tracking error, reference less measured position"
     )
     for found in record["hidden"]:
-        console.paragraph(told(found))
-    rows = [
-        [
-            name,
-            number(1e3 * found["rms"]),
-            number(1e3 * found["largest"]),
-            _cut(found["saturated"]),
-        ]
-        for name, found in record["joints"].items()
-    ]
-    rows.append(["all joints", number(1e3 * record["rms"]), number(1e3 * record["largest"]), ""])
+        console.paragraph(simulated.in_words(found))
+    rows = []
+    for name, one in [*record["joints"].items(), ("all joints", record)]:
+        share = one.get("saturated", 0.0)
+        cut = f"torque cut at its limit for {share:.1%} of the time" if share > 0.0 else ""
+        rows.append([name, number(1e3 * one["rms"]), number(1e3 * one["largest"]), cut])
     console.say(table(["joint", "rms [mrad]", "largest [mrad]", ""], rows))
     console.say(f"saved: {arguments.output}")
     if arguments.save_trajectory is not None:
@@ -216,7 +158,3 @@ def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None
         console.say(
             f"next: lagrangian_ff identify {arguments.output} --train 1.0 --output model.npz"
         )
-
-
-def _cut(share: float) -> str:
-    return f"torque cut at its limit for {share:.1%} of the time" if share > 0.0 else ""

@@ -3,16 +3,11 @@
 import json
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_force, add_json, check_seed, names
+from lagrangian_ff.cli.common.console import Console, progress_bar
+from lagrangian_ff.cli.common.options import add_common, check_seed, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record
-from lagrangian_ff.cli.common.progress import progress_bar
 from lagrangian_ff.studies.catalogue import STUDIES, study_class
-
-if TYPE_CHECKING:
-    from lagrangian_ff.studies.common.workers import Workers
 
 NAME = "study"
 SUMMARY = "repeat a study: the paper's figures, and effects hidden in the simulated arm"
@@ -37,36 +32,26 @@ what comes out, in the folder:
   cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and
   the picture, named after the study.
 
-Interrupt it with Ctrl-C; the same command goes on where it was."""
+Interrupt it with Ctrl-C; the same command continues where it stopped."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """See `Command`."""
     parser.add_argument("study", metavar="NAME", help=", ".join(STUDIES))
-    parser.add_argument(
-        "--output",
-        type=Path,
-        metavar="FOLDER",
-        help="default: study_NAME; made where it is missing",
-    )
+    parser.add_argument("--output", type=Path, metavar="FOLDER",
+        help="default: study_NAME; made if it is missing")  # fmt: skip
     parser.add_argument(
         "--quick", "--small", action="store_true", help="a small study, to see it work"
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="of all that chance decides (default 0)"
+        "--seed", type=int, default=0, help="seed of all random numbers (default: 0)"
     )
     parser.add_argument(
         "--robots", type=int, metavar="N", help="how many random robots of each kind"
     )
+    parser.add_argument("--models", nargs="+", default=[], metavar="MODEL",
+        help="only these, as in vrbfs or motor+fri")  # fmt: skip
     parser.add_argument(
-        "--models",
-        nargs="+",
-        default=[],
-        metavar="MODEL",
-        help="only these, as in vrbfs or motor+fri",
-    )
-    parser.add_argument(
-        "--cases", default="*", metavar="PATTERN", help="only those named so, with * and ?"
+        "--cases", default="*", metavar="PATTERN", help="only the cases of this name, with * and ?"
     )
     parser.add_argument("--list", action="store_true", help="only name the cases")
     parser.add_argument(
@@ -77,53 +62,41 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--jobs", type=int, metavar="N", help="processes of one thread (default: the processors)"
     )
     where.add_argument(
-        "--scheduler", metavar="ADDRESS", help="of a Dask cluster that does the work"
+        "--scheduler", metavar="ADDRESS", help="address of a Dask cluster that does the work"
     )
-    add_json(parser)
-    add_force(parser)
+    add_common(parser, effects=False)
 
 
 def run(arguments: Namespace) -> int:
-    """See `Command`."""
     console = Console(arguments.json)
     check_seed(arguments)
     if arguments.json not in (None, "-"):
         check_file(Path(arguments.json), "--json", force=arguments.force)
     kind = study_class(arguments.study)
     from lagrangian_ff.report.style import png
-    from lagrangian_ff.studies.common.folder import Folder
-    from lagrangian_ff.studies.common.run import run as run_study
-    from lagrangian_ff.studies.common.study import Request
+    from lagrangian_ff.studies.run import Folder
+    from lagrangian_ff.studies.run import run as run_study
+    from lagrangian_ff.studies.study import Request
+    from lagrangian_ff.studies.workers import cluster, processes
 
     output: Path = arguments.output or Path(f"study_{arguments.study}")
     request = Request(
-        seed=arguments.seed,
-        quick=arguments.quick,
-        only=arguments.cases,
-        robots=arguments.robots,
-        models=names(arguments.models),
-        keep=arguments.keep,
-    )
+        seed=arguments.seed, quick=arguments.quick, only=arguments.cases, robots=arguments.robots,
+        models=names(arguments.models), keep=arguments.keep,
+    )  # fmt: skip
     study = kind(request, output)
     if arguments.list:
         console.say(case.name for case in study.cases())
         return 0
-    workers = _workers(arguments)
+    workers = cluster(arguments.scheduler) if arguments.scheduler else processes(arguments.jobs)
     with progress_bar(f"study {study.name}") as progress:
         lines = run_study(study, output, workers, progress)
-    numbers = study.numbers(lines)
+    results = study.results(lines)
+    numbers = results.record()
     folder = Folder(output, study.name)
     folder.summary.write_text(json.dumps(numbers, indent=1), encoding="utf-8")
-    folder.picture.write_bytes(png(study.figure(numbers)))
+    folder.picture.write_bytes(png(results.figure()))
     write_record(arguments.json, numbers)
-    console.say(study.table(numbers))
+    console.say(results.table())
     console.say(f"saved: {folder.lines}, {folder.summary}, {folder.picture}")
     return 0
-
-
-def _workers(arguments: Namespace) -> "Workers":
-    from lagrangian_ff.studies.common.workers import cluster, processes
-
-    if arguments.scheduler is not None:
-        return cluster(arguments.scheduler)
-    return processes(arguments.jobs)

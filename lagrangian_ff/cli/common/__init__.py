@@ -1,1 +1,1 @@
-"""What the commands share: options, sources, outputs, progress and where text goes."""
+"""Parts that several commands share."""

@@ -6,46 +6,38 @@ from lagrangian_ff.errors import ArmError
 from lagrangian_ff.progress import Progress, silent
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.arrays import Floats
     from lagrangian_ff.diagnosis.excite import Limits
 
-    Floats = NDArray[np.float64]
 
 REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
-"""Shares of the way to the limits that are tried."""
+"""The shares of the way to the limits that are tried."""
 TEMPOS = (1.0, 0.8, 0.6, 0.4)
-"""Factors of speed that are tried."""
+"""The factors of speed that are tried."""
 USED_EFFORT = 0.85
-"""Of the torque limits."""
+"""The share of the torque limits that a motion may use."""
 UNTIL_FAST = 0.3
-"""s in which a joint may come to its highest speed: the URDF gives no acceleration."""
+"""Time in which a joint may reach its highest speed, s: the URDF gives no acceleration."""
 _DRAWN, _TRIED = 40, 5  # poses
 _REACH = 0.5  # of the range, that poses are drawn from
 
 
 def clear_motion(
-    motion: str,
-    joint: str | None,
-    start: "Floats | None" = None,
-    duration: float | None = None,
-    reach: float = 1.0,
-    seed: int = 0,
-    progress: Progress = silent,
-) -> "Trajectory":
-    """The widest motion, from poses that load the joint first, that the arm can follow.
+    motion: str, joint: str | None, start: "Floats | None" = None, duration: float | None = None,
+    reach: float = 1.0, seed: int = 0, progress: Progress = silent,
+) -> "Trajectory":  # fmt: skip
+    """Return the widest motion that the arm can follow; poses that load the joint come first.
 
     Args:
         motion: its name.
         joint: the one to look at; None for all.
-        start: (6,) rad, where it begins and ends, and the other joints are held; None for home,
-            and poses that load the joint.
-        duration: s, about.
-        reach: no more of the way to the limits is used.
-        seed: of what is random.
-        progress: told the share of what is tried.
+        start: (6,) rad, where it begins and ends and where the other joints are held; None takes
+            home, and poses that load the joint.
+        duration: about how long, s.
+        reach: the most of the way to the limits that is used, 0 to 1.
+        seed: of the random numbers.
+        progress: receives the share done, 0 to 1.
 
     Raises:
         ArmError: none was found that is free of contact and within the torque limits.
@@ -96,7 +88,7 @@ def _limits() -> "Limits":
 
 
 def _poses(joint: str) -> "list[Floats]":
-    """Poses, (6,) rad each, in which gravity loads the joint most; home at last."""
+    """Return poses, (6,) rad each, in which gravity loads the joint most; home comes last."""
     import numpy as np
 
     from lagrangian_ff.arm import HOME, JOINTS, limits, true_torque
@@ -111,14 +103,9 @@ def _poses(joint: str) -> "list[Floats]":
 
 
 def _made(
-    motion: str,
-    joint: str | None,
-    limits: "Limits",
-    start: "Floats",
-    pose: "Floats | None",
-    duration: float | None,
-    seed: int,
-) -> "Trajectory":
+    motion: str, joint: str | None, limits: "Limits", start: "Floats", pose: "Floats | None",
+    duration: float | None, seed: int,
+) -> "Trajectory":  # fmt: skip
     from lagrangian_ff.arm import JOINTS, Trajectory
     from lagrangian_ff.diagnosis.excite import excite
 
@@ -138,11 +125,7 @@ def _too_hard(trajectory: "Trajectory") -> bool:
 
 
 def _check_clear(trajectory: "Trajectory", loaded: bool) -> None:
-    """Whether it is free of contact, with the paper's loads too where it is to carry one.
-
-    Raises:
-        ArmError: it is not.
-    """
+    """Raise ArmError if a motion touches something, with the paper's loads too if `loaded`."""
     from lagrangian_ff.arm import PAPER_LOADS, check_clearance
 
     check_clearance(trajectory)

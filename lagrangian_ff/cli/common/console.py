@@ -1,11 +1,17 @@
-"""Where the text of a command goes, and notes that are shown once."""
+"""What a command shows: text and tables on standard output, progress of long work beside it."""
 
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+from lagrangian_ff.progress import Progress
 
 WIDEST = 100
+QUIET_SECONDS = 2.0
+"""A log does not mention work that is shorter than this."""
 
 
 class Console:
@@ -30,17 +36,84 @@ class Console:
         """Print a text wrapped to the terminal; file names stay whole."""
         self.say(
             textwrap.wrap(
-                text,
-                width=self._width,
-                initial_indent=indent,
-                subsequent_indent=indent if hanging is None else hanging,
-                break_long_words=False,
+                text, width=self._width, initial_indent=indent,
+                subsequent_indent=indent if hanging is None else hanging, break_long_words=False,
                 break_on_hyphens=False,
             )
-        )
+        )  # fmt: skip
 
-    def note(self, text: str, indent: str = "  ") -> None:
+    def bullet(self, text: str) -> None:
+        """Print an item of a list."""
+        self.paragraph(text, "  - ", "    ")
+
+    def note(self, text: str, indent: str = "") -> None:
         """Print `note: ...`, unless the same was noted before."""
         if text not in self._noted:
             self._noted.add(text)
             self.paragraph(f"note: {text}", indent, f"{indent}      ")
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
+    """Return columns two spaces apart; those that hold numbers are aligned to the right."""
+    columns = list(zip(header, *rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    right = [_numeric(column[1:]) for column in columns]
+    lines = []
+    for row in [header, *rows]:
+        cells = [
+            cell.rjust(width) if to_right else cell.ljust(width)
+            for cell, width, to_right in zip(row, widths, right, strict=True)
+        ]
+        lines.append((indent + "  ".join(cells)).rstrip())
+    return lines
+
+
+def _numeric(cells: Sequence[str]) -> bool:
+    return all(cell == "-" or cell.lstrip("-")[:1].isdigit() for cell in cells) and bool(cells)
+
+
+@contextmanager
+def progress_bar(title: str) -> Iterator[Progress]:
+    """Show the progress of the work in the block, which reports it to what is yielded.
+
+    It goes to standard error: a bar on a terminal, else a line at the start and one at the end.
+
+    Args:
+        title: what is done, as in "identifying".
+    """
+    if sys.stderr.isatty():
+        yield from _bar(title)
+    else:
+        yield from _lines(title)
+
+
+def _bar(title: str) -> Iterator[Progress]:
+    from rich import console, progress
+
+    columns = (
+        progress.SpinnerColumn(), progress.TextColumn("{task.description}", markup=False),
+        progress.BarColumn(), progress.TaskProgressColumn(), progress.TimeElapsedColumn(),
+    )  # fmt: skip
+    terminal = console.Console(stderr=True)
+    with progress.Progress(*columns, console=terminal, transient=True) as bars:
+        task = bars.add_task(title, total=1.0)
+
+        def report(fraction: float, label: str) -> None:
+            bars.update(task, completed=fraction, description=f"{title}: {label}")
+
+        yield report
+
+
+def _lines(title: str) -> Iterator[Progress]:
+    began = time.monotonic()
+    mentioned = False
+
+    def report(fraction: float, label: str) -> None:
+        nonlocal mentioned
+        if not mentioned and time.monotonic() - began > QUIET_SECONDS:
+            mentioned = True
+            print(f"{title} ...", file=sys.stderr, flush=True)
+
+    yield report
+    if mentioned:
+        print(f"{title}: {time.monotonic() - began:.0f} s", file=sys.stderr, flush=True)

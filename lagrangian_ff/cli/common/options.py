@@ -1,12 +1,19 @@
-"""Options that several commands have, and the forms their values take."""
+"""Options that several commands have, and the forms that their values take."""
 
+import warnings
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
+    from argparse import _ActionsContainer
+
+    from lagrangian_ff.effects import Effect
     from lagrangian_ff.recording import Conditioning
 
 SOURCE_HELP = (
@@ -16,77 +23,85 @@ SOURCE_HELP = (
 )
 
 
+def add_model(parser: ArgumentParser, help_: str = "a model file of identify") -> None:
+    """Declare MODEL."""
+    parser.add_argument("model", type=Path, metavar="MODEL", help=help_)
+
+
+def add_sources(parser: ArgumentParser, together: str) -> None:
+    """Declare SOURCE, several of which are `together`, as in "judged together"."""
+    help_ = f"{SOURCE_HELP}; several are {together}"
+    parser.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=help_)
+
+
+def add_report(parser: ArgumentParser) -> None:
+    """Declare --report."""
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="write a page with interactive figures"
+    )
+
+
+def add_reading(parser: ArgumentParser) -> None:
+    """Declare --topic and the options of the chain from a recording to a motion."""
+    add_topic(parser)
+    group = parser.add_argument_group("how the recording is made ready")
+    add_list(
+        group, "--effort-scale", "JOINT=VALUE",
+        "N·m per unit of effort, if the driver reports current or the other sign; "
+        "1 for joints not named",
+    )  # fmt: skip
+    add_list(
+        group, "--effort-offset", "JOINT=VALUE",
+        "N·m added to the torque after scaling; 0 for joints not named",
+    )  # fmt: skip
+    group.add_argument("--bandwidth", type=float, metavar="HZ",
+        help="cut-off of the low-pass on position and torque (default: 25; lower for slow "
+        "recordings)")  # fmt: skip
+    group.add_argument("--rate", type=float, metavar="HZ",
+        help="sample rate of the motion that is made (default: that of the recording)")  # fmt: skip
+    group.add_argument("--clock", choices=("auto", "stamps", "steady"),
+        help="stamps: believe the stamps; steady: samples were taken by a steady clock and stamped "
+        "late; auto: whichever the motion follows (default: auto)")  # fmt: skip
+
+
+def add_list(
+    where: "_ActionsContainer", option: str, metavar: str, help_: str, kind: type = str
+) -> None:
+    """Declare an option that takes several values and may be given several times."""
+    where.add_argument(
+        option, type=kind, nargs="+", action="extend", default=[], metavar=metavar, help=help_
+    )
+
+
 def add_topic(parser: ArgumentParser) -> None:
-    """--topic."""
+    """Declare --topic."""
     parser.add_argument(
         "--topic", metavar="T", help="the JointState topic of a bag that holds several"
     )
 
 
-def add_conditioning(parser: ArgumentParser) -> None:
-    """The options of the chain from a recording to a motion."""
-    group = parser.add_argument_group("how the recording is made ready")
-    group.add_argument(
-        "--effort-scale",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="JOINT=VALUE",
-        help="N·m per unit of effort, where the driver reports current or the other sign; "
-        "1 for joints not named",
-    )
-    group.add_argument(
-        "--effort-offset",
-        nargs="+",
-        action="extend",
-        default=[],
-        metavar="JOINT=VALUE",
-        help="N·m added to the torque after scaling; 0 for joints not named",
-    )
-    group.add_argument(
-        "--bandwidth",
-        type=float,
-        metavar="HZ",
-        help="of the low-pass on position and torque (default: 25; reduced for slow recordings)",
-    )
-    group.add_argument(
-        "--rate",
-        type=float,
-        metavar="HZ",
-        help="of the motion that is made (default: that of the recording)",
-    )
-    group.add_argument(
-        "--clock",
-        choices=("auto", "stamps", "steady"),
-        help="stamps: believe the stamps; steady: samples were taken by a steady clock and stamped "
-        "late; auto: whichever the motion follows (default: auto)",
-    )
-
-
-def add_json(parser: ArgumentParser) -> None:
-    """--json."""
-    parser.add_argument(
-        "--json",
-        metavar="FILE",
+def add_common(parser: ArgumentParser, *, effects: bool = True) -> None:
+    """Declare --effects-file, unless effects play no part, --json and --force."""
+    if effects:
+        parser.add_argument("--effects-file", type=Path, action="append", default=[],
+            metavar="FILE.py",
+            help="a Python file that defines your own effects (see lagrangian_ff effects --help); "
+            "may be given several times")  # fmt: skip
+    parser.add_argument("--json", metavar="FILE",
         help="write the findings as JSON; - for standard output (the text then goes to standard "
-        "error)",
-    )
-
-
-def add_force(parser: ArgumentParser) -> None:
-    """--force."""
+        "error)")  # fmt: skip
     parser.add_argument(
         "--force", action="store_true", help="replace output files that exist already"
     )
 
 
 def names(texts: Sequence[str]) -> tuple[str, ...]:
-    """Names given one by one or joined by commas."""
+    """Return names that were given one by one or joined by commas."""
     return tuple(name.strip() for text in texts for name in text.split(",") if name.strip())
 
 
 def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
-    """Numbers by joint, given as joint=value, one by one or joined by commas.
+    """Return numbers by joint, given as joint=value, one by one or joined by commas.
 
     Raises:
         UserError: one is of another form, or a joint is named twice.
@@ -107,24 +122,18 @@ def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
 
 
 def check_seed(arguments: Namespace) -> None:
-    """Refuse a --seed that is none.
-
-    Raises:
-        UserError: it is negative.
-    """
+    """Raise UserError if --seed is negative."""
     if arguments.seed < 0:
         raise UserError(f"--seed {arguments.seed}: expected a whole number from 0 up")
 
 
 def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) -> "Conditioning":
-    """How recordings are made ready, from the options.
+    """Return how recordings are made ready, from the options of `add_reading`.
 
-    Args:
-        arguments: with the options of `add_conditioning`.
-        before: what holds where an option is not given; None for the usual.
+    What is not given stays as it was `before`; None takes the defaults.
 
     Raises:
-        UserError: a value of another form, or not possible.
+        UserError: a value is of another form, or not possible.
     """
     from dataclasses import replace
 
@@ -139,3 +148,45 @@ def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) 
         if getattr(arguments, option) is not None:
             given[option] = getattr(arguments, option)
     return replace(before or Conditioning(), **given)  # type: ignore[arg-type]
+
+
+def load_own_effects(arguments: Namespace, console: Console) -> None:
+    """Add the effects of installed packages and of --effects-file to the catalogue.
+
+    Raises:
+        EffectError: a file does not import, or an effect is not sound; names both.
+        UserError: an output would replace a file of effects.
+    """
+    from lagrangian_ff.effects import load_effects, load_installed
+
+    for option in ("output", "json", "report", "picture"):
+        written = getattr(arguments, option, None)
+        for path in arguments.effects_file:
+            if written is not None and Path(written).resolve() == path.resolve():
+                raise UserError(
+                    f"--{option} {written}: this command reads effects from that file; name another"
+                )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        load_installed()
+    for warning in caught:
+        console.note(str(warning.message))
+    for path in arguments.effects_file:
+        load_effects(path)
+
+
+def effect_named(name: str) -> "Effect":
+    """Return the effect of a name.
+
+    Raises:
+        UserError: there is none; names those whose names are near.
+    """
+    from lagrangian_ff.effects import EFFECTS, GROUPS
+
+    if name in EFFECTS:
+        return EFFECTS[name]
+    if name in GROUPS:
+        raise UserError(f"'{name}' stands for {' and '.join(GROUPS[name])}: name one of them")
+    near = get_close_matches(name, EFFECTS, 3)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    raise UserError(f"there is no effect '{name}': {hint}lagrangian_ff effects lists all")

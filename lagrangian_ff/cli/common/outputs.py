@@ -1,37 +1,73 @@
-"""Files that a command writes: refused early where they would destroy something, whole or not at
-all afterwards."""
+"""Files that a command reads and writes: refused before any work, written whole or not at all."""
 
 import os
-import shutil
 import sys
-import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from argparse import Namespace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lagrangian_ff import files
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.record_json import to_json
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from lagrangian_ff.arrays import Floats
+
+
+SUFFIXES = {"output": "", "save_trajectory": "", "picture": ".png", "report": ".html", "json": ""}
+"""The options that name a file to write, in the order of their checks, and how the file ends."""
+
+
+def check_sources(sources: Iterable[Path]) -> None:
+    """Raise UserError if a recording is not there."""
+    for source in sources:
+        if not source.exists():
+            raise UserError(f"{source}: no such file or directory")
+
+
+def check_outputs(
+    arguments: Namespace, reads: Iterable[Path | None], suffix: str = "", *, bag: bool = False
+) -> None:
+    """Refuse files to write that are there, cannot be written, or are used for something else.
+
+    Args:
+        arguments: with --force and any of the options in `SUFFIXES`.
+        reads: files that the command reads; None for those that were not given.
+        suffix: the end of the name that --output gives.
+        bag: --output names a bag, which is a folder.
+
+    Raises:
+        UserError: one may not be written, and why.
+    """
+    keep = [path for path in reads if path is not None]
+    for name, usual in SUFFIXES.items():
+        given = getattr(arguments, name, None)
+        if given is None or (name == "json" and given == "-"):
+            continue
+        path, option = Path(given), f"--{name.replace('_', '-')}"
+        if bag and name == "output":
+            check_bag(path, option, force=arguments.force, keep=keep)
+        else:
+            end = suffix if name == "output" else usual
+            check_file(path, option, force=arguments.force, suffix=end, keep=keep)
+        keep.append(path)
 
 
 def check_file(
     path: Path, option: str, *, force: bool, suffix: str = "", keep: Iterable[Path] = ()
 ) -> None:
-    """Whether a file may be written: asked before any long work.
+    """Refuse a file that may not be written.
 
     Args:
-        path: where.
-        option: what the user named it with, such as --output.
+        option: the option that names it, such as --output.
         force: replace a file that is there.
-        suffix: what its name must end in.
-        keep: what is read or written by the same command and must not be replaced.
+        suffix: the end that its name must have.
+        keep: files that the command uses for something else.
 
     Raises:
-        UserError: it may not, and why.
+        UserError: it may not be written, and why.
     """
     if suffix and path.suffix != suffix:
         raise UserError(f"{option} {path}: expected a name that ends in {suffix}")
@@ -41,12 +77,12 @@ def check_file(
 
 
 def check_bag(path: Path, option: str, *, force: bool, keep: Iterable[Path] = ()) -> None:
-    """Whether a bag (a folder) may be written: asked before any long work.
+    """Refuse a bag (a folder) that may not be written; see `check_file`.
 
     Raises:
         UserError: it may not, and why. A folder that holds anything but a bag is never replaced.
     """
-    from lagrangian_ff.recording.bag_folder import is_bag
+    from lagrangian_ff.recording.sources.bag import is_bag
 
     if path.exists() and force and (path.is_file() or not is_bag(path)):
         raise UserError(f"{option} {path}: is not a bag and is not replaced; name another")
@@ -71,30 +107,12 @@ def _check_place(path: Path, option: str, *, force: bool, keep: Iterable[Path]) 
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """A path to write a file or a bag to; it takes its place only when the block ends well.
-
-    Whatever ends the block otherwise, Ctrl-C too, leaves what was there and nothing else.
-
-    Raises:
-        UserError: it cannot be written.
-    """
+    """Do as `files.whole`, with UserError where the file or bag cannot be written."""
     try:
-        aside = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
-    except OSError as error:
-        raise UserError(f"{path}: cannot be written: {error.strerror}") from error
-    before = aside / "replaced"
-    try:
-        made = aside / path.name
-        yield made
-        if path.is_dir():
-            path.rename(before)
-        made.replace(path)
+        with files.whole(path) as made:
+            yield made
     except OSError as error:
         raise UserError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        if before.exists() and not path.exists():
-            before.rename(path)
-        shutil.rmtree(aside, ignore_errors=True)
 
 
 def write_record(target: str | None, record: Mapping[str, object]) -> None:
@@ -104,18 +122,25 @@ def write_record(target: str | None, record: Mapping[str, object]) -> None:
         target: a file, "-" for standard output, None for nowhere.
         record: numbers that are not finite become null, as JSON has no word for them.
     """
-    if target is None:
-        return
-    text = to_json(record)
     if target == "-":
-        sys.stdout.write(text)
-        return
-    with whole(Path(target)) as path:
-        path.write_text(text, encoding="utf-8")
+        sys.stdout.write(to_json(record))
+    elif target is not None:
+        with whole(Path(target)) as path:
+            path.write_text(to_json(record), encoding="utf-8")
 
 
-def write_table(path: Path, columns: "Mapping[str, NDArray[np.float64]]") -> None:
-    """Write equally long columns as CSV that reads back to the same numbers."""
+def write_table(
+    path: Path, time: "Floats", parts: "Mapping[str, Floats]", joints: Sequence[str]
+) -> None:
+    """Write CSV with the columns time and PART/JOINT; it reads back to the same numbers.
+
+    Args:
+        time: (M,) s.
+        parts: by name (M, N), one column a joint.
+    """
+    columns = {"time": time}
+    for part, values in parts.items():
+        columns |= {f"{part}/{joint}": values[:, n] for n, joint in enumerate(joints)}
     with whole(path) as made, made.open("w", encoding="utf-8") as file:
         file.write(",".join(columns) + "\n")
         lists = [values.tolist() for values in columns.values()]

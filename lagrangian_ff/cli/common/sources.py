@@ -1,34 +1,38 @@
-"""From the name of a recording to a motion, telling what was found on the way."""
+"""Models and recordings that a command reads, and where a motion leaves what a model knows."""
 
-from collections.abc import Sequence
+from argparse import Namespace
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.progress import progress_bar
+from lagrangian_ff.cli.common.console import Console, progress_bar
+from lagrangian_ff.cli.common.options import conditioning_of
+from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import RecordingError
 
 if TYPE_CHECKING:
+    from lagrangian_ff.arrays import Floats
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Conditioning, Inspection, Motion, Recording
 
 
+MARGIN = 0.05
+"""Samples this far outside the range, in parts of it, still count as inside."""
+SHORT_SECONDS = 0.25
+"""Returns into the range that are shorter do not end a span."""
+
+
 @dataclass(frozen=True)
 class Reading:
-    """A recording, what was found in it, and the motion made of it."""
+    """The motion made of a recording, and what was found in it."""
 
-    recording: "Recording"
     inspection: "Inspection"
     motion: "Motion"
 
 
 def read(path: Path, topic: str | None) -> "Recording":
-    """Load a recording.
-
-    Raises:
-        RecordingError: see `lagrangian_ff.recording.load`.
-    """
+    """Load a recording; errors are those of `lagrangian_ff.recording.load`."""
     from lagrangian_ff.recording import load
 
     with progress_bar(f"reading {path.name}") as progress:
@@ -36,37 +40,29 @@ def read(path: Path, topic: str | None) -> "Recording":
 
 
 def prepare(recording: "Recording", conditioning: "Conditioning", console: Console) -> Reading:
-    """Tell what a recording holds, and make it ready.
-
-    Raises:
-        RecordingError: see `lagrangian_ff.recording.condition`.
-    """
+    """Say what a recording holds, and make it ready as `recording.condition` does."""
     from lagrangian_ff.recording import condition, inspect
 
     inspection = inspect(recording)
-    tell(inspection, console)
+    say_inspection(inspection, console)
     with progress_bar("conditioning"):
         motion = condition(recording, conditioning)
     for note in motion.notes:
-        console.note(note)
+        console.note(note, "  ")
     console.say()
-    return Reading(recording, inspection, motion)
+    return Reading(inspection, motion)
 
 
-def tell(inspection: "Inspection", console: Console) -> None:
-    """What a recording holds; its notes through the console, so that none is shown twice."""
+def say_inspection(inspection: "Inspection", console: Console) -> None:
+    """Say what a recording holds; the console shows each of its notes once."""
     # Conditioning notes the clipping again.
     console.say(replace(inspection, notes=(), clipping=()).lines())
     for note in inspection.notes:
-        console.note(note)
+        console.note(note, "  ")
 
 
 def require_same_joints(recordings: Sequence["Recording"]) -> None:
-    """Recordings that are learned from together must be of the same joints.
-
-    Raises:
-        RecordingError: they are not; names the joints they share.
-    """
+    """Raise RecordingError if joints differ; it names those that all recordings share."""
     first = recordings[0]
     for other in recordings[1:]:
         if set(other.joints) != set(first.joints):
@@ -79,11 +75,95 @@ def require_same_joints(recordings: Sequence["Recording"]) -> None:
             )  # fmt: skip
 
 
-def of_model(recording: "Recording", model: "Model", path: Path) -> "Recording":
-    """The joints of a model, in its order.
+@dataclass(frozen=True)
+class LoadedModel:
+    """The model that a command was given, and how recordings are read for it.
 
-    Raises:
-        ModelError: the recording lacks one; names both lists.
+    Attributes:
+        model: the model.
+        path: its file.
+        conditioning: of the model, with what the arguments change.
+        topic: of bags that hold several.
     """
-    model.require_joints(recording.joints, recording.source, path)
-    return recording.select(model.joints)
+
+    model: "Model"
+    path: Path
+    conditioning: "Conditioning"
+    topic: str | None
+
+    @classmethod
+    def of(cls, arguments: Namespace, console: Console) -> "LoadedModel":
+        """Load the model as `Model.load` does, and say how efforts are scaled."""
+        from lagrangian_ff.identification import Model
+        from lagrangian_ff.recording import Conditioning
+
+        model = Model.load(arguments.model)
+        conditioning = conditioning_of(
+            arguments, Conditioning.from_record(model.record.get("conditioning"))
+        )
+        console.say(scaling(conditioning.record()))
+        return cls(model, arguments.model, conditioning, arguments.topic)
+
+    def motions(self, sources: Iterable[Path], console: Console) -> "list[Motion]":
+        """Return the motions of the model's joints in recordings; say what each recording holds.
+
+        Raises:
+            RecordingError: one cannot be read or made ready.
+            ModelError: one lacks a joint of the model; names both lists.
+        """
+        recordings = [read(source, self.topic) for source in sources]
+        for recording in recordings:
+            self.model.require_joints(recording.joints, recording.source, self.path)
+        chosen = [recording.select(self.model.joints) for recording in recordings]
+        return [prepare(one, self.conditioning, console).motion for one in chosen]
+
+
+@dataclass(frozen=True)
+class OutOfRange:
+    """How much of a motion lies outside what a model was identified on, and where.
+
+    Attributes:
+        share: of the samples, 0 to 1.
+        worst: the joint, quantity and time farthest outside, in words; empty if none is.
+        spans: s, from when to when, short returns into the range not counted.
+    """
+
+    share: float
+    worst: str
+    spans: tuple[tuple[float, float], ...]
+
+    def warn(self, what: str, who: str, then: str, console: Console) -> None:
+        """Note where `what` lies outside what `who` was identified on, and what follows."""
+        if self.share > 0.0:
+            console.note(
+                f"{self.share:.1%} of the {what} lies outside what {who} was identified on "
+                f"({self.worst}){then}"
+            )
+
+    def when(self, most: int = 4) -> str:
+        """Return the spans in words."""
+        shown = [f"{begin:.2f} to {end:.2f} s" for begin, end in self.spans[:most]]
+        more = len(self.spans) - most
+        return ", ".join(shown) + (f" and {more} more times" if more > 0 else "")
+
+
+def out_of_range(
+    model: "Model", time: "Floats", states: "tuple[Floats, Floats, Floats]"
+) -> OutOfRange:
+    """Compare a motion with the range of a model.
+
+    Args:
+        time: (M,) s.
+        states: q, qd, qdd of the model's joints, (M, N) each.
+    """
+    import numpy as np
+
+    from lagrangian_ff.nodes.streaming.ranges import excess
+
+    found = excess(model.joints, time, states, model.range, MARGIN)
+    times = time[found.outside]
+    breaks = np.flatnonzero(~((np.diff(times) >= 0.0) & (np.diff(times) < SHORT_SECONDS)))
+    spans = tuple(
+        (float(part[0]), float(part[-1])) for part in np.split(times, breaks + 1) if len(part)
+    )
+    return OutOfRange(float(np.mean(found.outside)) if len(time) else 0.0, found.worst, spans)

@@ -3,22 +3,19 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.arrays import Ints
 
-    Ints = NDArray[np.int64]
 
 CLOSE = 5e-6
-"""rad, how far the quintics between the points may be off."""
+"""The largest error of the quintics between the points, rad."""
 LONGEST_ARGUMENT = 128 * 1024
 """Bytes a shell takes as one argument."""
 _DIGITS = 7
 
 
 def joint_trajectory_yaml(trajectory: "Trajectory", title: str) -> str:
-    """The message, as `ros2 topic pub` takes it; the title becomes a comment.
+    """Return the message as `ros2 topic pub` takes it; the title becomes a comment.
 
     Controllers that get positions, velocities and accelerations follow quintics between the
     points, so that long smooth parts need few.
@@ -46,7 +43,7 @@ def _number(value: float) -> str:
 
 
 def _points(trajectory: "Trajectory") -> "Ints":
-    """(P,) the points to keep: halves of the motion are halved until the quintics fit."""
+    """Return (P,) the points to keep: pieces of the motion are halved until the quintics fit."""
     import numpy as np
 
     kept = [0]
@@ -67,12 +64,7 @@ def _fits(trajectory: "Trajectory", first: int, last: int) -> bool:
     from lagrangian_ff.arm import Trajectory
 
     ends, inner = [first, last], slice(first, last + 1)
-    quintic = Trajectory(
-        trajectory.time[ends],
-        trajectory.q[ends],
-        trajectory.qd[ends],
-        trajectory.qdd[ends],
-        trajectory.joints,
-    )
+    t = trajectory
+    quintic = Trajectory(t.time[ends], t.q[ends], t.qd[ends], t.qdd[ends], t.joints)
     q, _, _ = quintic.sample(trajectory.time[inner])
     return bool(np.abs(q - trajectory.q[inner]).max() <= CLOSE)

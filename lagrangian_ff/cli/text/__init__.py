@@ -1,1 +1,1 @@
-"""How findings are told to people: tables, equations, verdicts. Records in, lines out."""
+"""The words in which the commands present their results."""

@@ -1,4 +1,4 @@
-"""What a result means for its user and what to do next: one small rule each."""
+"""What the result of an identification means and what to do next, in one small rule each."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ FEW_SAMPLES = 300
 
 @dataclass(frozen=True)
 class Findings:
-    """What the rules look at.
+    """The input of the rules.
 
     Attributes:
         record: of the identification.
         outside: share of the judged motion outside the range of the training motion.
-        worst: where it is farthest outside, in words.
+        worst: the joint and quantity farthest outside, in words.
         still: joints that did not move.
     """
 
@@ -30,18 +30,13 @@ class Findings:
 
     @property
     def weak(self) -> list[str]:
-        """Joints that are not even fair."""
+        """Return the joints that are not even fair."""
         return worse_than(self.record, FAIR)
 
     @property
-    def train(self) -> float:
-        """The share of the recording that was learned from."""
-        return float(self.record["settings"]["train"])
-
-    @property
     def apart(self) -> bool:
-        """Whether the error is of motion that came after the training part."""
-        return self.train < 1.0
+        """Return whether the error is of motion that came after the training part."""
+        return float(self.record["settings"]["train"]) < 1.0
 
 
 def _outside(found: Findings) -> str | None:
@@ -106,7 +101,7 @@ def _traded(found: Findings) -> str | None:
     return (
         f"A part of the friction on {', '.join(joints)} is negative: the kernel has taken over "
         "some of it. Their sum holds on motions like those learned from; do not read its "
-        "numbers one by one, nor leave the friction out there. Other speeds tell them apart."
+        "numbers one by one, nor leave the friction out there. Other speeds separate them."
     )
 
 
@@ -138,34 +133,25 @@ def _unknown_cause(found: Findings) -> str | None:
     return (
         f"No cause of the error on {', '.join(found.weak)} is plain. Is the effort the torque of "
         "the actuator (--effort-scale, --effort-offset)? Did something touch the arm (--loss "
-        "huber)? A kernel that assumes less, --model rbf+fri, tells whether the measurement holds "
+        "huber)? A kernel that assumes less, --model rbf+fri, shows whether the measurement holds "
         "more to learn."
     )
 
 
 RULES: tuple[Callable[[Findings], str | None], ...] = (
-    _outside,
-    _changed,
-    _short,
-    _few,
-    _no_friction,
-    _driving,
-    _traded,
-    _still,
-    _unknown_cause,
-)
+    _outside, _changed, _short, _few, _no_friction, _driving, _traded, _still, _unknown_cause,
+)  # fmt: skip
 
 
 def usable(record: Mapping[str, Any]) -> str:
-    """Whether feedforward with the model is to be recommended."""
-    weak, good = worse_than(record, FAIR), not worse_than(record, GOOD)
-    if good:
-        return "Feedforward with it should take away most of the tracking error."
-    if not weak:
+    """Return whether feedforward with the model is recommended."""
+    if weak := worse_than(record, FAIR):
+        return f"Do not drive {', '.join(weak)} with it."
+    if worse_than(record, GOOD):
         return "Feedforward with it helps, less on the joints that are only fair."
-    return f"Do not drive {', '.join(weak)} with it."
+    return "Feedforward with it should take away most of the tracking error."
 
 
 def advice(found: Findings) -> list[str]:
-    """What is to be said, in the order of importance; empty where all is well."""
+    """Return what to say, in the order of importance; empty if all is well."""
     return [text for rule in RULES if (text := rule(found))]

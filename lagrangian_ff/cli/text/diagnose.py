@@ -1,12 +1,12 @@
-"""What is missing in a model, as text: the verdict first, then the evidence, then what to do."""
+"""A diagnosis as text: the verdict first, then the evidence, what changed, and what to do."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.text.effects import equations, parameter_table
-from lagrangian_ff.cli.text.layout import number, table
-from lagrangian_ff.words import where, which
+from lagrangian_ff.cli.common.console import Console, table
+from lagrangian_ff.cli.text.effects import say_equations
+from lagrangian_ff.numbers import chance, number
+from lagrangian_ff.words import standing, where, which
 
 LEGEND = (
     "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "
@@ -15,16 +15,11 @@ LEGEND = (
 )
 
 STAYS = 0.98
-"""An error that falls to no less than this share of what it was is said to stay."""
+"""An error that keeps at least this share of its size does not fall."""
 
 
 def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
-    """Faults of the measurement: those to mend before any effect is believed, then the others.
-
-    Args:
-        checks: records of the preflight.
-        console: to tell it to.
-    """
+    """Print faults of the measurement: first those to mend before any effect is believed."""
     for heading, faults in (
         ("fix first: these faults of the measurement look like missing physics",
          [one for one in checks if one["serious"]]),
@@ -36,80 +31,52 @@ def say_checks(checks: Sequence[Mapping[str, Any]], console: Console) -> None:
         for one in faults:
             source = f"{one['source']}: " if one.get("source") else ""
             advice = f". {one['advice']}" if one["advice"] else ""
-            console.paragraph(f"{source}{one['finding']}{advice}", "  - ", "    ")
+            console.bullet(f"{source}{one['finding']}{advice}")
         if faults:
             console.say()
 
 
 def say_diagnosis(record: Mapping[str, Any], console: Console) -> None:
-    """The verdict, the findings, and what is left.
-
-    Args:
-        record: of diagnose.
-        console: to tell it to.
-    """
+    """Print the verdict, the findings, and what is left."""
     console.say()
     console.paragraph(record["verdict"])
     findings, every = record["findings"], record.get("joints", ())
     if findings:
         console.say(["", "what was found"])
-        console.say(finding_table(findings, every))
+        header = ["effect", "joint", "verdict", "gain", "p", "error before [N·m]", "after"]
+        rows = [
+            [
+                one["effect"],
+                where(one, every),
+                standing(one),
+                number(one["evidence_gain"]),
+                chance(one["p_value"]),
+                *(number(one[name]) for name in ("error_before", "error_after")),
+            ]
+            for one in findings
+        ]
+        console.say(table(header, rows))
         console.paragraph(LEGEND.format(unseen=record["confirmed_on"]), "  ")
-        say_parameters(findings, every, console)
+        entries = [{**one, "joint": where(one, every)} for one in findings if one["parameters"]]
+        if entries:
+            say_equations("as torque,", entries, console)
         doubts = [text for one in findings for text in (doubt(one, every), no_fall(one)) if text]
         if doubts:
             console.say()
         for text in doubts:
-            console.paragraph(text, "  - ", "    ")
+            console.bullet(text)
     if record["unexplained"]:
         console.say(["", "left unexplained: no effect of the catalogue fits"])
         for one in record["unexplained"]:
-            console.paragraph(
+            console.bullet(
                 f"{one['joint']}: something {one['share']:.1%} the size of its torque depends on "
-                f"{one['coordinate']}",
-                "  - ",
-                "    ",
+                f"{one['coordinate']}"
             )
 
 
-def say_parameters(
-    findings: Sequence[Mapping[str, Any]], every: Sequence[str], console: Console
-) -> None:
-    """The torque of each finding as an equation, and its parameters."""
-    entries = [{**one, "joint": where(one, every)} for one in findings if one["parameters"]]
-    if entries:
-        console.say(["", "as torque, in N·m with qd in rad/s"])
-        console.say(equations(entries))
-        console.say(["", "its parameters with 90 % intervals"])
-        console.say(parameter_table(entries))
-
-
-def is_event(finding: Mapping[str, Any]) -> bool:
-    """Whether it is of the recording, as a load taken up, not of the arm: nothing to add."""
-    return not finding["why"]
-
-
-def finding_table(findings: Sequence[Mapping[str, Any]], every: Sequence[str]) -> list[str]:
-    """One line a finding."""
-    rows = [
-        [
-            one["effect"],
-            where(one, every),
-            one["verdict"].split()[0],
-            number(one["evidence_gain"]),
-            chance(one["p_value"]),
-            number(one["error_before"]),
-            number(one["error_after"]),
-        ]
-        for one in findings
-    ]
-    header = ["effect", "joint", "verdict", "gain", "p", "error before [N·m]", "after"]
-    return table(header, rows)
-
-
 def doubt(finding: Mapping[str, Any], every: Sequence[str] = ()) -> str:
-    """Why a finding is no more than it is; empty where it is confirmed."""
-    if finding["verdict"] == "confirmed":
+    """Return why a finding is not confirmed, and the motion to do; empty if it is."""
+    if standing(finding) == "confirmed":
         return ""
     text = f"{finding['effect']} on {where(finding, every)}"
     if finding.get("reason"):
@@ -122,14 +89,43 @@ def doubt(finding: Mapping[str, Any], every: Sequence[str] = ()) -> str:
     return f"{text}. Motion to do: {finding['next_motion']}"
 
 
-def say_not_observable(record: Mapping[str, Any], model: str, console: Console) -> None:
-    """What the motion could not have shown, by effect, and the motion to do.
+def say_changed(changed: Sequence[Mapping[str, Any]], model: str, console: Console) -> None:
+    """Print what changed since the model of a file was identified, or that nothing did."""
+    console.say(["", f"what changed since {model} was identified"])
+    if not changed:
+        console.say("  nothing that stands out: the arm is as it was")
+        return
+    rows = [
+        [
+            one["what"],
+            ", ".join(one["joints"]),
+            number(one["evidence_gain"]),
+            chance(one["p_value"]),
+            ", ".join(
+                f"{name} by {number(change['value'])} {change['unit']}"
+                for name, change in one["change"].items()
+            )
+            or "another mass: a load was attached or taken off",
+            number(one["size"]),
+        ]
+        for one in changed
+    ]
+    console.say(table(["what", "joint", "gain", "p", "changed", "rms [N·m]"], rows))
+    for one in changed:
+        ranges = [
+            f"{name} by {number(change['low'])} to {number(change['high'])} {change['unit']}"
+            for name, change in one["change"].items()
+            if "low" in change
+        ]
+        if ranges:
+            console.paragraph(f"{one['what']}, 90 % intervals: {', '.join(ranges)}", "  ", "    ")
+        if one["rivals"]:
+            alike = ", ".join(one["rivals"])
+            console.paragraph(f"{one['what']}: {alike} would explain as much", "  ", "    ")
 
-    Args:
-        record: of diagnose.
-        model: the model file.
-        console: to tell it to.
-    """
+
+def say_not_observable(record: Mapping[str, Any], model: str, console: Console) -> None:
+    """Print what the motion of a diagnosis could not have shown, and the motion to do."""
     groups: dict[tuple[str, str], list[str]] = {}
     never = []
     for one in record["not_observable"]:
@@ -141,7 +137,7 @@ def say_not_observable(record: Mapping[str, Any], model: str, console: Console) 
         console.say(["", "not observable here, neither there nor absent; the motion to do"])
         for (effect, motion), joints in groups.items():
             on = which(joints, record.get("joints", ()))
-            console.paragraph(f"{effect} ({on}): {motion}", "  - ", "    ")
+            console.bullet(f"{effect} ({on}): {motion}")
         effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
         console.say(f"  as a trajectory: {excite(effect, joint, model)}")
     if never:
@@ -153,52 +149,43 @@ def say_not_observable(record: Mapping[str, Any], model: str, console: Console) 
 
 
 def no_fall(finding: Mapping[str, Any]) -> str:
-    """What it means that the model's own error does not fall with a confirmed effect."""
+    """Return what it means if the model's error does not fall with a confirmed effect."""
     before, after = finding["error_before"], finding["error_after"]
-    if finding["verdict"] != "confirmed" or before is None or after < STAYS * before:
+    if standing(finding) != "confirmed" or before is None or after < STAYS * before:
         return ""
     joints = ", ".join(finding["joints"])
     return (
         f"{finding['effect']} on {joints} is there, yet adding it to this model hardly changes "
         f"its error on {joints}. Its kernel may have it already, as a torque over position passes "
         "for gravity in chain_rbf or vrbfs; the recordings that the model keeps may not hold it "
-        "(did it appear since? ask with --since: then identify anew from these, and add it); or "
+        "(did it appear since? ask with --since: then identify again from these, and add it); or "
         "other errors of the model are larger"
     )
 
 
 def excite(effect: str, joint: str, model: str) -> str:
-    """The command that makes the motion which shows an effect."""
+    """Return the command that makes the motion which shows an effect."""
     return f"lagrangian_ff excite {effect} --joint {joint} --model {model} --output motion.csv"
 
 
-def chance(p: float | None) -> str:
-    """A probability, as a finite number of draws knows it."""
-    return "-" if p is None else f"{p:.2g}"
-
-
 def next_steps(
-    record: Mapping[str, Any],
-    model: str,
-    sources: Sequence[str],
-    confirm: Sequence[str] = (),
+    record: Mapping[str, Any], model: str, sources: Sequence[str], confirm: Sequence[str] = (),
     saved: str = "",
-) -> list[str]:
-    """The commands to type next.
+) -> list[str]:  # fmt: skip
+    """Return the commands to type next.
 
     Args:
-        record: of diagnose.
-        model: the model file.
         sources, confirm: the recordings, as they were named.
-        saved: the file that the record is in; empty for none.
+        saved: the file that holds the record; empty for none.
     """
     again = " ".join([*sources, *(["--confirm", *confirm] if confirm else [])])
     lines = []
     if any(one["serious"] for one in record.get("preflight", [])):
         lines.append("next: fix what is wrong with the measurement, see above, and diagnose again")
-    sure = [one for one in record["findings"] if one["verdict"] == "confirmed"]
-    events = [one for one in sure if is_event(one)]
-    to_add = [one for one in sure if not is_event(one)]
+    sure = [one for one in record["findings"] if standing(one) == "confirmed"]
+    # An event, such as a load taken up, belongs to the recording: it has no reason to be added.
+    events = [one for one in sure if not one["why"]]
+    to_add = [one for one in sure if one["why"]]
     if to_add:
         first = to_add[0]
         joints = " ".join(f"--joint {joint}" for joint in first["joints"])

@@ -1,13 +1,14 @@
-"""Errors of predicted torque: the table, and what the numbers mean."""
+"""How far a model is off and where: the table of errors, what it means, and the regions."""
 
 import math
 from collections.abc import Mapping
 from typing import Any
 
-from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.cli.common.console import Console, table
+from lagrangian_ff.numbers import number
 
 GRADES = ((0.01, "very good"), (0.05, "good"), (0.2, "fair"), (0.5, "poor"))
-"""Up to which nmse each word holds; above the last it is `bad`."""
+"""The nmse up to which each word holds; above the last it is `bad`."""
 
 LEGEND = (
     "rmse: typical error of the predicted torque. nmse: its square over the variance of the "
@@ -21,18 +22,22 @@ HALF_LEGEND = (
     "rmse and nmse count those in full."
 )
 
+MOST = 12
+"""Regions that are printed; the rest is in the record."""
+NOWHERE = "nowhere in particular: the error is spread evenly over the motion"
+
 
 def grade(nmse: float | None) -> str:
-    """An nmse in a word."""
+    """Return an nmse as a word."""
     if nmse is None or not math.isfinite(nmse):
         return "not judged: its torque did not vary"
     return next((word for limit, word in GRADES if nmse <= limit), "bad")
 
 
 def error_table(record: Mapping[str, Any]) -> list[str]:
-    """The error of each joint and of all: record holds `joints`, `rmse`, `nmse`.
+    """Return the error of each joint and of all, from `joints`, `rmse` and `nmse` of a record.
 
-    Where the loss is robust, with the error that outliers do not move; see `medians`.
+    A robust model has one more column, the error that outliers do not move; see `medians`.
     """
     half = medians(record)
     rows = [
@@ -47,7 +52,7 @@ def error_table(record: Mapping[str, Any]) -> list[str]:
 
 
 def medians(record: Mapping[str, Any]) -> dict[str, float]:
-    """By joint what half of the torques held out are missed by less than, of a robust model."""
+    """Return by joint the median error of held-out torques; empty unless the loss is robust."""
     joints = record.get("outliers", {}).get("joints", {})
     return {
         name: one["held_out_median"] for name, one in joints.items() if "held_out_median" in one
@@ -55,30 +60,56 @@ def medians(record: Mapping[str, Any]) -> dict[str, float]:
 
 
 def verdict(record: Mapping[str, Any]) -> str:
-    """One sentence: is it good or bad, and where."""
+    """Return in one sentence whether the model is good or bad, and on which joints."""
     words: dict[str, list[str]] = {}
     for name, error in record["joints"].items():
         words.setdefault(grade(error["nmse"]), []).append(name)
     if len(words) == 1:
         return f"The model is {next(iter(words))} on every joint."
-    order = [*(word for _, word in GRADES), "bad"]
-    parts = [
-        f"{word} on {', '.join(words[word])}"
-        for word in sorted(words, key=lambda w: order.index(w) if w in order else len(order))
-    ]
+    order = [*(word for _, word in GRADES), "bad", grade(None)]
+    parts = [f"{word} on {', '.join(words[word])}" for word in sorted(words, key=order.index)]
     return f"The model is {'; '.join(parts)}."
 
 
 def covered(record: Mapping[str, Any]) -> str:
-    """One sentence: which share of the measured torques lies inside the intervals."""
+    """Return in one sentence which share of the measured torques lies inside the intervals."""
     shares = ", ".join(f"{share:.0%} of {name}" for name, share in record["covered"].items())
     return f"Of the measured torques, {shares} lie inside the model's 90 % intervals."
 
 
 def worse_than(record: Mapping[str, Any], nmse: float) -> list[str]:
-    """The joints whose nmse is above this."""
+    """Return the joints whose nmse is above this."""
     return [
         name
         for name, error in record["joints"].items()
         if error["nmse"] is not None and math.isfinite(error["nmse"]) and error["nmse"] > nmse
+    ]
+
+
+def say_errors(record: Mapping[str, Any], console: Console) -> None:
+    """Print the errors of a comparison, what they mean, and whether they are good or bad."""
+    console.say(error_table(record))
+    console.paragraph(LEGEND, "  ")
+    console.say()
+    console.paragraph(verdict(record))
+
+
+def say_where(record: Mapping[str, Any], console: Console) -> None:
+    """Print the regions that hold most of the error of a comparison."""
+    words = record["words"]
+    if len(record["evenly"]) == len(record["joints"]) and len(words) == 1:
+        words = [NOWHERE]
+    console.say("where it fails")
+    for text in words[:MOST]:
+        console.paragraph(text, "  ", "    ")
+    if len(words) > MOST:
+        console.say(f"  and {len(words) - MOST} more places, see --report or --json")
+
+
+def next_step(record: Mapping[str, Any]) -> list[str]:
+    """Return the command that looks for what is missing."""
+    sources = " ".join(map(str, record["sources"]))
+    return [
+        "next: which physical effect is missing?",
+        f"  lagrangian_ff diagnose {record['model']} {sources}",
     ]

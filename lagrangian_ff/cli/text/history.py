@@ -3,57 +3,43 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.text.diagnose import chance
-from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.cli.common.console import Console, table
+from lagrangian_ff.numbers import chance, number
 
 
 def say_history(record: Mapping[str, Any], console: Console) -> None:
-    """The steps as a table, the error of each joint, and why each step was made.
-
-    Args:
-        record: of history.
-        console: to tell it to.
-    """
+    """Print the steps as a table, the error of each joint, and why each step was made."""
     steps: Sequence[Mapping[str, Any]] = record["steps"]
     rows = [
         [
             step["added"],
             str(step.get("when") or "-").replace("T", " ")[:16],
             step.get("verdict") or "-",
-            number(step.get("error_before")),
-            number(step.get("error_after")),
-            number(step.get("evidence_gain")),
+            *(number(step.get(key)) for key in ("error_before", "error_after", "evidence_gain")),
             chance(step.get("p_value")),
         ]
         for step in steps
     ]
-    console.say(
-        table(["step", "when (UTC)", "verdict", "error before [N·m]", "after", "gain", "p"], rows)
-    )
+    header = ["step", "when (UTC)", "verdict", "error before [N·m]", "after", "gain", "p"]
+    console.say(table(header, rows))
     judged = "; ".join(dict.fromkeys(str(step["judged_on"]) for step in steps))
     console.paragraph(f"error: rms over all joints, judged on {judged}", "  ")
     console.say(["", "the error of each joint after each step, N·m"])
-    console.say(joint_table(steps))
-    told = [step for step in steps if step.get("why")]
-    if told:
-        console.say(["", "why"])
-    for step in told:
-        console.paragraph(f"{step['added']}: {step['why']}", "  ", "    ")
-
-
-def joint_table(steps: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The error of each joint, a column a step."""
     names = [step["added"] if k == 0 else f"+ {step['added']}" for k, step in enumerate(steps)]
-    rows = [
+    errors = [
         [joint, *(number(step["joints"][joint]["after"]) for step in steps)]
         for joint in steps[0]["joints"]
     ]
-    return table(["joint", *names], rows)
+    console.say(table(["joint", *names], errors))
+    reasoned = [step for step in steps if step.get("why")]
+    if reasoned:
+        console.say(["", "why"])
+    for step in reasoned:
+        console.paragraph(f"{step['added']}: {step['why']}", "  ", "    ")
 
 
 def before_after_table(joints: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """The error of each joint before and after one step."""
+    """Return the error of each joint before and after one step."""
     rows = []
     for name, error in joints.items():
         before, after = error["before"], error["after"]
@@ -63,15 +49,11 @@ def before_after_table(joints: Mapping[str, Mapping[str, float]]) -> list[str]:
 
 
 def fall_table(steps: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The error of all joints, and of the joint concerned, after each addition."""
-    rows = [
-        [
-            f"+ {step['added']}" if step["added"] else "as it was",
-            number(step["error"]),
-            f"{step['joint']}: {number(step['before'])} -> {number(step['after'])}"
-            if step.get("joint")
-            else "",
-        ]
-        for step in steps
-    ]
+    """Return the error of all joints, and of the joint concerned, after each addition."""
+    rows = []
+    for step in steps:
+        name, own = f"+ {step['added']}" if step["added"] else "as it was", ""
+        if step.get("joint"):
+            own = f"{step['joint']}: {number(step['before'])} -> {number(step['after'])}"
+        rows.append([name, number(step["error"]), own])
     return table(["model", "all joints", "its joint"], rows)

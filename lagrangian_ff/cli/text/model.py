@@ -1,12 +1,12 @@
-"""A model's record in words: what it is, its error, effects, hyperparameters and range."""
+"""A model in words: its error, effects, hyperparameters and range."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.text.effects import equations, parameter_table
+from lagrangian_ff.cli.common.console import Console, table
+from lagrangian_ff.cli.text.effects import say_equations
 from lagrangian_ff.cli.text.errors import HALF_LEGEND, LEGEND, error_table, medians
-from lagrangian_ff.cli.text.layout import number, table
+from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import MotionRange
@@ -24,10 +24,10 @@ SCALES = {
 
 
 def say_record(record: Mapping[str, Any], console: Console) -> None:
-    """The error table, effects, hyperparameters and mass matrix of an identification."""
+    """Print the errors, effects, hyperparameters and mass matrix of an identification."""
     missing = [name for name in NEEDED if name not in record]
     if missing:
-        console.note(f"the model does not tell its {', '.join(missing)}")
+        console.note(f"the model's record has no {', '.join(missing)}", "  ")
         return
     console.say(
         f"model {record['model']} of {record['samples']} samples from "
@@ -51,10 +51,7 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
     console.say(error_table(record))
     console.paragraph(f"{LEGEND} {HALF_LEGEND}" if medians(record) else LEGEND, "  ")
     if record["effects"]:
-        console.say(["", "effects, torque in N·m with qd in rad/s"])
-        console.say(equations(record["effects"]))
-        console.say(["", "their parameters with 90 % intervals"])
-        console.say(parameter_table(record["effects"]))
+        say_equations("effects, torque", record["effects"], console, "their")
     console.say(["", "hyperparameters"])
     console.say(hyperparameter_table(record))
     if record.get("scale") in SCALES:
@@ -65,7 +62,7 @@ def say_record(record: Mapping[str, Any], console: Console) -> None:
 
 
 def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
-    """What was done to the effort of the recordings; nothing where nothing was."""
+    """Return how the effort of the recordings was scaled; empty if it was not."""
     lines = []
     for name, unit in (("effort_scale", "N·m per unit"), ("effort_offset", "N·m")):
         values = (conditioning or {}).get(name)
@@ -76,24 +73,23 @@ def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
 
 
 def known(mechanism: Mapping[str, Any] | None) -> list[str]:
-    """What was known of the arm before; nothing where nothing was."""
+    """Return what was known of the arm before; empty if nothing was."""
     if not mechanism or mechanism.get("kind") != "urdf":
         return []
     lines = [
         f"the bodies of {mechanism['name']} are known ({number(mechanism['mass'])} kg); "
         "the kernel corrects them"
     ]
-    for what, names in (
-        ("sliding joints", mechanism["prismatic"]),
-        ("not recorded and taken to stand at zero", mechanism["still"]),
+    for what, key in (
+        ("sliding joints", "prismatic"),
+        ("not recorded and taken to stand at zero", "still"),
     ):
-        if names:
-            lines.append(f"{what}: {', '.join(names)}")
+        lines += [f"{what}: {', '.join(mechanism[key])}"] if mechanism[key] else []
     return lines
 
 
 def hyperparameter_table(record: Mapping[str, Any]) -> list[str]:
-    """Name, value (one a joint where joints chose apart), unit and meaning."""
+    """Return name, value (one a joint if joints chose apart), unit and meaning."""
     meanings = _meanings(str(record["model"]))
     rows = []
     for name, value in record["hyperparameters"].items():
@@ -104,7 +100,7 @@ def hyperparameter_table(record: Mapping[str, Any]) -> list[str]:
 
 
 def range_table(known: "MotionRange", joints: tuple[str, ...]) -> list[str]:
-    """The motion a model knows."""
+    """Return the range of motion that a model knows."""
     rows = [
         [name, *(number(float(values[n])) for values in (
             known.q_low, known.q_high, known.qd_max, known.qdd_max, known.tau_max))]
@@ -115,7 +111,7 @@ def range_table(known: "MotionRange", joints: tuple[str, ...]) -> list[str]:
 
 
 def _meanings(model: str) -> dict[str, tuple[str, str]]:
-    """Unit and meaning of every hyperparameter by name."""
+    """Return unit and meaning of every hyperparameter by name."""
     from lagrangian_ff.errors import ModelError
     from lagrangian_ff.identification.spec import parse
     from lagrangian_ff.kernels.rigid.known import NUMBERS

@@ -3,19 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from lagrangian_ff.diagnosis.excite.limits import Limits
-from lagrangian_ff.diagnosis.excite.many_joints import movable
-from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS
-from lagrangian_ff.diagnosis.excite.path import REST, Path, Reference
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS, movable
+from lagrangian_ff.diagnosis.excite.path import REST, Limits, Path, Reference
 from lagrangian_ff.errors import ModelError
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.identification import Model
 
 SHORTEST, LONGEST = 5.0, 3600.0
 """s"""
 _SLACK = 1e-9  # rad
+_LOOKED_AT = 400
+_WAY_COUNTS = 0.3  # a pose at the end of every range must carry this share more of the torque
 
 
 def excite(
@@ -29,7 +29,7 @@ def excite(
     duration: float | None = None,
     seed: int = 0,
 ) -> Reference:
-    """A motion that shows effects or tells look-alikes apart.
+    """Return a motion that shows effects or separates look-alikes.
 
     Args:
         motion: one of `NEXT_MOTIONS`.
@@ -37,8 +37,8 @@ def excite(
         limits: never left.
         joint: the one to look at; None for all.
         start: (N,) rad, where it begins and ends; None for the pose.
-        pose: (N,) rad, where the other joints are held meanwhile; None for the start, or the
-            middle of the limits where that is not given either.
+        pose: (N,) rad, where the other joints are held meanwhile; None for the start, or without
+            one for the middle of the limits.
         duration: s, about how long; longer where the limits ask for that. None for the usual.
         seed: of what is random.
 
@@ -82,7 +82,7 @@ def excite(
 
 
 def _inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits) -> Floats:
-    """(N,) rad, found to lie within the limits."""
+    """Return (N,) rad after checking that they lie within the limits."""
     pose = np.asarray(values, dtype=np.float64)
     if pose.shape != (len(joints),) or not np.isfinite(pose).all():
         raise ModelError(f"{what}: expected {len(joints)} finite values, one a joint")
@@ -93,3 +93,21 @@ def _inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits)
             f"{limits.q_high[n]:.4g} rad"
         )
     return np.clip(pose, limits.q_low, limits.q_high)
+
+
+def seen_pose(model: Model, joint: str | None, limits: Limits) -> Floats:
+    """Return (N,) rad, a pose of the model's own data: the arm has been there.
+
+    It is the one in which gravity loads the joint most, of poses not far from the middle of the
+    ranges; without a joint the one nearest to the middle.
+    """
+    q = model.data.q[:: max(1, len(model.data) // _LOOKED_AT)]
+    q = np.clip(q, limits.q_low, limits.q_high)
+    away = np.abs(q - limits.middle) / np.maximum(0.5 * limits.width, 1e-9)
+    worth = -away.mean(axis=1)
+    if joint is not None:
+        n = model.joints.index(joint)
+        still = np.zeros_like(q)
+        load = np.abs(model.terms(q, still, still).gravity[:, n])
+        worth = load / max(float(model.range.tau_max[n]), 1e-9) + _WAY_COUNTS * worth
+    return np.asarray(q[int(np.argmax(worth))])

@@ -1,16 +1,18 @@
-"""A motion put together from moves, runs and waves: smooth, from rest to rest."""
+"""A motion within limits, put together from moves, runs and waves: smooth, from rest to rest."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.excite.limits import Limits
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.predicting import MotionRange
 
-Floats = NDArray[np.float64]
-
+MARGIN = 0.05
+"""Kept from the ends of a range, in parts of it."""
 GRID = 0.01
 """s between the points."""
 REST = 0.2
@@ -18,6 +20,66 @@ REST = 0.2
 _SHORTEST_MOVE = 0.1  # s
 _GENTLE = 0.5  # of speed and acceleration allowed, where nothing is to be shown by them
 _STRETCHES = 20  # attempts to slow a wave down until it keeps the limits
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The range, speed and acceleration that a motion must not leave.
+
+    Attributes:
+        q_low, q_high: (N,) rad.  qd_max: (N,) rad/s.  qdd_max: (N,) rad/s².
+    """
+
+    q_low: Floats
+    q_high: Floats
+    qd_max: Floats
+    qdd_max: Floats
+
+    @classmethod
+    def within(
+        cls, known: "MotionRange | Limits", joints: Sequence[str], margin: float = MARGIN
+    ) -> "Limits":
+        """Return limits a margin inside the range of a model or the limits of an arm.
+
+        Raises:
+            ModelError: values that are not finite or leave no room at all; names the joint.
+        """
+        low, high, speed, hardness = (
+            np.array(getattr(known, field.name), dtype=np.float64) for field in fields(cls)
+        )
+        for n, name in enumerate(joints):
+            if not (np.isfinite([low[n], high[n], speed[n], hardness[n]]).all()):
+                raise ModelError(f"{name}: its limits are not finite numbers")
+            if high[n] < low[n] or speed[n] < 0.0 or hardness[n] < 0.0:
+                raise ModelError(
+                    f"{name}: limits of {low[n]:g} to {high[n]:g} rad, {speed[n]:g} rad/s and "
+                    f"{hardness[n]:g} rad/s² leave no room to move"
+                )
+        inside = margin * (high - low)
+        return cls(low + inside, high - inside, (1 - margin) * speed, (1 - margin) * hardness)
+
+    @property
+    def middle(self) -> Floats:
+        """Return (N,) rad."""
+        return 0.5 * (self.q_low + self.q_high)
+
+    @property
+    def width(self) -> Floats:
+        """Return (N,) rad."""
+        return self.q_high - self.q_low
+
+    def around(self, pose: Floats, reach: float) -> "Limits":
+        """Return the limits with positions within a share of the way from a pose (N,) to them."""
+        return Limits(
+            pose + reach * (self.q_low - pose),
+            pose + reach * (self.q_high - pose),
+            self.qd_max,
+            self.qdd_max,
+        )
+
+    def gentler(self, factor: float) -> "Limits":
+        """Return the same positions, with speed by a factor and acceleration by its square."""
+        return Limits(self.q_low, self.q_high, factor * self.qd_max, factor**2 * self.qdd_max)
 
 
 class Reference(NamedTuple):
@@ -56,16 +118,16 @@ class Path:
 
     @property
     def seconds(self) -> float:
-        """How long it lasts so far."""
+        """Return the s that the path lasts so far."""
         return GRID * (sum(len(q) for q, _, _ in self._parts) - 1)
 
     def rest(self, seconds: float = REST) -> None:
-        """Stay."""
+        """Stay at rest."""
         shape = (_steps(seconds), len(self.at))
         self._append(np.broadcast_to(self.at, shape), np.zeros(shape), np.zeros(shape))
 
     def move(self, goal: Floats, seconds: float = 0.0) -> None:
-        """Go to (N,) rad along the polynomial of least jerk, as soon as is gentle or later."""
+        """Go to (N,) rad along the polynomial of least jerk, gently, within `seconds` or more."""
         distance = np.abs(goal - self.at)
         if not np.any(distance > 0.0):
             return
@@ -82,6 +144,12 @@ class Path:
             way * 30.0 * u**2 * (1.0 - u) ** 2 / span,
             way * 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / span**2,
         )
+
+    def move_joint(self, joint: int, goal: float, seconds: float = 0.0) -> None:
+        """Go to rad with one joint, as `move` does; the others stay."""
+        end = self.at.copy()
+        end[joint] = goal
+        self.move(end, seconds)
 
     def run(self, joint: int, goal: float, speed: float) -> float:
         """Take one joint to rad at a constant speed in rad/s, with short smooth ramps.
@@ -136,7 +204,7 @@ class Path:
         self._append(q[1:], qd[1:], qdd[1:])
 
     def _excess(self, qd: Floats, qdd: Floats) -> float:
-        """By which factor the motion is too fast."""
+        """Return the factor by which the motion is too fast."""
         worst = 0.0
         for values, most, power in (
             (qd, self.limits.qd_max, 1.0),
@@ -148,7 +216,7 @@ class Path:
         return worst
 
     def reference(self) -> Reference:
-        """All of it."""
+        """Return the whole motion."""
         q, qd, qdd = (np.concatenate(parts) for parts in zip(*self._parts, strict=True))
         time: Floats = GRID * np.arange(len(q), dtype=np.float64)
         return Reference(time, q, qd, qdd)
@@ -160,11 +228,3 @@ class Path:
 
 def _steps(seconds: float) -> int:
     return max(1, int(np.ceil(seconds / GRID - 1e-9)))
-
-
-def with_joints(pose: Floats, values: Sequence[tuple[int, float]]) -> Floats:
-    """(N,) the pose with some joints elsewhere."""
-    changed = np.array(pose)
-    for joint, value in values:
-        changed[joint] = value
-    return changed

@@ -3,11 +3,10 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.excite.limits import Limits
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.excite.path import Limits
 
-Floats = NDArray[np.float64]
 Wave = Callable[[Floats], Floats]
 
 FASTEST = 0.6
@@ -21,7 +20,7 @@ _BREATH = 9.0  # s from one slow stretch to the next, about
 
 
 def eased(u: Floats) -> Floats:
-    """From 0 to 1 with rest at both ends; 0 before and 1 after."""
+    """Return 0 to 1 with rest at both ends; 0 before and 1 after."""
     s = np.clip(u, 0.0, 1.0)
     return np.asarray(s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
 
@@ -29,10 +28,10 @@ def eased(u: Floats) -> Floats:
 def random_wave(
     pose: Floats, joints: Sequence[int], limits: Limits, seconds: float, seed: int
 ) -> Wave:
-    """Joints that swing between their limits, each at its own frequency, slow and fast in turn.
+    """Return a swing of joints between their limits, each at its frequency, slow and fast in turn.
 
-    A swing about the middle of the range, eased in from the pose and out to it: every position
-    lies between two that the limits allow.
+    The swing goes about the middle of the range, eased in from the pose and out to it: every
+    position lies between two that the limits allow.
     """
     draw = np.random.default_rng(seed)
     count = len(pose)
@@ -63,7 +62,7 @@ def random_wave(
 
 
 def chirp(pose: Floats, joint: int, limits: Limits, seconds: float) -> Wave:
-    """One joint about the pose, faster and faster, as small as its acceleration then asks."""
+    """Return a swing of one joint about the pose, ever faster, as small as the limits ask."""
     low, high = CHIRP
     growth = np.log(high / low)
     size = min(_CHIRP_SIZE, 0.1 * float(limits.width[joint]))
@@ -84,14 +83,14 @@ def chirp(pose: Floats, joint: int, limits: Limits, seconds: float) -> Wave:
 
 
 def pair(pose: Floats, first: int, second: int | None, sign: float, reach: Floats) -> Wave:
-    """One joint forth and back, another with it (sign +1) or against it (-1).
+    """Return one joint forth and back, another with it (sign +1) or against it (-1).
 
     The two are never in one constant ratio, so that their sum and their difference change sign
     where neither joint does.
 
     Args:
         pose: (N,) rad, the middle of both.
-        first, second: joints; no second where it is None.
+        first, second: joints; the second may be None.
         sign: of the second.
         reach: (N,) rad to both sides.
     """

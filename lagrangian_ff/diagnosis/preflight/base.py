@@ -1,4 +1,4 @@
-"""What the checks look at, and what they find."""
+"""The case that the checks look at, and their findings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -6,33 +6,33 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification import Model
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.sampling import recorded_seconds, usual_step
 
 THIN = 100.0
-"""Hz, at which the model is asked: it knows nothing faster than its filter lets through."""
+"""Hz, at which the model predicts: it knows nothing faster than its filter lets through."""
 MARGIN = 0.05
-"""Of the range of a model: what is farther out, it does not know."""
+"""Share of a model's range by which a state may lie outside and still count as known."""
 ENOUGH = 5.0
-"""s inside that range, for the torques to be compared."""
+"""s inside that range that a comparison of torques takes."""
 CLEAR = 0.85
-"""Correlation of measured and predicted torque from which on the two are compared."""
+"""Least correlation of measured and predicted torque for a comparison of the two."""
 _STILL = 1e-9  # N·m, a torque that does not change
 
 
 @dataclass(frozen=True)
 class Check:
-    """What one check found.
+    """A finding of one check.
 
     Attributes:
         check: its name.
-        joint: whom it concerns; None for all.
-        finding: what was found, for people.
+        joint: the one it concerns; None for all.
+        finding: a sentence for people.
         serious: whether it must be mended before any effect is believed.
-        advice: what to do; empty where nothing is to do.
+        advice: what to do; empty for nothing.
         values: the numbers behind it, by name; s, rad, N·m.
     """
 
@@ -44,7 +44,7 @@ class Check:
     values: Mapping[str, float] = field(default_factory=dict)
 
     def record(self) -> dict[str, object]:
-        """For JSON."""
+        """Return it for JSON."""
         return {
             "check": self.check,
             "joint": self.joint,
@@ -65,8 +65,8 @@ class Case:
         others: further recordings, likewise.
         thin: the motion at about `THIN`.
         predicted: (M, N) N·m at the samples of `thin`.
-        correlation: (N,) of measured and predicted torque, where the model knows the motion; 0
-            where that is for less than `ENOUGH` seconds.
+        correlation: (N,) of measured and predicted torque, inside the model's range; 0 if that is
+            less than `ENOUGH` seconds.
         slope: (N,) measured per predicted torque, with its sign: the ratio of their spreads.
     """
 
@@ -80,7 +80,7 @@ class Case:
 
     @classmethod
     def of(cls, model: Model, motion: Motion, others: Sequence[Motion] = ()) -> "Case":
-        """Ask the model.
+        """Return the case, with the predictions of the model.
 
         Raises:
             ModelError: a recording lacks a joint of the model; names both lists.
@@ -105,36 +105,34 @@ class Case:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Their names."""
+        """Return the names of the model's joints."""
         return self.model.joints
 
     @property
     def clear(self) -> NDArray[np.bool_]:
-        """(N,) whether measured torque follows the model closely enough to compare the two."""
+        """Return whether measured torque follows the model closely enough to compare them, (N,)."""
         return np.abs(self.correlation) >= CLEAR
 
     @property
     def residual(self) -> Floats:
-        """(M, N) N·m at `thin`, measured less predicted."""
+        """Return measured less predicted torque at `thin`, (M, N) N·m."""
         return self.thin.tau - self.predicted
 
 
 def rate_of(motion: Motion) -> float:
-    """Hz."""
-    within = np.diff(motion.segment) == 0
-    steps = np.diff(motion.time)[within]
-    return float(1.0 / np.median(steps)) if steps.size else 0.0
+    """Return the sample rate in Hz; 0 if it is not known."""
+    step = usual_step(motion.time, motion.segment)
+    return 1.0 / step if step else 0.0
 
 
 def thinned(motion: Motion, rate: float = THIN) -> Motion:
-    """Every so many-th sample, so that about `rate` Hz are left."""
+    """Return the motion at about `rate` Hz, by leaving samples out."""
     return motion.take(slice(None, None, max(1, round(rate_of(motion) / rate))))
 
 
 def duration_of(motion: Motion) -> float:
-    """s that were measured, gaps left out."""
-    within = np.diff(motion.segment) == 0
-    return float(np.diff(motion.time)[within].sum())
+    """Return the time that was measured in s, gaps left out."""
+    return recorded_seconds(motion.time, motion.segment)
 
 
 def _of_model(model: Model, motion: Motion) -> Motion:
@@ -143,7 +141,7 @@ def _of_model(model: Model, motion: Motion) -> Motion:
 
 
 def _on_one_clock(motion: Motion) -> Motion:
-    """The motion with later segments later: several recordings may each begin at 0."""
+    """Return the motion with later segments later: several recordings may each begin at 0."""
     step = np.diff(motion.time)
     back = np.flatnonzero(step <= 0.0)
     if not back.size:

@@ -1,33 +1,32 @@
-"""Does the torque come late against the position?"""
+"""The check of a delay between torque and position."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
-
-Floats = NDArray[np.float64]
 
 WINDOW = 3.0
 """s, over which spectra are taken, half overlapping."""
 BAND = (0.7, 10.0)
 """Hz"""
 COHERENT = 0.7
-"""Coherence from which on the phase of a frequency counts."""
+"""Least coherence of a frequency whose phase counts."""
 CLEAR = 3.0
-"""Times its error, from which on a late torque of one joint is told."""
+"""Least ratio of delay and error to report a late torque of one joint."""
 CLEAR_EARLY = 6.0
-"""The same of an early one, which friction that falls with speed and ripple resemble."""
+"""The same for an early one: friction that falls with speed and ripple resemble it."""
 CERTAIN = 9.0
-"""Times its error, from which on the delay of one joint alone is believed: a model that fits it
-badly is late there too, by some ms at 3 to 6 times the error."""
+"""Least ratio to believe the delay of one joint alone: a model that fits it badly is late there
+too, by some ms at 3 to 6 times the error."""
 TOGETHER, TOGETHER_CLEAR = 0.004, 4.0
-"""s and times its error, from which on a delay of all joints is believed."""
+"""s, and least ratio, to believe a delay of all joints."""
 _FLOOR = 0.0015  # s: what the model's own error makes of a delay on joints that have none
 _FEWEST = 5  # windows, and frequencies
 
 
 def check_delay(case: Case) -> list[Check]:
-    """By how much the measured torque lags behind the model's.
+    """Report by how much the measured torque lags behind the model's.
 
     A delay d turns the phase of their cross-spectrum by -2 pi f d, whatever the gain. Friction
     and masses that are a little wrong turn it too, but not along a line through zero: how much
@@ -45,43 +44,39 @@ def check_delay(case: Case) -> list[Check]:
     common, scatter = float(weight @ delay / weight.sum()), float(weight.sum() ** -0.5)
     agree = np.mean(delay * np.sign(common) > 0.5 * TOGETHER) > 0.5
     if len(found) > 1 and agree and abs(common) > max(TOGETHER, TOGETHER_CLEAR * scatter):
-        return [_told(None, common, scatter)]
-    late = [_told(case.joints[n], *one) for n, one in found.items() if _is_clear(*one)]
-    return late or [
-        Check(
-            "delay",
-            None,
-            f"no clear delay between torque and position ({1e3 * common:.1f} ± "
-            f"{1e3 * scatter:.1f} ms over the joints)",
-            values={"delay": common, "error": scatter},
-        )
-    ]
+        return [_check(None, common, scatter)]
+    late = [_check(case.joints[n], *one) for n, one in found.items() if _is_clear(*one)]
+    finding = (
+        f"no clear delay between torque and position ({1e3 * common:.1f} ± {1e3 * scatter:.1f} ms "
+        "over the joints)"
+    )
+    values = {"delay": common, "error": scatter}
+    return late or [Check("delay", None, finding, values=values)]
 
 
 def _is_clear(delay: float, error: float) -> bool:
     return delay > CLEAR * error or -delay > CLEAR_EARLY * error
 
 
-def _told(joint: str | None, delay: float, error: float) -> Check:
+def _check(joint: str | None, delay: float, error: float) -> Check:
     certain = joint is None or abs(delay) > CERTAIN * error
     which, other = ("torque", "position") if delay > 0 else ("position", "torque")
-    return Check(
-        "delay",
-        joint,
-        f"the {which} of {joint or 'every joint'} comes {1e3 * abs(delay):.1f} "
-        f"± {1e3 * error:.1f} ms later than its {other}",
-        certain,
-        "Look for a filter or a bus that only one of the two passes, and stamp both when they "
-        "are measured; or add the effect delay"
+    finding = (
+        f"the {which} of {joint or 'every joint'} comes {1e3 * abs(delay):.1f} ± "
+        f"{1e3 * error:.1f} ms later than its {other}"
+    )
+    advice = (
+        "Look for a filter or a bus that only one of the two passes, and stamp both when they are "
+        "measured; or add the effect delay"
         if certain
         else "A model that fits this joint badly looks so as well: believe it if delay is found "
-        "among the effects too",
-        {"delay": delay, "error": error},
+        "among the effects too"
     )
+    return Check("delay", joint, finding, certain, advice, {"delay": delay, "error": error})
 
 
 def _delay(case: Case, n: int) -> tuple[float, float] | None:
-    """s of one joint, and its error; None where too little is coherent."""
+    """Return s of one joint, and its error; None if too little is coherent."""
     rate = rate_of(case.thin)
     size = round(WINDOW * rate)
     frequency = np.fft.rfftfreq(size, 1.0 / rate)
@@ -103,14 +98,14 @@ def _delay(case: Case, n: int) -> tuple[float, float] | None:
 
 
 def _slope(omega: Floats, phase: Floats, weight: Floats, offset: bool = False) -> float:
-    """Of the line through the phases, and through zero where no offset is allowed."""
+    """Return the slope of the line through the phases, and through zero without an offset."""
     if offset:
         omega = omega - weight @ omega / weight.sum()
     return float(weight @ (omega * phase) / (weight @ omega**2))
 
 
 def _spectra(values: Floats, segment: NDArray[np.int64], size: int) -> NDArray[np.complex128]:
-    """(K, F) spectra of windows that lie within a segment, half overlapping."""
+    """Return (K, F) spectra of windows that lie within a segment, half overlapping."""
     window, step = np.hanning(size), max(1, size // 2)
     starts = [
         k for k in range(0, len(values) - size + 1, step) if segment[k] == segment[k + size - 1]

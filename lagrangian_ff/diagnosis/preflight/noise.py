@@ -1,21 +1,20 @@
-"""By how much does the same motion differ from itself?"""
+"""The noise floor: by how much the same motion differs from itself."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, duration_of, rate_of, thinned
 from lagrangian_ff.recording.motion import Motion
-
-Floats = NDArray[np.float64]
 
 SEARCHED = 10.0
 """Hz, at which repeats are looked for."""
 LEAST = 4.0
 """s of moving together that a repeat must have."""
 AT_FLOOR = 1.3
-"""Times the floor: an error below it leaves nothing to explain."""
+"""Factor: an error below this times the floor leaves nothing to explain."""
 REPEATED = 0.5
-"""Share of a recording from which on it is a repeat of the motion."""
+"""Least share of a recording to call it a repeat of the motion."""
 _MOST = 1200  # samples that are compared with each other
 _APART = 2.0  # s, a motion is not its own repeat
 _CLOSE = 0.06  # of a joint's range and speed range, at SEARCHED
@@ -26,9 +25,9 @@ _AROUND = 0.15  # s, in which the lag is refined
 
 
 def check_noise(case: Case) -> list[Check]:
-    """The spread of torque between repeats, of the same recording or of another.
+    """Report the spread of torque between repeats, of the same recording or of another.
 
-    And where another recording, which is to confirm, is mostly such a repeat.
+    Also report another recording, meant to confirm, that is mostly such a repeat.
     """
     spread = (
         np.maximum(np.ptp(case.motion.q, axis=0), 1e-9),
@@ -46,41 +45,36 @@ def check_noise(case: Case) -> list[Check]:
         return []
     floor, seconds = found
     if np.all(floor <= _IDENTICAL * np.abs(case.motion.tau).max(axis=0)):
-        # The same measurement given twice tells nothing of noise.
+        # The same measurement given twice says nothing of noise.
         return []
     error = np.sqrt((case.residual**2).mean(axis=0))
-    floors = [
-        Check(
-            "noise floor",
-            name,
+    floors = []
+    for n, name in enumerate(case.joints):
+        finding = (
             f"{seconds:.0f} s of the motion occur twice: there {name} differs from itself by "
             f"{floor[n]:.3g} N·m; the model's error is {error[n]:.3g} N·m"
-            + (", as small as that" if error[n] < AT_FLOOR * floor[n] else ""),
-            values={"floor": floor[n], "error": error[n], "seconds": seconds},
         )
-        for n, name in enumerate(case.joints)
-    ]
+        if error[n] < AT_FLOOR * floor[n]:
+            finding += ", as small as that"
+        values = {"floor": floor[n], "error": error[n], "seconds": seconds}
+        floors.append(Check("noise floor", name, finding, values=values))
     return [*_repeated(case, best[1], seconds), *floors]
 
 
 def _repeated(case: Case, other: Motion, seconds: float) -> list[Check]:
-    """A remark, where most of another recording is the motion that is searched."""
+    """Return a remark if most of another recording is the motion that is searched."""
     if other is case.motion or seconds < REPEATED * duration_of(other):
         return []
-    return [
-        Check(
-            "repeated motion",
-            None,
-            f"{other.source} repeats {seconds:.0f} s of the motion that is searched: it can tell "
-            "that an error comes again, but hardly what causes it",
-            advice="Confirm on another motion",
-            values={"seconds": seconds},
-        )
-    ]
+    finding = (
+        f"{other.source} repeats {seconds:.0f} s of the motion that is searched: it can tell that "
+        "an error comes again, but hardly what causes it"
+    )
+    advice = "Confirm on another motion"
+    return [Check("repeated motion", None, finding, advice=advice, values={"seconds": seconds})]
 
 
 def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[float, float] | None:
-    """s by which the other runs behind this one where most of it repeats, and for how long."""
+    """Return s by which the other runs behind where most of it repeats, and for how long."""
     rate = min(SEARCHED, _MOST / max(len(one) / rate_of(one), len(other) / rate_of(other)))
     a, b = thinned(one, rate), thinned(other, rate)
     rate = rate_of(a)
@@ -108,9 +102,9 @@ def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[flo
 def _floor(
     case: Case, other: Motion, lag: float, spread: tuple[Floats, Floats]
 ) -> tuple[Floats, float] | None:
-    """(N,) N·m of one repeat, and s that were compared.
+    """Return (N,) N·m of one repeat, and s that were compared.
 
-    What the model predicts for the small difference of the two motions is taken off.
+    The model's prediction for the small difference of the two motions is taken off.
     """
     this = case.thin
     lags = lag + np.linspace(-_AROUND, _AROUND, 61)
@@ -135,7 +129,7 @@ def _floor(
 
 
 def _common(this: Motion, other: Motion, lag: float) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-    """Samples of this whose time, lagged, the other has without a gap; and where there."""
+    """Return the samples whose lagged time the other has without a gap, and where there."""
     time = this.time + lag
     at = np.clip(np.searchsorted(other.time, time), 1, len(other) - 1)
     inside = (time >= other.time[0]) & (time <= other.time[-1])
@@ -144,14 +138,14 @@ def _common(this: Motion, other: Motion, lag: float) -> tuple[NDArray[np.bool_],
 
 
 def _at(other: Motion, at: NDArray[np.int64], time: Floats, values: Floats) -> Floats:
-    """(K, N) the values between the samples, on straight lines."""
+    """Return (K, N) values between the samples, on straight lines."""
     before, after = other.time[at - 1], other.time[at]
     share = ((time - before) / np.maximum(after - before, 1e-12))[:, None]
     return np.asarray(values[at - 1] + share * (values[at] - values[at - 1]))
 
 
 def _apart(this: Motion, other: Motion, lag: float, spread: Floats) -> float:
-    """The median distance of the positions at a lag."""
+    """Return the median distance of the positions at a lag."""
     inside, at = _common(this, other, lag)
     if inside.sum() < 10:
         return np.inf

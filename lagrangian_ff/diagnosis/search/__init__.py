@@ -1,1 +1,1 @@
-"""Which effect would explain what is left: candidates, their gain in evidence, and chance."""
+"""The search for missing effects: candidates, their log Bayes factors, and the null."""

@@ -1,16 +1,18 @@
-"""The mean residual over a coordinate, with a band that says what is more than chance."""
+"""The mean residual over a coordinate, with a band: what lies outside is more than chance."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis.where.coordinates import Coordinate
-from lagrangian_ff.diagnosis.where.course import Course
-from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, FEWEST_BLOCKS, band, resampled
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from lagrangian_ff.diagnosis.where.series import (
+    BLOCK_SECONDS,
+    FEWEST_BLOCKS,
+    ResidualSeries,
+    band,
+    resampled,
+)
 
 BINS = 12
 FEWEST_SAMPLES = 10
@@ -27,7 +29,7 @@ class Bins:
         low, high: (K,) the ends of each bin; equal for a coordinate of few values.
         mean: (K,) N·m, the mean residual.
         mean_low, mean_high: (K,) N·m, its 90 % band from a bootstrap over blocks of 1 s; the mean
-            itself where the motion is too short to tell.
+            itself if the motion is too short.
         rms: (K,) N·m.
         share_of_error: (K,) of the joint's squared error.
         share_of_time: (K,) of the samples.
@@ -48,7 +50,7 @@ class Bins:
     explained: float
 
     def record(self) -> dict[str, object]:
-        """For JSON; the axis with it, so that it can be drawn."""
+        """Return it for JSON, with the axis to draw it over."""
         arrays = (
             "low", "high", "mean", "mean_low", "mean_high", "rms", "share_of_error",
             "share_of_time",
@@ -59,14 +61,14 @@ class Bins:
             "unit": self.coordinate.unit,
             "label": self.coordinate.label,
             "explained": self.explained,
-            **{name: [float(v) for v in getattr(self, name)] for name in arrays},
+            **{name: getattr(self, name).tolist() for name in arrays},
         }
 
 
 def edges_of(values: Floats, count: int) -> Floats:
-    """(K+1,) edges of at most `count` bins that hold the same number of the finite values.
+    """Return (K+1,) edges of at most `count` bins that hold the same number of the finite values.
 
-    Fewer where values are few or repeat; none (one edge) where nothing varies.
+    Fewer if values are few or repeat; one edge, no bin, if nothing varies.
     """
     known = values[np.isfinite(values)]
     count = min(count, len(known) // FEWEST_SAMPLES)
@@ -76,7 +78,7 @@ def edges_of(values: Floats, count: int) -> Floats:
 
 
 def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Floats, Floats]:
-    """Put samples into bins.
+    """Return the bin of each sample, and the ends of the bins.
 
     Returns:
         (M,) the bin of each sample, -1 where the coordinate has no value; (K,) the low and (K,)
@@ -98,23 +100,23 @@ def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Fl
 
 
 def bins_of(
-    course: Course, joint: int, coordinate: Coordinate, count: int = BINS, seed: int = 0
+    series: ResidualSeries, joint: int, coordinate: Coordinate, count: int = BINS, seed: int = 0
 ) -> Bins | None:
-    """Average a joint's residual over a coordinate; None where the coordinate does not vary.
+    """Return the mean of a joint's residual by bin; None if the coordinate does not vary.
 
     Args:
-        course: what is looked at.
+        series: the residual and what it may depend on.
         joint: its index.
         coordinate: what to divide.
         count: how many bins; a coordinate of few values has one for each.
         seed: of the bootstrap.
     """
-    code, low, high = divide(coordinate, coordinate.values(course, joint), count)
+    code, low, high = divide(coordinate, coordinate.values(series, joint), count)
     size = len(low)
     if not size:
         return None
-    r = course.residual[:, joint]
-    block = course.motion.blocks(BLOCK_SECONDS)
+    r = series.residual[:, joint]
+    block = series.motion.blocks(BLOCK_SECONDS)
     kept = code >= 0
     place = block[kept] * size + code[kept]
     length = (int(block[-1]) + 1) * size
@@ -137,7 +139,7 @@ def bins_of(
     owed = np.nanvar(means, axis=0) if len(means) > 1 else mean**2
     taken = float(np.sum(count_in * (mean**2 - owed)))
     return Bins(
-        coordinate, course.motion.joints[joint], low, high, mean, mean_low, mean_high,
+        coordinate, series.motion.joints[joint], low, high, mean, mean_low, mean_high,
         np.sqrt(mean_square), squared / error if error > 0.0 else np.zeros(size),
         count_in / len(r), min(1.0, max(0.0, taken / error)) if error > 0.0 else 0.0,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Waves of the residual over the joint's angle: what repeats every so many turns.
+"""Waves of the residual over the joint's angle.
 
 An order is the number of waves in one turn of the joint. Cogging, eccentric gears and tooth mesh
 show as lines, whatever the speed and direction. Amplitudes are least squares at the measured
@@ -10,20 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.where.course import Course
-from lagrangian_ff.diagnosis.where.resampling import BLOCK_SECONDS, Shuffles
-
-Floats = NDArray[np.float64]
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.where.series import ResidualSeries, block_orders
 
 SAMPLES = 6000
 HIGHEST = 200.0
 FINEST_STEP = 0.25
 SHUFFLES = 60
 CHANCE = 0.05
-"""How often a line may come from a residual that is not tied to the angle, over all orders."""
+"""How often a residual that is not tied to the angle may show a line, over all orders."""
 MOST_LINES = 5
 LOWEST_LINE, LEAST_WAVES = 3.0, 2.0
-"""A line has at least so many waves a turn, and within the motion: fewer are a slow dependence on
+"""Waves a turn, and within the motion, that a line has at least: fewer are a slow dependence on
 position, which gravity or a spring may cause."""
 NAMED_SHARE = 0.05
 """Of the residual's variance: a line that holds less is not worth a sentence."""
@@ -50,7 +48,7 @@ class Spectrum:
 
     Attributes:
         joint: its name.
-        resolution: orders that can be told apart: one over the turns the joint travelled.
+        resolution: the difference of orders that shows: one over the turns the joint travelled.
         order: (K,) waves a turn.
         amplitude: (K,) N·m.
         noise: (K,) N·m, below which 95 % lie where the residual is not tied to the angle.
@@ -67,50 +65,44 @@ class Spectrum:
     spread: float
 
     def share(self, line: Line) -> float:
-        """What a line holds of the residual's variance."""
+        """Return the share of a line in the residual's variance."""
         return min(1.0, 0.5 * (line.amplitude / self.spread) ** 2)
 
     def record(self) -> dict[str, object]:
-        """For JSON."""
+        """Return it for JSON."""
         return {
             "joint": self.joint,
             "resolution": self.resolution,
-            "order": [float(v) for v in self.order],
-            "amplitude": [float(v) for v in self.amplitude],
-            "noise": [float(v) for v in self.noise],
+            "order": self.order.tolist(),
+            "amplitude": self.amplitude.tolist(),
+            "noise": self.noise.tolist(),
             "lines": [
-                {
-                    "order": line.order,
-                    "amplitude": line.amplitude,
-                    "share": self.share(line),
-                }
+                {"order": line.order, "amplitude": line.amplitude, "share": self.share(line)}
                 for line in self.lines
             ],
         }
 
 
-def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None:
-    """The amplitude at each order up to 200; None where the joint hardly moves or
-    errs, or the motion is too short to tell.
+def order_spectrum(series: ResidualSeries, joint: int, seed: int = 0) -> Spectrum | None:
+    """Return the amplitude at each order up to 200.
+
+    None if the joint hardly moves or errs, or the motion is too short.
 
     Args:
-        course: what is looked at.
+        series: the residual and the angle.
         joint: its index.
         seed: of the random orders of blocks that give the noise.
     """
-    small = course.thinned(SAMPLES)
+    small = series.thinned(SAMPLES)
     q, r = small.motion.q[:, joint], small.residual[:, joint]
     travel = float(np.ptp(q))
     resolution = 2.0 * np.pi / max(travel, 1e-9)
     r = r - r.mean()
     spread = float(np.sqrt(np.mean(r**2)))
-    if course.too_short or resolution > 0.2 * HIGHEST or not spread > 0.0:
+    if series.too_short or resolution > 0.2 * HIGHEST or not spread > 0.0:
         return None
     order = np.arange(max(1.0, resolution), HIGHEST, max(FINEST_STEP, 0.25 * resolution))
-    step = float(np.median(np.diff(small.motion.time)))
-    block = max(1, round(BLOCK_SECONDS / max(step, 1e-9)))
-    shuffles = Shuffles.of(len(r), block, SHUFFLES, seed)
-    residuals = np.concatenate([r[None], r[shuffles.order]])
+    residuals = np.concatenate([r[None], r[block_orders(small.motion.time, SHUFFLES, seed)]])
     amplitude = np.concatenate(
         [_amplitudes(q, residuals, order[k : k + CHUNK]) for k in range(0, len(order), CHUNK)],
         axis=1,
@@ -122,12 +114,12 @@ def order_spectrum(course: Course, joint: int, seed: int = 0) -> Spectrum | None
     strong = (measured / usual > limit) & (order > max(LOWEST_LINE, LEAST_WAVES * resolution))
     places = _peaks(order, measured, strong, resolution)
     lines = tuple(_refined(q, r, order, k) for k in places)
-    name = course.motion.joints[joint]
+    name = series.motion.joints[joint]
     return Spectrum(name, resolution, order, measured, noise, lines, spread)
 
 
 def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
-    """(S, K) amplitudes of a cos(k q) + b sin(k q) in (S, M) residuals without mean.
+    """Return (S, K) amplitudes of a cos(k q) + b sin(k q) in (S, M) residuals without mean.
 
     The orders are evenly spaced, so that each wave is the one before, turned on.
     """
@@ -145,7 +137,7 @@ def _amplitudes(q: Floats, residuals: Floats, order: Floats) -> Floats:
 
 
 def _refined(q: Floats, r: Floats, order: Floats, place: int) -> Line:
-    """The top of a peak, between the orders that were tried."""
+    """Return the top of a peak, between the orders that were tried."""
     around = order[place] + np.linspace(-1.0, 1.0, 81) * (order[1] - order[0])
     amplitude = _amplitudes(q, r[None], around)[0]
     top = int(np.argmax(amplitude))
@@ -155,7 +147,7 @@ def _refined(q: Floats, r: Floats, order: Floats, place: int) -> Line:
 def _peaks(
     order: Floats, amplitude: Floats, strong: NDArray[np.bool_], resolution: float
 ) -> tuple[int, ...]:
-    """The highest orders of all that are strong, one within what can be told apart."""
+    """Return the places of the strong orders, highest first, one within each resolution."""
     lines: list[int] = []
     for k in np.argsort(-amplitude):
         apart = all(abs(order[k] - order[other]) > 1.5 * resolution for other in lines)

@@ -1,1 +1,1 @@
-"""How sure a model is: of its torques, of its effects' parameters, of what it learned from."""
+"""Calibrated uncertainty of a model's torques and of its effects' parameters."""

@@ -1,235 +1,252 @@
 """Choosing a kernel and its hyperparameters, in the way that suits the kernel.
 
 The paper's kernels have a few numbers, which a simplex search finds (see `search`). Structured
-kernels have several a joint: their evidence is climbed (see `evidence`), and what blocks left out
-say decides between several kernels and scalings, and how much more noise than the evidence thinks
-the errors of a real arm, which are no white noise, ask for. All that is done on some samples; how
-steeply friction turns round, which only the slow ones show, is then looked at on all.
+kernels have several a joint: their evidence is maximised (see `evidence`), and blocks left out
+decide between kernels and scalings, and by how much the noise is raised, since the errors of a real
+arm are not white. All that uses a subset of the samples; the width of the Coulomb step, which only
+slow samples show, is then chosen on all.
+
+With Huber's loss the IRLS weights follow from a fit, and the choice from the weights.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.choosing.evidence import climb
-from lagrangian_ff.identification.choosing.search import (
-    choose,
-    require_folds,
-    starting_choice,
-    validation_score,
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.choosing.evidence import (
+    FAR,
+    NEAR,
+    Logarithms,
+    maximise_evidence,
+    solvable,
 )
 from lagrangian_ff.identification.choosing.shapes import tuned
-from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.solving.equations import fit, rebased
-from lagrangian_ff.identification.solving.fit import Fit
-from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.choosing.simplex import (
+    require_folds,
+    search,
+    validation_score,
+)
+from lagrangian_ff.identification.predicting import CHUNK_SAMPLES
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import Posterior, exact, exact_solver, rebased
+from lagrangian_ff.identification.solving.robust import (
+    ROUGH,
+    at_sight,
+    heavy_tailed,
+    huber,
+    threshold_of,
+    weights_of,
+)
+from lagrangian_ff.identification.solving.solution import (
+    NotPositiveDefiniteError,
+    no_factor,
+    with_least_noise,
+)
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import Spec
-from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, part, silent
 
+QUICK_SAMPLES = 120
+"""Samples on which a robust choice finds rough weights, twice: the first model is too poor."""
 FIRST, SECOND, LAST = (60, 30), (120, 12), (240, 4)
-"""Samples the evidence is climbed with, and steps at most: on every way, on those that are not
-clearly worse than the best, and on the best."""
+"""Samples that the evidence is maximised on, and steps at most: for every candidate, for those that
+are not clearly worse than the best, and for the best."""
 WORSE = 1.5
-"""Times the least error of the ways on blocks left out: one with more is clearly worse."""
+"""Multiple of the least error on blocks left out beyond which a candidate is clearly worse."""
 EVALUATIONS = 90
-"""What the steps are meant for."""
+"""Value of `Settings.evaluations` that the steps belong to."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
+ENOUGH = 0.5
+"""Nats that a step must bring for another to be tried; less hardly changes the error."""
 SHAPED_TORQUES = 4000
-"""As many as the shapes of friction are chosen on, at most, where the fit is of no further use."""
+"""Torques that the shapes of friction are chosen on, at most, if the fit is not the model's."""
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """What was found best.
+    """The best candidate.
 
     Attributes:
-        spec: with one kernel.  choice: its numbers.  scaling: of the torques.
-        tried: for each kernel and scaling tried, what blocks left out, or the evidence, say of it.
-        fitted: the model, solved with all of these samples; None where it was not.
+        spec: with one kernel.
+        problem: of the samples it was chosen on, with the hyperparameters.
+        tried: record of each kernel and scaling tried, with its error or evidence.
+        posterior: of the problem; None if it was not solved.
     """
 
     spec: Spec
-    choice: Choice
-    scaling: Scaling
+    problem: Problem
     tried: tuple[dict[str, object], ...] = ()
-    fitted: Fit[System] | None = field(default=None, repr=False)
+    posterior: Posterior[System] | None = field(default=None, repr=False)
 
 
-def choose_all(
+def choose(
     spec: Spec,
-    data: TrainingSet,
+    samples: Samples,
     scalings: Sequence[Scaling],
     criterion: str = "validation",
     evaluations: int = 90,
     progress: Progress = silent,
     shaped: int = SHAPED_TORQUES,
 ) -> Chosen:
-    """Choose everything about a model that is not linear in the torques; see `search.choose`.
+    """Choose kernel, scaling, hyperparameters, noise and shapes of friction.
 
     Args:
-        spec, data, scalings, criterion, evaluations, progress: see there.
-        shaped: torques that the shapes of friction are chosen on, at most.
+        spec, samples, scalings, criterion, evaluations, progress: see `simplex.search`.
+        shaped: see `SHAPED_TORQUES`.
 
     Raises:
-        ModelError: there is one fold only to validate on, or no start has a factor.
+        ModelError: there is one fold only to validate on, or no candidate can be solved.
     """
-    if not issubclass(spec.kernel, DifferentiableKernel):
-        return Chosen(spec, *choose(spec, data, scalings, criterion, evaluations, progress))
-    require_folds(data)
+    if not spec.kernel.differentiable:
+        return Chosen(spec, search(spec, samples, scalings, criterion, evaluations, progress))
+    require_folds(samples)
     first, second, last = (_for(stage, evaluations) for stage in (FIRST, SECOND, LAST))
-    ways = len(spec.alternatives) * len(scalings)
-    whole = ways * (_work(first) + _work(second)) + _work(last)
-    few, more = data.thinned(ROUGH_SAMPLES), data.thinned(JUDGED_SAMPLES)
-    tried: list[_Way] = []
+    count = len(spec.alternatives) * len(scalings)
+    whole = count * (_work(first) + _work(second)) + _work(last)
+    rough, fine = samples.thinned(ROUGH_SAMPLES), samples.thinned(JUDGED_SAMPLES)
+    tried: list[_Candidate] = []
     done = 0.0
 
-    def higher(way: _Way, stage: Stage, judges: TrainingSet) -> _Way | None:
+    def improved(one: _Candidate, stage: Stage, judges: Samples) -> _Candidate | None:
         nonlocal done
-        told = part(progress, done / whole, (done + _work(stage)) / whole)
+        share = part(progress, done / whole, (done + _work(stage)) / whole)
         done += _work(stage)
         try:
-            tried.append(way.climbed(data, stage, told).judged(judges, criterion))
+            tried.append(one.improved(samples, stage, share).judged(judges, criterion))
         except NotPositiveDefiniteError:
             return None
         return tried[-1]
 
-    hopeful: list[_Way] = []
+    kept: list[_Candidate] = []
     for kernel in spec.alternatives:
         # A scaling that is clearly worse with one kernel is so with the next.
-        left = [one for one in scalings if any(way.scaling is one for way in hopeful)]
-        starts = [_Way.started(kernel, scaling, data) for scaling in left or scalings]
-        hopeful += [way for one in starts if (way := higher(one, first, few))]
-        hopeful = _hopeful(hopeful, criterion)
-    if not hopeful:
-        raise ModelError(
-            f"the Gram matrix of {spec.text} has no Cholesky factor on this motion, however much "
-            "noise is assumed: look for impossible velocities and accelerations in the recording "
-            f"(up to {np.abs(data.x.qd).max():.3g} rad/s and {np.abs(data.x.qdd).max():.3g} rad/s² "
-            "here)"
-        )
-    pairs = [(higher(way, second, few) or way, way) for way in hopeful]
+        left = [
+            scaling for scaling in scalings if any(one.latest.scaling is scaling for one in kept)
+        ]
+        starts = [_Candidate.started(kernel, scaling, samples) for scaling in left or scalings]
+        kept += [one for start in starts if (one := improved(start, first, rough))]
+        kept = _not_clearly_worse(kept, criterion)
+    if not kept:
+        raise no_factor(spec.text, samples.x.qd, samples.x.qdd)
+    pairs = [(improved(one, second, rough) or one, one) for one in kept]
     best, before = min(pairs, key=lambda pair: pair[0].cost)
     misled = criterion == "validation" and best.cost > before.cost
-    best = best.judged(more, criterion)
-    # Samples that lie close share their errors, in which the evidence then sees dynamics.
+    best = best.judged(fine, criterion)
+    # Samples that lie close share their errors, which the evidence then takes for dynamics.
     if not misled:
         done = whole - _work(last)
-        top = higher(best, last, more)
-        if top and (criterion == "evidence" or top.cost < best.cost):
-            best = top
-    shown = data.thinned(shaped // data.states.joints)
-    records = tuple(way.record(criterion) for way in tried)
-    chosen = Chosen(best.spec, best.choice, best.scaling, records)
+        final = improved(best, last, fine)
+        if final and (criterion == "evidence" or final.cost < best.cost):
+            best = final
+    shown = samples.thinned(shaped // samples.x.joints)
+    records = tuple(one.record(criterion) for one in tried)
+    chosen = Chosen(best.spec, best.choice.of(shown), records)
     progress(1.0, "fitting")
-    reshaped = _reshaped(chosen, shown)
-    return reshaped if len(shown.x) == len(data.x) else replace(reshaped, fitted=None)
+    chosen = _reshaped(chosen)
+    if len(shown) == len(samples):
+        return chosen
+    return replace(chosen, problem=chosen.problem.of(samples), posterior=None)
 
 
 Stage = tuple[int, int]
 
 
 def _for(stage: Stage, evaluations: int) -> Stage:
-    """The stage with steps in proportion to the usual number of evaluations."""
+    """Return the stage with steps in proportion to the usual number of evaluations."""
     samples, steps = stage
     return samples, max(1, round(steps * evaluations / EVALUATIONS))
 
 
 def _work(stage: Stage) -> float:
-    """What a stage costs, about: pairs of samples, steps times."""
+    """Return the approximate cost of a stage: steps times pairs of samples."""
     samples, steps = stage
     return float(steps * samples**2)
 
 
 @dataclass(frozen=True)
-class _Way:
-    """A kernel and a scaling of the torques, and how far they have come.
+class _Candidate:
+    """A kernel and a scaling of the torques, with the hyperparameters found so far.
 
     Attributes:
-        start: before the climb.  top: where it stands.  choice: with the noise that suits best.
-        factor: which of `NOISE_FACTORS` that is.
-        samples: it has climbed with.  evidence: there.  cost: what is made small.
+        start: before any step.  latest: after the last.  choice: with the best noise.
+        factor: index of that noise in `NOISE_FACTORS`.
+        samples: number in the last steps.  evidence: on these.  cost: to minimise.
     """
 
     spec: Spec
-    scaling: Scaling
-    start: Choice
-    top: Choice
-    choice: Choice
+    start: Problem
+    latest: Problem
+    choice: Problem
     factor: int = 0
     samples: int = 0
     evidence: float = -np.inf
     cost: float = np.inf
 
     @classmethod
-    def started(cls, spec: Spec, scaling: Scaling, data: TrainingSet) -> "_Way":
-        start = starting_choice(spec, data.states)
-        return cls(spec, scaling, start, start, start)
+    def started(cls, spec: Spec, scaling: Scaling, samples: Samples) -> "_Candidate":
+        start = Problem.started(spec, samples, scaling)
+        return cls(spec, start, start, start)
 
-    def climbed(self, data: TrainingSet, stage: Stage, progress: Progress) -> "_Way":
-        """Farther up."""
-        top, evidence = climb(
-            self.spec, self.start, data, self.scaling, [stage], progress, first=self.top
-        )
-        return replace(self, top=top, samples=stage[0], evidence=evidence)
+    def improved(self, samples: Samples, stage: Stage, progress: Progress) -> "_Candidate":
+        """Return the candidate after some more steps."""
+        count, steps = stage
+        logarithms = Logarithms(self.start)
+        prior = logarithms.prior
+        damping = FAR if np.array_equal(logarithms.of(self.latest), prior.middle) else NEAR
+        begin = solvable(self.latest.of(samples.thinned(count)))
+        found = maximise_evidence(begin, steps, prior, progress, enough=ENOUGH, damping=damping)
+        return replace(self, latest=found.problem, samples=count, evidence=found.log_evidence)
 
-    def judged(self, data: TrainingSet, criterion: str) -> "_Way":
-        """With what is to be said of where it stands."""
+    def judged(self, samples: Samples, criterion: str) -> "_Candidate":
+        """Return the candidate with its cost."""
         if criterion == "evidence":
-            return replace(self, choice=self.top, cost=-self.evidence)
+            return replace(self, choice=self.latest, cost=-self.evidence)
         # Threads cost more than they bring on matrices as small as these.
         with threadpool_limits(1):
-            factor, choice, cost = _least_error(
-                self.spec, self.top, data, self.scaling, self.factor
-            )
+            factor, choice, cost = _least_error(self.latest.of(samples), self.factor)
         return replace(self, factor=factor, choice=choice, cost=cost)
 
     def record(self, criterion: str) -> dict[str, object]:
-        """What it was, and what is said of it."""
+        """Return kernel, scaling, samples, evidence and cost for JSON."""
         return {
             "kernel": self.spec.kernel.name,
-            "scale": "common" if np.ptp(self.scaling.unit) == 0.0 else "joint",
+            "scale": "common" if np.ptp(self.latest.unit) == 0.0 else "joint",
             "samples": self.samples,
             "evidence": self.evidence,
             criterion: self.cost,
         }
 
 
-def _hopeful(ways: Sequence[_Way], criterion: str) -> list[_Way]:
-    """Those that blocks left out do not speak clearly against."""
+def _not_clearly_worse(candidates: list[_Candidate], criterion: str) -> list[_Candidate]:
+    """Return the candidates whose error on blocks left out is not far above the least."""
     if criterion == "evidence":
-        return list(ways)
-    least = min((way.cost for way in ways), default=0.0)
-    return [way for way in ways if way.cost <= WORSE * least]
+        return candidates
+    least = min((one.cost for one in candidates), default=0.0)
+    return [one for one in candidates if one.cost <= WORSE * least]
 
 
-def _least_error(
-    spec: Spec, choice: Choice, data: TrainingSet, scaling: Scaling, first: int
-) -> tuple[int, Choice, float]:
-    """Which of `NOISE_FACTORS` leaves the smallest error on blocks left out, the choice, the error.
+def _least_error(problem: Problem, first: int) -> tuple[int, Problem, float]:
+    """Return index, problem and error of the best noise factor on blocks left out.
 
-    From the first that is tried to its neighbours, as long as the error falls.
+    The search goes from the first factor to its neighbours, as long as the error falls.
     """
-    groups = data.groups()
-    met: dict[int, float] = {}
-
-    def noisier(factor: int) -> Choice:
-        return replace(choice, noise=choice.noise * NOISE_FACTORS[factor])
+    groups = problem.samples.groups()
+    errors: dict[int, float] = {}
 
     def error(factor: int) -> float:
-        if factor not in met:
+        if factor not in errors:
             try:
-                fitted = fit(spec, noisier(factor), data.x, data.tau, scaling, data.trust)
-                met[factor] = float(np.nanmean(validation_score(fitted, groups)))
+                found = exact(problem.noisier(NOISE_FACTORS[factor]))
+                errors[factor] = float(np.nanmean(validation_score(found, groups)))
             except (NotPositiveDefiniteError, np.linalg.LinAlgError):
-                met[factor] = np.inf
-        return met[factor]
+                errors[factor] = np.inf
+        return errors[factor]
 
     best = first
     for step in (1, -1):
@@ -237,18 +254,94 @@ def _least_error(
             error(best + step) < error(best) or not np.isfinite(error(best))
         ):
             best += step
-    return best, noisier(best), error(best)
+    return best, problem.noisier(NOISE_FACTORS[best]), error(best)
 
 
-def _reshaped(chosen: Chosen, data: TrainingSet) -> Chosen:
-    """The same with friction's shapes where least of all these samples is left."""
-    choice = chosen.choice
+def _reshaped(chosen: Chosen) -> Chosen:
+    """Return the choice with friction shaped to leave the least residual on all its samples."""
     try:
-        fitted = fit(chosen.spec, choice, data.x, data.tau, chosen.scaling, data.trust)
+        found = exact(chosen.problem)
     except NotPositiveDefiniteError:  # more noise may be added when the model is made
         return chosen
-    basis = fitted.basis
-    for joint in range(data.states.joints):
-        basis = tuned(fitted, basis, joint, data.x)
-    fitted = rebased(fitted, basis, data.x, data.tau)
-    return replace(chosen, choice=fitted.choice, fitted=fitted)
+    basis = found.problem.basis
+    for joint in range(chosen.problem.samples.x.joints):
+        basis = tuned(found, basis, joint)
+    found = rebased(found, basis)
+    return replace(chosen, problem=found.problem, posterior=found)
+
+
+def choose_robustly(
+    spec: Spec,
+    samples: Samples,
+    scalings: Callable[[Floats, Floats], Sequence[Scaling]],
+    criterion: str = "validation",
+    evaluations: int = 90,
+    progress: Progress = silent,
+) -> tuple[Chosen, Floats]:
+    """Choose as `choose` does, undisturbed by gross errors of torque.
+
+    The weights follow from a fit with Huber's loss, and the choice from the weights; so both are
+    found on a subset of the samples first. During a choice the weights stay as they are.
+
+    Args:
+        spec, samples, criterion, evaluations, progress: see `choose`.
+        scalings: returns the scalings to try for torques (S, N) and their weights (S, N).
+
+    Returns:
+        The choice, and the IRLS weights (S, N) that go with it.
+
+    Raises:
+        ModelError: see `choose`; or there is no Cholesky factor even with much more noise.
+    """
+    scaling = scalings(samples.tau, heavy_tailed(at_sight(samples.tau)))[0]
+    chosen = Chosen(spec, Problem.started(spec.alternatives[0], samples, scaling))
+    subset = samples.thinned(QUICK_SAMPLES)
+    for some, low, high in ((subset, 0.0, 0.15), (subset, 0.15, 0.3), (samples, 0.3, 1.0)):
+        weight = heavy_tailed(_weights(chosen.problem.of(some)))
+        known, tried = replace(some, weight=weight), scalings(some.tau, weight)
+        share = part(progress, low, high)
+        chosen = choose(spec, known, tried, criterion, evaluations, share)
+    problem = chosen.problem.of(samples)
+    chosen = replace(chosen, problem=problem, posterior=None)  # it has the square loss
+    return chosen, _weights(problem)
+
+
+def weights_beyond(problem: Problem, weight: Floats, x: Inputs, tau: Floats) -> Floats:
+    """Return (S, N) IRLS weights of many torques by their distance from a fit to a subset.
+
+    Args:
+        problem: of the subset.  weight: (F, N) of its torques.
+        x: S samples.  tau: (S, N) N·m.
+
+    Raises:
+        ModelError: there is no Cholesky factor even with much more noise.
+    """
+    found = _solved(problem.weighted(heavy_tailed(weight)), exact)
+    chunks = np.split(np.arange(len(x)), range(CHUNK_SAMPLES, len(x), CHUNK_SAMPLES))
+    residual = tau - np.concatenate([found.torque(x.take(chunk)) for chunk in chunks])
+    return weights_of(residual, threshold_of(residual, problem.scaling.spread))
+
+
+def _weights(problem: Problem) -> Floats:
+    """Return (S, N) IRLS weights by each torque's distance from a robust fit without its block.
+
+    A fit with little noise follows most of its own torques closely, so that the others would look
+    like outliers, and the noise chosen next would be smaller still.
+    """
+
+    def solved(noisier: Problem) -> Posterior:
+        return huber(exact_solver(noisier), enough=ROUGH).posterior
+
+    found = _solved(problem, solved)
+    groups = problem.samples.groups()
+    residual = found.left_out(groups) if len(groups) > 1 else found.residual
+    return weights_of(residual, threshold_of(residual, problem.scaling.spread))
+
+
+def _solved(problem: Problem, how: Callable[[Problem], Posterior]) -> Posterior:
+    """Return the posterior, with more noise if these samples need more than a subset did."""
+    try:
+        return with_least_noise(lambda factor: how(problem.noisier(factor)))[0]
+    except NotPositiveDefiniteError as error:
+        x = problem.samples.x
+        raise no_factor(f"{len(x)} samples", x.qd, x.qdd) from error

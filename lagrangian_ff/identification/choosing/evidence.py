@@ -1,212 +1,275 @@
-"""Climbing the log evidence of a model: its kernel's numbers, its noise, its effects' shapes."""
+"""The log evidence of a problem over the logarithms of its hyperparameters, and its maximum.
 
-from collections.abc import Callable, Sequence
+With A = G⁻¹Φ (Φᵀ G⁻¹ Φ)⁻¹, P as in `system`, a = P y and s² the amplitude, the restricted log
+evidence E falls with the Gram matrix and the basis as
+
+    −2 ∂E/∂G = P − a aᵀ / s²,        −∂E/∂Φ = A − a bᵀ / s².
+
+Its curvature is taken as the average information ½ (G'_i a)ᵀ P (G'_j a) / s² of two numbers of the
+Gram matrix, less what the amplitude takes, and (Φ'_i b)ᵀ P (Φ'_j b) / s² of two shapes (Gilmour,
+Thompson and Cullis, Biometrics 51, 1995): it costs products with vectors only, and a dozen steps
+arrive. A weak prior holds hyperparameters that the torques leave open.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.identification.choice import Choice, Scaling
-from lagrangian_ff.identification.choosing.ascent import (
-    Hill,
-    Slopes,
-    numbers,
-    projected,
-    slopes_by_gram,
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.choosing.levenberg_marquardt import (
+    ENOUGH,
+    Density,
+    Derivatives,
+    HyperPrior,
 )
-from lagrangian_ff.identification.choosing.belief import Belief
-from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.solving.equations import fit_basis
-from lagrangian_ff.identification.solving.fit import Fit
-from lagrangian_ff.identification.solving.solution import with_least_noise
-from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.identification.problem import Problem
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
+from lagrangian_ff.identification.solving.solution import (
+    NotPositiveDefiniteError,
+    with_least_noise,
+)
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, silent
 
-Floats = NDArray[np.float64]
-
 SHAPE_STEP = 1e-3
-ENOUGH = 0.5
-"""Nats that a step must bring for another to be tried: what a choice is judged by changes less."""
 FAR, NEAR = 1.0, 0.1
 """Damping of the first step from the start, and from where fewer samples have led."""
 
 
-def climb(
-    spec: Spec,
-    start: Choice,
-    data: TrainingSet,
-    scaling: Scaling,
-    stages: Sequence[tuple[int, int]],
-    progress: Progress = silent,
-    first: Choice | None = None,
-) -> tuple[Choice, float]:
-    """Climb the log evidence from a start; see `ascent`.
-
-    Args:
-        spec: kernel family and effects; the kernel is differentiable.
-        start: where the prior of every logarithm has its middle.
-        data: the samples.
-        scaling: how torques are normalised.
-        stages: (samples used, steps at most) one after the other, few samples first.
-        progress: told the share done.
-        first: where to begin, if not at the start.
-
-    Returns:
-        The choice at the top, and the log evidence there of the last stage's samples.
-
-    Raises:
-        NotPositiveDefiniteError: even with much more noise the start has no factor.
-    """
-    total, done = sum(steps for _, steps in stages), 0
-    path = _Path(spec, start)
-    point = path.middle if first is None else _Path(spec, first).middle
-    evidence = -np.inf
-    # Threads cost more than they bring on matrices as small as these.
-    with threadpool_limits(1):
-        for samples, steps in stages:
-            part = data.thinned(samples)
-
-            def told(step: int, before: int = done) -> None:
-                progress((before + step) / total, "climbing the evidence")
-
-            def go(at: Floats, part: TrainingSet = part) -> Fit:
-                choice = path.at(at)
-                basis = choice.basis(spec, part.x.joints)
-                return fit_basis(basis, choice, part.x, part.tau, scaling, part.trust)
-
-            def slopes(fitted: Fit, part: TrainingSet = part) -> Slopes:
-                return slopes_of(fitted, part)
-
-            hill = Hill(path.belief, go, lambda fitted: fitted.log_evidence, slopes, *path.ends)
-            damping = FAR if np.array_equal(point, path.middle) else NEAR
-            point, fitted = hill.climb(_footing(point, path, go), steps, told, ENOUGH, damping)
-            evidence = fitted.log_evidence
-            done += steps
-    return path.at(point), float(evidence)
-
-
-def _footing(point: Floats, path: "_Path", go: Callable[[Floats], Fit]) -> Floats:
-    """The point with the least noise added that there is a factor with.
-
-    Raises:
-        NotPositiveDefiniteError: there is none.
-    """
-
-    def raised(factor: float) -> Floats:
-        tried = point.copy()
-        tried[path.noise] += np.log(factor)
-        go(tried)
-        return tried
-
-    return with_least_noise(raised)[0]
-
-
 @dataclass(frozen=True)
-class _Path:
-    """A choice as a vector of logarithms: the kernel's numbers, the noise, the effects' shapes."""
+class Logarithms:
+    """The hyperparameters of a problem as K logarithms: kernel, noise by joint, effects' shapes.
 
-    spec: Spec
-    start: Choice
+    Attributes:
+        like: a problem that has them.
+        shapes: whether the effects' shapes are included.
+    """
 
-    @property
-    def middle(self) -> Floats:
-        """(K,) of the start."""
-        parts = [*numbers(_kernel(self.start)).values(), self.start.noise]
-        parts += [v for shapes in self.start.shapes.values() for v in shapes.values()]
+    like: Problem
+    shapes: bool = True
+
+    def of(self, problem: Problem) -> Floats:
+        """Return the logarithms (K,) of a problem."""
+        parts = [*numbers(kernel_of(problem)).values(), problem.noise]
+        parts += [np.array([term.shape[name]]) for _, term, name in self._shapes(problem.basis)]
         return np.asarray(np.log(np.concatenate(parts)))
 
+    def at(self, point: Floats) -> Problem:
+        """Return the problem with the hyperparameters of a point (K,)."""
+        values, first = np.exp(point), 0
+        held = {}
+        for name, value in numbers(kernel_of(self.like)).items():
+            held[name] = values[first : first + len(value)]
+            first += len(value)
+        noise = values[self.noise]
+        terms = list(self.like.basis.terms)
+        shapes = values[self.noise.stop :].tolist()
+        for (number, _, name), value in zip(self._shapes(self.like.basis), shapes, strict=True):
+            terms[number] = replace(terms[number], shape={**terms[number].shape, name: value})
+        kernel = self.like.kernel.replace(**held)
+        return replace(self.like, kernel=kernel, noise=noise, basis=Basis(tuple(terms)))
+
     @property
-    def belief(self) -> Belief:
-        """About the start."""
-        kernel, middle = _kernel(self.start), self.middle
+    def prior(self) -> HyperPrior:
+        """Return the prior about the problem's own hyperparameters."""
+        kernel, middle = kernel_of(self.like), self.of(self.like)
         rare = [np.full(len(v), name in kernel.variances) for name, v in numbers(kernel).items()]
         variances = np.zeros(len(middle))
         variances[: self.noise.start] = np.concatenate(rare)
-        return Belief(middle, variances)
+        return HyperPrior(middle, variances)
 
     @property
     def noise(self) -> slice:
-        """Where the noise of each joint stands."""
-        first = sum(len(value) for value in numbers(_kernel(self.start)).values())
-        return slice(first, first + len(self.start.noise))
+        """Return the place of the joints' noise among the logarithms."""
+        first = sum(len(value) for value in numbers(kernel_of(self.like)).values())
+        return slice(first, first + len(self.like.noise))
 
     @property
     def ends(self) -> tuple[Floats, Floats]:
-        """(K,) the lowest and the highest logarithms: shapes have a range, nothing else has."""
-        ranges = {e.name: {s.name: (s.low, s.high) for s in e.shapes} for e in self.spec.effects}
-        low, high = np.full((2, len(self.middle)), [[-np.inf], [np.inf]])
-        first = self.noise.stop
-        for effect, named in self.start.shapes.items():
-            for shape, values in named.items():
-                own = slice(first, first + len(values))
-                low[own], high[own] = np.log(ranges[effect][shape])
-                first = own.stop
+        """Return (K,) the lowest and the highest logarithms: only shapes have a range."""
+        low, high = np.full((2, len(self.of(self.like))), [[-np.inf], [np.inf]])
+        for place, (_, term, name) in enumerate(self._shapes(self.like.basis), self.noise.stop):
+            (shape,) = (one for one in term.effect.shapes if one.name == name)
+            low[place], high[place] = np.log((shape.low, shape.high))
         return low, high
 
-    def at(self, point: Floats) -> Choice:
-        """The choice at a point."""
-        left = np.exp(point)
-
-        def take(like: Floats) -> Floats:
-            nonlocal left
-            values, left = left[: len(like)], left[len(like) :]
-            return values
-
-        held = numbers(_kernel(self.start))
-        kernel = self.start.kernel.replace(**{name: take(value) for name, value in held.items()})
-        noise = take(self.start.noise)
-        shapes = {
-            effect: {name: take(value) for name, value in named.items()}
-            for effect, named in self.start.shapes.items()
-        }
-        return Choice(kernel, noise, shapes)
+    def _shapes(self, basis: Basis) -> Iterator[tuple[int, Term, str]]:
+        return shapes_of(basis) if self.shapes else iter(())
 
 
-def slopes_of(fitted: Fit, part: TrainingSet) -> Slopes:
-    """By all logarithms of a choice, in the order of `_Path`."""
-    ((_, _, system),) = fitted.systems
-    noise = fitted.choice.noise * fitted.scaling.noise**2
-    gram = slopes_by_gram(system, _kernel(fitted.choice), fitted.states, noise, trust=fitted.trust)
-    by_shape, changes = _by_shapes(fitted, part)
-    first, size = len(gram.slope), len(gram.slope) + len(by_shape)
-    information = np.zeros((size, size))
-    information[:first, :first] = gram.information
+def shapes_of(basis: Basis) -> Iterator[tuple[int, Term, str]]:
+    """Yield every shape as the number of its term, the term and its name, effect by effect."""
+    effects = {term.effect.name: term.effect for term in basis.terms}
+    for effect in effects.values():
+        for shape in effect.shapes:
+            for number, term in enumerate(basis.terms):
+                if term.effect.name == effect.name:
+                    yield number, term, shape.name
+
+
+def maximise_evidence(
+    problem: Problem,
+    steps: int,
+    prior: HyperPrior,
+    progress: Progress = silent,
+    *,
+    shapes: bool = True,
+    enough: float = ENOUGH,
+    damping: float = FAR,
+    least_noise: float = 0.0,
+) -> Posterior[System]:
+    """Return the posterior with the hyperparameters of largest evidence; see `Density.maximised`.
+
+    Args:
+        problem: with the hyperparameters to begin with; its kernel is differentiable.
+        steps: at most.
+        prior: of the logarithms.
+        progress: receives the share done, 0 to 1.
+        shapes: whether the effects' shapes are chosen as well.
+        enough: nats that a step must bring for another to be tried.
+        damping: of the first step, see `FAR`.
+        least_noise: of the kernel's variance; with less a problem counts as not solvable.
+
+    Raises:
+        NotPositiveDefiniteError: the Gram matrix is not positive definite to begin with.
+    """
+    logarithms = Logarithms(problem, shapes)
+    begin = logarithms.of(problem)
+
+    def at(point: Floats) -> Posterior[System]:
+        tried = logarithms.at(point)
+        if least_noise and quiet(tried, least_noise):
+            raise NotPositiveDefiniteError("too little noise for a problem of many samples")
+        return exact(tried)
+
+    density = Density(
+        prior,
+        at,
+        lambda found: found.log_evidence,
+        lambda found: derivatives(found, shapes=shapes),
+        *logarithms.ends,
+    )
+    # Threads cost more than they bring on matrices as small as these.
+    with threadpool_limits(1):
+        return density.maximised(
+            begin,
+            steps,
+            lambda step: progress(step / steps, "maximising the evidence"),
+            enough,
+            damping,
+        )[1]
+
+
+def quiet(problem: Problem, least: float) -> bool:
+    """Return whether a joint's noise is less than a share of the kernel's mean variance."""
+    variance = problem.kernel.variance(problem.samples.states).mean()
+    return bool(np.any(problem.noise < least * variance))
+
+
+def solvable(problem: Problem) -> Problem:
+    """Return the problem with the least noise added that makes its Gram matrix positive definite.
+
+    Raises:
+        NotPositiveDefiniteError: no noise does.
+    """
+
+    def tried(factor: float) -> Problem:
+        noisier = problem.noisier(factor)
+        exact(noisier)
+        return noisier
+
+    with threadpool_limits(1):
+        return with_least_noise(tried)[0]
+
+
+def derivatives(found: Posterior[System], *, shapes: bool = True) -> Derivatives:
+    """Return the derivatives of the log evidence, in the order of `Logarithms`."""
+    gram = _by_gram(found)
+    if not shapes:
+        return gram
+    by_shape, changes = _by_shapes(found)
+    first, size = len(gram.gradient), len(gram.gradient) + len(by_shape)
+    curvature = np.zeros((size, size))
+    curvature[:first, :first] = gram.curvature
     if changes:
-        white = projected(system, np.array(changes))
-        information[first:, first:] = (white.T @ white) / system.amplitude
-    return Slopes(np.concatenate([gram.slope, by_shape]), information)
+        white = projected(found.system, np.array(changes))
+        curvature[first:, first:] = (white.T @ white) / found.system.amplitude
+    return Derivatives(np.concatenate([gram.gradient, by_shape]), curvature)
 
 
-def _by_shapes(fitted: Fit, part: TrainingSet) -> tuple[list[float], list[Floats]]:
-    """Slopes by the shapes, and (n,) how the basis' torque changes with each."""
-    ((_, basis, system),) = fitted.systems
-    slopes, changes = [], []
-    by_design = system.slope_by_design().reshape(len(part.x), part.x.joints, -1)
-    for effect, named in fitted.choice.shapes.items():
-        for shape in named:
-            for term, place in basis.slices():
-                if term.effect.name == effect:
-                    change = _change(term, shape, part) / fitted.scaling.unit[term.joint]
-                    slopes.append(-float(np.sum(by_design[:, term.joint, place] * change)))
-                    torque = np.zeros(part.x.q.shape)
-                    torque[:, term.joint] = change @ system.coefficients[place]
-                    changes.append(torque.ravel())
-    return slopes, changes
+def _by_gram(found: Posterior[System]) -> Derivatives:
+    """Return those by the kernel's numbers, in their order, and by the noise of each joint."""
+    system, problem, states = found.system, found.problem, found.states
+    kernel, second = kernel_of(problem), problem.second()
+    by_gram = system.slope_by_gram()
+    each = system.noise.reshape(len(states), -1)
+    diagonal = (np.diag(by_gram).reshape(each.shape) * each).sum(axis=0)
+    if second is not None:
+        by_gram *= 1.0 + np.outer(second, second)
+    contracted = kernel.contract(states, by_gram, system.weights)
+    values = numbers(kernel)
+    totals = [contracted[name].total * value for name, value in values.items()]
+    products = [contracted[name].product * value[:, None] for name, value in values.items()]
+    if second is not None:
+        again = kernel.contract(states, by_gram, system.weights * second)
+        for product, (name, value) in zip(products, values.items(), strict=True):
+            product += again[name].product * value[:, None] * second
+    own = np.tile(np.eye(each.shape[1]), len(states)) * each.ravel() * system.weights
+    gradient = -0.5 * np.concatenate([*totals, diagonal])
+    moved = np.vstack([*products, own])
+    white = projected(system, moved)
+    shared = 0.5 * moved @ system.weights / system.amplitude
+    curvature = 0.5 * (white.T @ white) / system.amplitude
+    curvature -= np.outer(shared, shared) * 2.0 / system.degrees
+    return Derivatives(gradient, curvature)
 
 
-def _kernel(choice: Choice) -> DifferentiableKernel:
-    assert isinstance(choice.kernel, DifferentiableKernel)
-    return choice.kernel
+def _by_shapes(found: Posterior[System]) -> tuple[list[float], list[Floats]]:
+    """Return the gradient by the shapes, and (S N,) the change of the torque with each."""
+    problem, system = found.problem, found.system
+    x = problem.samples.x
+    by_design = system.slope_by_design().reshape(len(x), x.joints, -1)
+    slices = problem.basis.slices()
+    gradient, changes = [], []
+    for number, term, shape in shapes_of(problem.basis):
+        place = slices[number][1]
+        change = _change(term, shape, x) / problem.unit[term.joint]
+        gradient.append(-float(np.sum(by_design[:, term.joint, place] * change)))
+        torque = np.zeros(x.q.shape)
+        torque[:, term.joint] = change @ system.coefficients[place]
+        changes.append(torque.ravel())
+    return gradient, changes
 
 
-def _change(term: Term, shape: str, part: TrainingSet) -> Floats:
-    """(M, P) how a term's columns change with the logarithm of one of its shapes."""
+def _change(term: Term, shape: str, x: Inputs) -> Floats:
+    """Return (S, P) the derivative of a term's columns by the logarithm of one shape."""
     value = term.shape[shape]
     up, down = (
-        replace(term, shape={**term.shape, shape: value * np.exp(step)}).columns(part.x)
+        replace(term, shape={**term.shape, shape: value * np.exp(step)}).columns(x)
         for step in (SHAPE_STEP, -SHAPE_STEP)
     )
     return np.asarray((up - down) / (2.0 * SHAPE_STEP))
+
+
+def projected(system: System, rows: Floats) -> Floats:
+    """Return W, (n, K), with Wᵀ W = rows P rowsᵀ, for rows (K, n)."""
+    white = solve_triangular(system.upper, rows.T, trans=1, check_finite=False)
+    fit = system.covariance @ (system.white_design.T @ white)
+    return np.asarray(white - system.white_design @ fit)
+
+
+def numbers(kernel: DifferentiableKernel) -> dict[str, Floats]:
+    """Return the kernel's numbers that the evidence is maximised over, by name."""
+    return {name: kernel.hyperparameters[name] for name in kernel.differentiable}
+
+
+def kernel_of(problem: Problem) -> DifferentiableKernel:
+    """Return the kernel, which must be differentiable."""
+    assert isinstance(problem.kernel, DifferentiableKernel)
+    return problem.kernel

@@ -1,42 +1,40 @@
-"""The shapes of effects that explain most of what a fitted model leaves over."""
+"""The shapes of effects that explain most of a posterior's residual."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.posterior import Posterior
 from lagrangian_ff.identification.solving.system import System
 
-Floats = NDArray[np.float64]
-
 STEP = 0.4
-"""Of the logarithm of a shape: how far it is moved at first."""
+"""First step of the logarithm of a shape."""
 EVALUATIONS = 40
-"""A shape to tune, at most."""
+"""Evaluations for each shape, at most."""
 
 
 def best_shape(
-    fitted: Fit[System], effect: Effect, joint: int, x: Inputs, given: Mapping[str, float]
+    found: Posterior[System], effect: Effect, joint: int, given: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """The shape with the largest fall of the whitened squared residual; no refit is needed.
+    """Return the shape with the largest fall of the whitened squared residual; no refit is needed.
 
     Args:
-        fitted: the model so far.
-        effect, joint: what is to be added where.
-        x: (C,) the samples it was fitted on.
-        given: what is known of the shape.
+        found: posterior of the model so far.
+        effect, joint: to add.
+        given: known values of the shape.
 
     Raises:
         ModelError: the motion leaves no shape to try.
     """
+    x = found.problem.samples.x
     if given and all(shape.name in given for shape in effect.shapes):
         return dict(given)
     tried = [{**shape, **given} for shape in effect.candidates(x, joint)]
@@ -46,18 +44,19 @@ def best_shape(
             f"{effect.name}: the motion that the model keeps leaves no shape of it to try on this "
             "joint, being too short, too still or of too few joints for it"
         )
-    return max(shapes, key=lambda shape: fall(fitted, Term(effect, joint, shape), x)[0])
+    return max(shapes, key=lambda shape: fall(found, Term(effect, joint, shape))[0])
 
 
-def fall(fitted: Fit[System], term: Term, x: Inputs) -> tuple[float, float]:
-    """How much a term would explain of the whitened squares.
+def fall(found: Posterior[System], term: Term) -> tuple[float, float]:
+    """Return the share of the whitened squares that a term would explain.
 
     Returns:
-        The fall as a share of what is left, and the share of the term itself that the model's
-        basis does not hold already: 0 for a torque it has under another name.
+        The fall as a share of the squares, and the share of the term itself that the model's
+        basis does not hold already: 0 for a torque that it has under another name.
     """
-    joints, _, system = _system_of(fitted, term.joint)
-    z = _whitened(system, joints, term.joint, term.columns(x))
+    joints, _, system = _system_of(found, term.joint)
+    columns = term.columns(found.problem.samples.x)
+    z = _whitened(system, joints, term.joint, columns)
     size = float(np.sum(z**2))
     span = _orthonormal(system.white_design)
     z -= span @ (span.T @ z)
@@ -70,25 +69,24 @@ def fall(fitted: Fit[System], term: Term, x: Inputs) -> tuple[float, float]:
 
 
 def tuned(
-    fitted: Fit[System],
+    found: Posterior[System],
     basis: Basis,
     joint: int,
-    x: Inputs,
     given: Collection[tuple[str, str]] = (),
 ) -> Basis:
-    """The basis with the shapes of one joint's friction moved to where least is left.
+    """Return the basis with the shapes of one joint's friction where the residual is least.
 
     A shape that was chosen while an effect was missing had made up for it as well as it could:
     Coulomb's v0 for a bump at creeping speed.
 
     Args:
-        fitted: the model so far, which gives the kernel and the noise.
+        found: posterior of the model so far, which gives the kernel and the noise.
         basis: its terms, moved or new.
-        joint: whose friction is tuned.
-        x: (C,) the samples it was fitted on.
-        given: effect and name of each shape that is kept.
+        joint: to refit the friction of.
+        given: effect and name of each shape that stays.
     """
-    joints, part, system = _system_of(fitted, joint)
+    x = found.problem.samples.x
+    joints, part, system = _system_of(found, joint)
     free = [
         (number, shape)
         for number, term in enumerate(basis.terms)
@@ -104,7 +102,7 @@ def tuned(
     known = _orthonormal(system.white_design[:, part.joints != joint])
     try:
         upper, target, squares = system.seen_by(rows, known)
-    except np.linalg.LinAlgError:  # nor would a change of shape be told from rounding
+    except np.linalg.LinAlgError:  # a change of shape would drown in rounding, too
         return basis
 
     def moved(logs: Floats) -> Basis:
@@ -127,23 +125,23 @@ def tuned(
     bounds = list(zip(low, high, strict=True))
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
-        found = scipy.optimize.minimize(
+        optimum = scipy.optimize.minimize(
             cost, start, method="Nelder-Mead", bounds=bounds,
             options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),
                      "xatol": 0.01, "fatol": 1e-5},
         )  # fmt: skip
-    return moved(found.x) if found.fun < cost(present) else basis
+    return moved(optimum.x) if optimum.fun < cost(present) else basis
 
 
-def _system_of(fitted: Fit[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:
-    for joints, part, system in fitted.systems:
+def _system_of(found: Posterior[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:
+    for joints, part, system in found.systems:
         if joint in joints:
             return joints, part, system
-    raise ValueError(f"joint {joint} is in no system of the fit")
+    raise ValueError(f"joint {joint} is in no system of the posterior")
 
 
 def _whitened(system: System, joints: tuple[int, ...], joint: int, columns: Floats) -> Floats:
-    """(n, P) what a joint's columns (M, P), of largest entry 1, are to the noise and the kernel."""
+    """Return (n, P) a joint's columns (M, P), of largest entry 1, whitened with G."""
     full = np.zeros((len(columns), len(joints), columns.shape[1]))
     scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
     full[:, joints.index(joint), :] = columns / scale

@@ -1,1 +1,1 @@
-"""What a Lagrangian tells beyond torque, and a mass matrix that is one."""
+"""Rigid-body quantities of a learned Lagrangian, and a mass matrix kept positive definite."""

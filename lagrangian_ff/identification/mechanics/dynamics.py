@@ -1,8 +1,8 @@
-"""More than torque: the Lagrangian that a model learned, energies, M, C, g, forward dynamics.
+"""The Lagrangian of a model, its energies, M, C, g, and forward dynamics.
 
 The torque of a Lagrangian is affine in acceleration, and where kinetic energy is quadratic in
-velocity, the velocity's part of it is a quadratic form. Whatever the kernel, torques at a few
-states then give exactly, nothing differentiated,
+velocity, the velocity's part of it is a quadratic form. For every kernel, torques at a few
+states then give, exactly and without differentiation,
 
     M e_j = τ(q, qd, e_j) − τ(q, qd, 0),      g = τ(q, 0, 0),
     C e_j = ¼ (τ(q, qd + e_j, 0) − τ(q, qd − e_j, 0)),
@@ -11,43 +11,51 @@ the last by polarisation: the torque of the velocity is its form B(qd, qd), and 
 Christoffel symbols of M times qd.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs, checked_energies
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.mechanics.forward import acceleration, mass_of
-from lagrangian_ff.identification.model import Model
+from lagrangian_ff.identification.predicting import TorqueModel
 from lagrangian_ff.kernels import LagrangianKernel, States
 
-Floats = NDArray[np.float64]
+Torque = Callable[[States], Floats]
+
+ROUNDS = 30
+"""Steps at most towards the acceleration, for torques that are not affine in it."""
+CLOSE = 1e-9
+"""Share of the torque that may be left."""
+NEAR = 1e-3
+"""rad/s²: step of the differences for torques that are not affine in acceleration."""
 
 
 @dataclass(frozen=True)
 class Dynamics:
     """The rigid-body quantities of a model whose joints share one Lagrangian.
 
-    Counted in are the kernel and the effects that keep energy (`Effect.energies`: rotors, springs,
-    counterbalances, cogging). Friction and a constant torque are not; `forward` has all effects.
-    A constant torque may hold a part of gravity that a limited range cannot tell from it.
+    They include the kernel and the effects that keep energy (`Effect.energies`: rotors, springs,
+    counterbalances, cogging), but not friction or a constant torque; `forward` has all effects.
+    A constant torque may hold a part of gravity, which looks alike over a limited range.
 
-    Kernels of the paper (`vrbf`, `vrbfs`) know nothing of a quadratic kinetic energy: their mass
-    matrix ∂τ/∂qdd depends on velocity as well, and they have no Coriolis matrix.
+    Kernels of the paper (`vrbf`, `vrbfs`) have no quadratic kinetic energy: their mass matrix
+    ∂τ/∂qdd depends on velocity as well, and they have no Coriolis matrix.
 
     Every argument is (M, N), or (N,) for one state; results then lack the first axis.
 
     Attributes:
-        model: what all is read from.
+        model: to evaluate.
 
     Raises:
-        ModelError: on construction, where the joints share no Lagrangian.
+        ModelError: the joints share no Lagrangian; in methods, an array is not of its joints.
     """
 
-    model: Model
+    model: TorqueModel
 
     def __post_init__(self) -> None:
         reason = no_lagrangian(self.model)
@@ -55,78 +63,52 @@ class Dynamics:
             raise ModelError(reason)
 
     def lagrangian(self, q: ArrayLike, qd: ArrayLike) -> Floats:
-        """L(q, qd) in J, eq. (31).
+        """Return L(q, qd), (M,), in J, eq. (31).
 
-        Torques tell it up to a constant and the time derivative of any function of q, neither of
-        which changes a torque.
-
-        Returns:
-            (M,), or a number for one state.
-
-        Raises:
-            ModelError: the arrays are not of this model's joints.
+        Torques determine it up to a constant and the time derivative of any function of q.
         """
         x = self._at(q, qd)
         kinetic, potential = self._effects(x)
-        told = self._kernel.lagrangian(x, self.model.centres, self.model.weights)
-        return _as(q, told * self._unit + kinetic - potential)
+        rigid = self._kernel.lagrangian(x, self.model.centres, self.model.weights)
+        return _as(q, rigid * self._unit + kinetic - potential)
 
     def energy(self, q: ArrayLike, qd: ArrayLike) -> Floats:
-        """qd·∂L/∂qd − L in J, kinetic and potential energy together, up to a constant.
+        """Return qd·∂L/∂qd − L, (M,), in J: the whole energy, up to a constant.
 
-        Its rate is the power of the torques that these quantities hold. (M,), or a number.
-
-        Raises:
-            ModelError: the arrays are not of this model's joints.
+        Its rate is the power of the torques of the Lagrangian.
         """
         x = self._at(q, qd)
         kinetic, potential = self._effects(x)
         return _as(q, self._kernel_energy(x) + kinetic + potential)
 
     def kinetic_energy(self, q: ArrayLike, qd: ArrayLike) -> Floats:
-        """Energy beyond that at rest, J: ½ qd·M qd where it is quadratic. (M,), or a number.
-
-        Raises:
-            ModelError: the arrays are not of this model's joints.
-        """
+        """Return (M,) the energy in J beyond that at rest: ½ qd·M qd if quadratic."""
         x = self._at(q, qd)
         moving = self._kernel_energy(x) - self._kernel_energy(x.at_rest())
         return _as(q, moving + self._effects(x)[0])
 
     def potential_energy(self, q: ArrayLike) -> Floats:
-        """Energy at rest, J, up to a constant. (M,), or a number.
-
-        Raises:
-            ModelError: the array is not of this model's joints.
-        """
+        """Return (M,) the energy at rest in J, up to a constant."""
         x = self._at(q)
         return _as(q, self._kernel_energy(x) + self._effects(x)[1])
 
     def mass_matrix(self, q: ArrayLike, qd: ArrayLike | None = None) -> Floats:
-        """M = ∂τ/∂qdd in kg·m², symmetric; `identify` tells where it is not positive.
+        """Return M = ∂τ/∂qdd, (M, N, N), in kg·m², symmetric.
 
         Args:
             q: rad.
-            qd: rad/s; needed by kernels whose mass matrix depends on it, taken as rest if absent.
-
-        Returns:
-            (M, N, N), or (N, N) for one state.
-
-        Raises:
-            ModelError: the arrays are not of this model's joints.
+            qd: rad/s; for kernels whose mass matrix depends on it; None is rest.
         """
         x = self._at(q, qd)
         return _as(q, mass_of(self.torque, x))
 
     def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike) -> Floats:
-        """C(q, qd) of the Christoffel symbols of M, N·m·s/rad: dM/dt − 2 C is skew symmetric.
+        """Return C(q, qd), (M, N, N), of the Christoffel symbols of M in N·m·s/rad.
 
-        Returns:
-            (M, N, N), or (N, N) for one state.
+        dM/dt − 2 C is skew symmetric.
 
         Raises:
-            ModelError: the kernel's kinetic energy is not quadratic in velocity, or the arrays are
-                not of this model's joints.
+            ModelError: the kernel's kinetic energy is not quadratic in velocity.
         """
         if not self._kernel.quadratic:
             raise ModelError(
@@ -145,30 +127,16 @@ class Dynamics:
         return _as(q, columns.transpose(0, 2, 1))
 
     def velocity_torque(self, q: ArrayLike, qd: ArrayLike) -> Floats:
-        """N·m that velocity adds to gravity: C(q, qd) qd where there is a C.
-
-        Returns:
-            (M, N), or (N,) for one state.
-
-        Raises:
-            ModelError: the arrays are not of this model's joints.
-        """
+        """Return (M, N) N·m that velocity adds to gravity: C(q, qd) qd if there is a C."""
         x = self._at(q, qd)
         return _as(q, self.torque(x) - self.torque(x.at_rest()))
 
     def gravity(self, q: ArrayLike) -> Floats:
-        """∂V/∂q in N·m: what holds the arm at rest, friction and a constant torque aside.
-
-        Returns:
-            (M, N), or (N,) for one state.
-
-        Raises:
-            ModelError: the array is not of this model's joints.
-        """
+        """Return ∂V/∂q, (M, N) N·m, which holds the arm at rest without friction or offset."""
         return _as(q, self.torque(self._at(q)))
 
     def forward(self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike) -> Floats:
-        """Forward dynamics: the acceleration in rad/s² under these torques, all effects counted.
+        """Return the acceleration, (M, N) rad/s², under these torques, with all effects.
 
         It inverts `Model.predict` without time: effects that depend on time or on the past are
         taken as settled.
@@ -176,18 +144,15 @@ class Dynamics:
         Args:
             q, qd, tau: rad, rad/s and N·m.
 
-        Returns:
-            (M, N), or (N,) for one state.
-
         Raises:
-            ModelError: the arrays are not of this model's joints, the mass matrix is not positive
-                definite at some of the states, or no acceleration gives some of the torques.
+            ModelError: the mass matrix is not positive definite at some of the states, or no
+                acceleration gives some of the torques.
         """
         x, torque = self._at(q, qd), self.model.states(q, qd, tau).qdd
         return _as(q, acceleration(lambda x: self.model.predict(x.q, x.qd, x.qdd), x, torque))
 
     def torque(self, x: States) -> Floats:
-        """(M, N) N·m of the Lagrangian: the kernel and the effects that keep energy."""
+        """Return (M, N) N·m of the Lagrangian: the kernel and the effects that keep energy."""
         out = self.model.lagrangian_torque(x)
         inputs = Inputs.of(x)
         for term, place in self.kept.slices():
@@ -196,7 +161,7 @@ class Dynamics:
 
     @cached_property
     def kept(self) -> Basis:
-        """The effects that keep energy."""
+        """Return the effects that keep energy."""
         return self.model.basis.conservative(len(self.model.joints))
 
     @cached_property
@@ -224,7 +189,7 @@ class Dynamics:
         return np.asarray((moving - self._kernel.lagrangian(x, *data)) * self._unit)
 
     def _effects(self, x: States) -> tuple[Floats, Floats]:
-        """(M,) each: kinetic and potential energy of the effects."""
+        """Return kinetic and potential energy of the effects, (M,) each."""
         inputs, total = Inputs.of(x), np.zeros((2, len(x)))
         for term, place in self.kept.slices():
             found = checked_energies(term.effect, inputs, term.joint, term.shape)
@@ -233,12 +198,12 @@ class Dynamics:
         return total[0], total[1]
 
 
-def no_lagrangian(model: Model) -> str:
-    """Why a model's joints share no Lagrangian, and what to do; empty where they do."""
+def no_lagrangian(model: TorqueModel) -> str:
+    """Return why a model's joints share no Lagrangian and what to do; empty if they do."""
     if not isinstance(model.kernel, LagrangianKernel) and model.kernel.mechanism is not None:
         return (
-            f"the kernel {model.kernel.name} of a known mechanism tells torques only, no "
-            "Lagrangian, mass matrix or energy; of a robot from a URDF chain+fri and energy+fri do"
+            f"the kernel {model.kernel.name} of a known mechanism has torques only, no "
+            "Lagrangian, mass matrix or energy; for a robot from a URDF use chain+fri or energy+fri"
         )
     if not isinstance(model.kernel, LagrangianKernel):
         return (
@@ -256,5 +221,73 @@ def no_lagrangian(model: Model) -> str:
 
 
 def _as(q: ArrayLike, values: Floats) -> Floats:
-    """For one state, the one result."""
+    """Return the values, or for one state q (N,) the only one."""
     return values if np.ndim(q) > 1 else np.asarray(values[0])
+
+
+def mass_of(torque: Torque, x: States, step: float = 1.0) -> Floats:
+    """Return (M, N, N) the derivative of a torque by acceleration, by forward differences.
+
+    Args:
+        torque: (M, N) N·m of states; if it is affine in acceleration, any step is exact.
+        x: (M, N).
+        step: rad/s².
+    """
+    joints = x.joints
+    q, qd, qdd = (np.repeat(part, joints + 1, axis=0) for part in (x.q, x.qd, x.qdd))
+    qdd += step * np.tile(np.vstack([np.zeros(joints), np.eye(joints)]), (len(x), 1))
+    found = torque(States.of(q, qd, qdd)).reshape(len(x), joints + 1, joints)
+    return np.asarray((found[:, 1:] - found[:, :1]).transpose(0, 2, 1)) / step
+
+
+def least(mass: Floats) -> tuple[Floats, Floats]:
+    """Return the least eigenvalue (M,) of each mass matrix (M, N, N), and its vector (M, N)."""
+    values, vectors = np.linalg.eigh(0.5 * (mass + mass.transpose(0, 2, 1)))
+    return values[:, 0], vectors[:, :, 0]
+
+
+def acceleration(torque: Torque, x: States, wanted: Floats) -> Floats:
+    """Return (M, N) rad/s² at which a torque has the wanted value, by Newton's method.
+
+    One step is enough if the torque is affine in acceleration; an effect that follows the torque
+    itself takes more.
+
+    Args:
+        torque: (M, N) N·m of states.
+        x: (M, N); their acceleration is ignored.
+        wanted: (M, N) N·m.
+
+    Raises:
+        ModelError: the mass matrix is not positive definite at some of the states, or no
+            acceleration gives some of the torques.
+    """
+    qdd = np.zeros_like(x.q)
+    mass = mass_of(torque, replace(x, qdd=qdd))
+    _require_positive(mass)
+    start = torque(replace(x, qdd=qdd))
+    enough = CLOSE * (np.abs(wanted).max(axis=1) + np.abs(start).max(axis=1))
+    left, open_ = wanted - start, np.arange(len(x))
+    for _ in range(ROUNDS):
+        qdd[open_] += np.linalg.solve(mass, left[:, :, None])[:, :, 0]
+        left = wanted - torque(replace(x, qdd=qdd))
+        open_ = np.flatnonzero(np.abs(left).max(axis=1) > enough)
+        if not len(open_):
+            return qdd
+        left = left[open_]
+        mass = mass_of(torque, replace(x, qdd=qdd).take(open_), NEAR)
+    raise ModelError(
+        f"no acceleration was found that gives the torque at sample {open_[0]}: an "
+        "effect of the model follows the torque itself too strongly there"
+    )
+
+
+def _require_positive(mass: Floats) -> None:
+    values, _ = least(mass)
+    bad = np.flatnonzero(values <= 0.0)
+    if len(bad):
+        raise ModelError(
+            f"the learned mass matrix is not positive definite at {len(bad)} of {len(mass)} "
+            f"states, the first of them sample {bad[0]} (least eigenvalue {values[bad[0]]:.3g} "
+            "kg·m²): forward dynamics is not defined there; stay within the motion the model was "
+            "identified on, identify with more motion, or with --positive"
+        )

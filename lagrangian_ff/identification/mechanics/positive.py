@@ -1,4 +1,4 @@
-"""A fit whose mass matrix is positive definite along the motion: the one nearest to the data's.
+"""The nearest solution whose mass matrix is positive definite along the motion.
 
 For a direction v, vᵀ M(q) v is a bounded linear functional of the Lagrangian: what acceleration v
 adds to the torque, times v. That it shall be at least ε at some states is a convex constraint, and
@@ -17,39 +17,36 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.mechanics.forward import least, mass_of
+from lagrangian_ff.identification.mechanics.dynamics import least, mass_of
 from lagrangian_ff.identification.samples import evenly
-from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.posterior import Posterior
 from lagrangian_ff.identification.solving.solution import Solution
 from lagrangian_ff.kernels import CoupledKernel, States
 from lagrangian_ff.progress import Progress, silent
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 FLOOR = 0.02
-"""What the mass matrix must reach in every direction, in parts of the joints' own inertia."""
+"""Least eigenvalue of the mass matrix, in parts of the joints' own inertia."""
 ENOUGH = 0.5
-"""In parts of the floor: what must be reached between the states that are constrained."""
+"""Least eigenvalue between the constrained states, in parts of the floor."""
 ROUNDS = 40
 A_ROUND = 20
 """Constraints added at once."""
 WATCHED = 150
-"""States looked at in every round; the others once these are as they should be."""
+"""States checked in every round; the others once these satisfy the floor."""
 JITTER = 1e-9
 
 
 @dataclass(frozen=True)
 class Expansion:
-    """What the torque is made of: see `Fit.weights` and `Fit.coefficients`.
+    """Centres and coefficients of a torque; see `Posterior.weights`.
 
     Attributes:
-        centres: (C, N) those of the fit, then those that were added.
+        centres: (C, N) those of the posterior, then those of constraints.
         weights: (C, N) of all centres.  coefficients: (B,).
     """
 
@@ -67,7 +64,7 @@ class _Cuts:
     v: Floats
 
     def sides(self) -> Iterator[tuple[float, States]]:
-        """The states whose torques' difference is M v."""
+        """Yield the states whose torques' difference is M v, each with its sign."""
         yield 1.0, States(self.q, self.qd, self.v)
         yield -1.0, States(self.q, self.qd, np.zeros_like(self.v))
 
@@ -76,28 +73,28 @@ class _Cuts:
         return _Cuts(*(np.vstack(list(part)) for part in parts))
 
 
-def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Expansion:
+def keep_positive(posterior: Posterior, at: States, progress: Progress = silent) -> Expansion:
     """Solve again so that the mass matrix is positive definite at some states.
 
     Args:
-        fitted: the free fit, of a coupled kernel and one unit of torque.
-        at: (M, N) the states; their acceleration does not matter.
-        progress: told the share done.
+        posterior: without constraints, of a coupled kernel and one unit of torque.
+        at: (M, N) the states; their acceleration is ignored.
+        progress: receives the share done, 0 to 1.
 
     Raises:
-        ModelError: no fit of this kernel was found that is.
+        ModelError: no such solution of this kernel was found.
     """
-    ((_, _, system),) = fitted.systems
+    system = posterior.system
     none = np.empty((0, at.joints))
     cuts = _Cuts(none, none, none)
-    solution = Expansion(fitted.states, fitted.weights, fitted.coefficients)
+    solution = Expansion(posterior.states, posterior.weights, posterior.coefficients)
     watched = evenly(len(at), WATCHED)
-    mass = _mass(fitted, solution, at.take(watched))
+    mass = _mass(posterior, solution, at.take(watched))
     scale = np.sqrt(np.median(np.abs(np.einsum("inn->in", mass)), axis=0))
 
     def short(among: Ints) -> tuple[Ints, Floats]:
-        """Of some states, those where too little is reached, and in which direction."""
-        found = _mass(fitted, solution, at.take(among)) / np.outer(scale, scale)
+        """Return those of some states that violate the floor, and in which direction."""
+        found = _mass(posterior, solution, at.take(among)) / np.outer(scale, scale)
         values, directions = least(found)
         bad = np.flatnonzero(values < FLOOR * ENOUGH)
         some = bad[evenly(len(bad), A_ROUND)]
@@ -114,25 +111,25 @@ def keep_positive(fitted: Fit, at: States, progress: Progress = silent) -> Expan
         if not len(bad):
             return solution
         cuts = cuts.with_more(_Cuts(at.q[bad], at.qd[bad], directions / scale))
-        solution = _solve(fitted, system, cuts)
+        solution = _solve(posterior, system, cuts)
     raise ModelError(
-        f"no fit of {fitted.choice.kernel.name} was found whose mass matrix is positive definite "
-        f"along the motion, within {ROUNDS} rounds; identify without --positive, with another "
-        "kernel, or with more motion"
+        f"no fit of {posterior.problem.kernel.name} was found whose mass matrix is positive "
+        f"definite along the motion, within {ROUNDS} rounds; identify without --positive, with "
+        "another kernel, or with more motion"
     )
 
 
-def _solve(fitted: Fit, system: Solution, cuts: _Cuts) -> Expansion:
-    """The fit under some constraints."""
-    kernel = fitted.choice.kernel
+def _solve(posterior: Posterior, system: Solution, cuts: _Cuts) -> Expansion:
+    """Return the solution under some constraints."""
+    kernel = posterior.problem.kernel
     assert isinstance(kernel, CoupledKernel)
     count = len(cuts.v)
     cross = np.zeros((system.weights.size, count))
     prior = np.zeros((count, count))
-    design = np.zeros((count, fitted.basis.size))
+    design = np.zeros((count, posterior.problem.basis.size))
     for sign, state in cuts.sides():
-        cross += sign * _along(kernel.cross(fitted.states, state), cuts.v)
-        design += sign * np.einsum("rn,rnb->rb", cuts.v, _kept_design(fitted, state))
+        cross += sign * _along(kernel.cross(posterior.states, state), cuts.v)
+        design += sign * np.einsum("rn,rnb->rb", cuts.v, _kept_design(posterior, state))
         for other_sign, other in cuts.sides():
             block = _along(kernel.cross(other, state), cuts.v).reshape(count, -1, count)
             prior += sign * other_sign * np.einsum("rn,rns->rs", cuts.v, block)
@@ -145,7 +142,7 @@ def _solve(fitted: Fit, system: Solution, cuts: _Cuts) -> Expansion:
     active = np.flatnonzero(multipliers)
     added = multipliers[active, None] * cuts.v[active]
     sides = [(sign, state.take(active)) for sign, state in cuts.sides()]
-    centres = [fitted.states, *(state for _, state in sides)]
+    centres = [posterior.states, *(state for _, state in sides)]
     return Expansion(
         States(*(np.vstack([getattr(c, name) for c in centres]) for name in ("q", "qd", "qdd"))),
         np.vstack([weights.reshape(-1, cuts.v.shape[1]), *(sign * added for sign, _ in sides)]),
@@ -154,7 +151,7 @@ def _solve(fitted: Fit, system: Solution, cuts: _Cuts) -> Expansion:
 
 
 def _multipliers(covariance: Floats, missing: Floats) -> Floats:
-    """(R,) µ ≥ 0 of least ½ µᵀ S µ − µᵀ missing."""
+    """Return µ ≥ 0, (R,), of least ½ µᵀ S µ − µᵀ missing."""
     jitter = JITTER * float(np.trace(covariance)) / len(covariance)
     lower = np.linalg.cholesky(covariance + jitter * np.eye(len(covariance)))
     target = solve_triangular(lower, missing, lower=True, check_finite=False)
@@ -162,25 +159,25 @@ def _multipliers(covariance: Floats, missing: Floats) -> Floats:
 
 
 def _along(block: Floats, v: Floats) -> Floats:
-    """(X, R) a kernel (X, R N) with the torques at R states taken along v (R, N)."""
+    """Return (X, R) a kernel (X, R N) with the torques at R states projected on v (R, N)."""
     return np.asarray(np.einsum("xrn,rn->xr", block.reshape(-1, *v.shape), v))
 
 
-def _kept_design(fitted: Fit, x: States) -> Floats:
-    """(R, N, B) the basis of the effects that keep energy, zero for the others, per unit."""
-    kept = {id(term) for term in fitted.basis.conservative(x.joints).terms}
-    inputs, out = Inputs.of(x), np.zeros((*x.q.shape, fitted.basis.size))
-    for term, place in fitted.basis.slices():
+def _kept_design(posterior: Posterior, x: States) -> Floats:
+    """Return (R, N, B) the basis of the effects that keep energy, zero for the others, per unit."""
+    kept = {id(term) for term in posterior.problem.basis.conservative(x.joints).terms}
+    inputs, out = Inputs.of(x), np.zeros((*x.q.shape, posterior.problem.basis.size))
+    for term, place in posterior.problem.basis.slices():
         if id(term) in kept:
             out[:, term.joint, place] = term.columns(inputs)
-    return out / fitted.scaling.unit[None, :, None]
+    return out / posterior.problem.unit[None, :, None]
 
 
-def _mass(fitted: Fit, solution: Expansion, at: States) -> Floats:
-    """(M, N, N) in units of torque."""
+def _mass(posterior: Posterior, solution: Expansion, at: States) -> Floats:
+    """Return the mass matrices (M, N, N), in units of torque."""
 
     def torque(x: States) -> Floats:
-        kernel = fitted.choice.kernel.apply(x, solution.centres, solution.weights)
-        return np.asarray(kernel + _kept_design(fitted, x) @ solution.coefficients)
+        kernel = posterior.problem.kernel.apply(x, solution.centres, solution.weights)
+        return np.asarray(kernel + _kept_design(posterior, x) @ solution.coefficients)
 
     return mass_of(torque, replace(at, qdd=np.zeros_like(at.q)))

@@ -1,1 +1,1 @@
-"""Solving the semi-parametric model, its hyperparameters given: exactly or on landmarks."""
+"""The solution of a problem, its hyperparameters given: exact or on inducing points."""

@@ -1,4 +1,4 @@
-"""What a solved semi-parametric model says of its basis and of itself, however it was solved.
+"""The solution of a semi-parametric model, exact or on inducing points.
 
 With G the covariance of n torques y and Φ their basis, everything here follows from Φᵀ G⁻¹ Φ,
 Φᵀ G⁻¹ y, yᵀ P y and log |G|; see `system` for P.
@@ -11,21 +11,21 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.errors import ModelError
+
 Made = TypeVar("Made")
 
 UNSEEN = 1e-11
-"""Share of the largest eigenvalue of the scaled information below which nothing shows."""
+"""Share of the largest eigenvalue of the scaled information that counts as zero."""
 
 DUST = 1e-75
-"""A column of the basis below this, over its noise, is none: its square's inverse overflows."""
+"""Size of a column over its noise that counts as zero: the inverse of its square overflows."""
 
 
 STRONGER = 10.0 ** np.arange(7)
-"""What too little noise is multiplied with, one after the other, until there is a factor."""
+"""Factors on too little noise, tried in turn until there is a Cholesky factor."""
 
 
 class NotPositiveDefiniteError(ArithmeticError):
@@ -33,13 +33,13 @@ class NotPositiveDefiniteError(ArithmeticError):
 
 
 def with_least_noise(attempt: Callable[[float], Made]) -> tuple[Made, float]:
-    """What is made with the least noise that there is a factor with, and how often it is taken.
+    """Return the result of the least noise with which an attempt succeeds, and its factor.
 
     Args:
-        attempt: with the noise so many times as large as it was chosen.
+        attempt: solves with a factor on the noise.
 
     Raises:
-        NotPositiveDefiniteError: there is none with much more noise either.
+        NotPositiveDefiniteError: there is no Cholesky factor even with much more noise.
     """
     for factor in STRONGER:
         try:
@@ -49,14 +49,29 @@ def with_least_noise(attempt: Callable[[float], Made]) -> tuple[Made, float]:
     raise NotPositiveDefiniteError(f"no factor with {STRONGER[-1]:g} times the noise: {last}")
 
 
+def no_factor(what: str, qd: Floats, qdd: Floats) -> ModelError:
+    """Return the error for people where `with_least_noise` fails.
+
+    Args:
+        what: the Gram matrix is of.  qd, qdd: (S, N) of its samples, in rad/s and rad/s².
+    """
+    speed, acceleration = np.abs(qd).max(), np.abs(qdd).max()
+    return ModelError(
+        f"the Gram matrix of {what} has no Cholesky factor even with {STRONGER[-1]:g} times the "
+        "chosen noise: look for impossible velocities and accelerations in the recording (up to "
+        f"{speed:.3g} rad/s and {acceleration:.3g} rad/s² here), or use fewer samples or "
+        "--selection validation"
+    )
+
+
 @dataclass(frozen=True)
 class LeftOut:
-    """A group of rows the fit did not see.
+    """A group of rows that is left out.
 
     Attributes:
-        rows: (R,) which.
+        rows: (R,) of the group.
         residual: (R,) their torque minus the prediction of a fit to all other rows.
-        change: (B,) how far the basis coefficients move when these rows are left out.
+        change: (B,) of the coefficients when these rows are left out.
     """
 
     rows: Ints
@@ -66,12 +81,12 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class Pulled:
-    """How a solution gives way where functionals of its torque are pulled at.
+    """The response of a solution to multipliers on functionals of its torque.
 
     Attributes:
-        covariance: (R, R) of the functionals, over s²: what the data leave of their prior.
-        moved: for pulls (R,), how far the weights (C n,) and the coefficients (B,) move; besides,
-            the kernel of each functional joins the sum, multiplied by its pull.
+        covariance: (R, R) posterior covariance of the functionals, over s².
+        moved: returns, for multipliers (R,), the changes of the weights (C n,) and of the
+            coefficients (B,); besides, the kernel of each functional joins the sum, multiplied.
     """
 
     covariance: Floats
@@ -84,49 +99,48 @@ class Solution(ABC):
     @property
     @abstractmethod
     def count(self) -> int:
-        """n, the number of torques."""
+        """Return n, the number of torques."""
 
     @property
     @abstractmethod
     def information(self) -> Floats:
-        """(B, B) Φᵀ G⁻¹ Φ."""
+        """Return (B, B) Φᵀ G⁻¹ Φ."""
 
     @property
     @abstractmethod
     def moment(self) -> Floats:
-        """(B,) Φᵀ G⁻¹ y."""
+        """Return (B,) Φᵀ G⁻¹ y."""
 
     @property
     @abstractmethod
     def squares(self) -> float:
-        """The whitened squares left over, yᵀ P y."""
+        """Return the whitened squares of the residual, yᵀ P y."""
 
     @property
     @abstractmethod
     def log_det(self) -> float:
-        """log |G|."""
+        """Return log |G|."""
 
     @property
     @abstractmethod
     def weights(self) -> Floats:
-        """(C n,) what the kernel at the model's centres is multiplied by."""
+        """Return (C n,) the weights of the kernel at the model's centres."""
 
     @abstractmethod
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
-        """How much of a torque's variance the data explain, over s².
+        """Return how much of a torque's variance the data explain, over s².
 
         Args:
             cross: (C n, R) kernel between the model's centres and R torques.
             design: (R, B) the basis there.
 
         Returns:
-            (R,) what the prior variance of the kernel falls by, and (R,) what the uncertainty of
-            the basis adds.
+            (R,) the fall of the kernel's prior variance, and (R,) the variance that the basis adds.
         """
 
     @abstractmethod
     def pulled(self, prior: Floats, cross: Floats, design: Floats) -> Pulled:
-        """What some functionals of the torque, as a sum of several, may be moved to, and how.
+        """Return the response to multipliers on R functionals of the torque.
 
         Args:
             prior: (R, R) their kernel.
@@ -136,7 +150,7 @@ class Solution(ABC):
 
     @cached_property
     def _half_covariance(self) -> Floats:
-        """(B, seen) H with H Hᵀ the covariance: a direction nothing shows in gets no weight."""
+        """Return H, (B, seen), with H Hᵀ the covariance; unobservable directions get no weight."""
         scale = np.sqrt(np.diag(self.information))
         scale[scale < DUST] = 1.0
         values, vectors = np.linalg.eigh(self.information / np.outer(scale, scale))
@@ -145,34 +159,34 @@ class Solution(ABC):
 
     @cached_property
     def covariance(self) -> Floats:
-        """(B, B) inverse of the information."""
+        """Return (B, B) the inverse of the information."""
         return np.asarray(self._half_covariance @ self._half_covariance.T)
 
     @cached_property
     def coefficients(self) -> Floats:
-        """(B,) b, what the basis is multiplied by."""
+        """Return b, (B,), the coefficients of the basis."""
         return np.asarray(self.covariance @ self.moment)
 
     @cached_property
     def degrees(self) -> int:
-        """Torques minus the directions of the basis that they determine."""
+        """Return the number of torques minus the directions of the basis that they determine."""
         if len(self.moment) == 0:  # NumPy 1 has no rank for an empty matrix
             return self.count
         return int(self.count - np.linalg.matrix_rank(self.covariance, hermitian=True))
 
     @cached_property
     def amplitude(self) -> float:
-        """The variance s² that multiplies G where the evidence is largest, yᵀ P y / degrees."""
+        """Return the scale s² of G with the largest evidence, yᵀ P y / degrees."""
         return self.squares / self.degrees
 
     @property
     def prior_amplitude(self) -> float:
-        """The variance that multiplies the kernel and what is told by samples that err alike."""
+        """Return the scale of the kernel and of the covariance for correlated samples."""
         return self.amplitude
 
     @property
     def log_evidence(self) -> float:
-        """Restricted log evidence of the torques, its amplitude s² at the best value, in nats."""
+        """Return the restricted log evidence of the torques in nats, maximised over s²."""
         seen = np.linalg.eigvalsh(self.covariance)
         seen = seen[seen > seen.max(initial=0.0) * 1e-14]
         return -0.5 * (

@@ -19,18 +19,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import blas, lapack, solve_triangular
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.identification.solving.solution import (
     LeftOut,
     NotPositiveDefiniteError,
     Pulled,
     Solution,
 )
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Cholesky:
     upper: Floats
 
     def inverted(self) -> Floats:
-        """(n, n) G⁻¹, a new array of which the upper triangle is written."""
+        """Return G⁻¹, (n, n), a new array of which the upper triangle is written."""
         inverse, info = lapack.dpotri(self.upper, lower=0)
         if info != 0:
             raise NotPositiveDefiniteError(f"pivot {info} is zero")
@@ -52,13 +49,13 @@ class Cholesky:
 
     @cached_property
     def inverse(self) -> Floats:
-        """The same, once for all who only read it."""
+        """Return the same, cached, to be read only."""
         return self.inverted()
 
 
 @dataclass(frozen=True)
 class System(Solution):
-    """The factor of G and all that was whitened with it.
+    """The exact solution: the factor of G, basis and torques whitened with it.
 
     Attributes:
         cholesky: the factor.
@@ -87,8 +84,7 @@ class System(Solution):
             target: (n,).
 
         Raises:
-            NotPositiveDefiniteError: rounding left a pivot that is not positive, or the Gram matrix
-                is not finite.
+            NotPositiveDefiniteError: a pivot is not positive, or the Gram matrix is not finite.
         """
         size = gram.shape[0]
         gram.flat[:: size + 1] += noise
@@ -96,12 +92,12 @@ class System(Solution):
         upper, info = lapack.dpotrf(gram.T, lower=0, clean=0, overwrite_a=1)
         if info != 0:
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
-        if not np.isfinite(np.diag(upper)).all():  # which the factorisation need not notice
+        if not np.isfinite(np.diag(upper)).all():  # LAPACK need not notice
             raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
         return cls._whitened(Cholesky(upper), design, target, noise)
 
     def of(self, design: Floats, target: Floats) -> "System":
-        """The system of the same Gram matrix and noise with another basis and other torques."""
+        """Return the system of the same Gram matrix and noise with another basis and torques."""
         return self._whitened(self.cholesky, design, target, self.noise)
 
     @classmethod
@@ -114,22 +110,19 @@ class System(Solution):
 
     @property
     def upper(self) -> Floats:
-        """(n, n) U with Uᵀ U = G, n = samples × joints of this system."""
+        """Return U, (n, n), with Uᵀ U = G, n = samples × joints of this system."""
         return self.cholesky.upper
 
     @cached_property
     def information(self) -> Floats:
-        """(B, B) Φᵀ G⁻¹ Φ."""
         return self.white_design.T @ self.white_design
 
     @property
     def count(self) -> int:
-        """n, the number of torques."""
         return int(self.design.shape[0])
 
     @cached_property
     def moment(self) -> Floats:
-        """(B,) Φᵀ G⁻¹ y."""
         return np.asarray(self.white_design.T @ self.white_target)
 
     @cached_property
@@ -138,33 +131,30 @@ class System(Solution):
 
     @cached_property
     def weights(self) -> Floats:
-        """(n,) a = P y, what the kernel is multiplied by."""
         return np.asarray(solve_triangular(self.upper, self._white_residual, check_finite=False))
 
     @property
     def residual(self) -> Floats:
-        """(n,) torque minus what is predicted for it: the noise times a."""
+        """Return (n,) torque minus prediction: the noise times a."""
         return self.noise * self.weights
 
     @property
     def squares(self) -> float:
-        """See `Solution.squares`."""
         return float(self._white_residual @ self._white_residual)
 
     @property
     def log_det(self) -> float:
-        """log |G|."""
         return 2.0 * float(np.sum(np.log(np.diag(self.upper))))
 
     def slope_by_gram(self) -> Floats:
-        """(n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s²; the lower triangle is written."""
+        """Return (n, n) −2 ∂/∂G of the log evidence, P − a aᵀ / s², in the lower triangle."""
         pulled = self.weights / np.sqrt(self.amplitude)
         shift = np.column_stack([self._unwhitened_design @ self._half_covariance, pulled])
         slope = blas.dsyrk(-1.0, shift, beta=1.0, c=self.cholesky.inverted(), overwrite_c=1)
         return np.asarray(slope.T)
 
     def slope_by_design(self) -> Floats:
-        """(n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
+        """Return (n, B) −∂/∂Φ of the log evidence, G⁻¹ Φ (Φᵀ G⁻¹ Φ)⁻¹ − a bᵀ / s²."""
         moved = np.outer(self.weights, self.coefficients / self.amplitude)
         return np.asarray(self._unwhitened_design @ self.covariance - moved)
 
@@ -173,10 +163,10 @@ class System(Solution):
         return np.asarray(solve_triangular(self.upper, self.white_design, check_finite=False))
 
     def left_out(self, groups: Sequence[Ints]) -> Iterator[LeftOut]:
-        """What each group of rows would meet had the fit not seen it, from the one factor.
+        """Yield the residuals of each group of rows left out, from the one factor.
 
         Args:
-            groups: for each, the rows left out together.
+            groups: rows that are left out together.
         """
         white, covariance = self._unwhitened_design, self.covariance
         for rows in groups:
@@ -185,9 +175,9 @@ class System(Solution):
             yield LeftOut(rows, np.asarray(residual, dtype=np.float64), change)
 
     def left_out_variance(self, groups: Sequence[Ints]) -> Iterator[Floats]:
-        """(R,) for each group the variance over s² of its residuals; see `left_out`.
+        """Yield (R,) for each group, the variance over s² of its residuals; see `left_out`.
 
-        Infinite where the other rows leave the basis open.
+        It is infinite if the other rows do not determine the basis.
         """
         for rows in groups:
             try:
@@ -199,24 +189,24 @@ class System(Solution):
             yield np.asarray(np.sum(inverse**2, axis=0))
 
     def _projected(self, rows: Ints) -> Floats:
-        """(R, R) P_ff, whose inverse is the covariance over s² of what these rows leave."""
+        """Return P_ff, (R, R), whose inverse is the covariance over s² of these rows left out."""
         white = self._unwhitened_design[rows] @ self._half_covariance
         return self._inverse(rows) - np.asarray(white @ white.T)
 
     def _inverse(self, rows: Ints) -> Floats:
-        """(R, R) (G⁻¹)_ff."""
+        """Return (G⁻¹)_ff, (R, R)."""
         first, second = np.minimum.outer(rows, rows), np.maximum.outer(rows, rows)
         return np.asarray(self.cholesky.inverse[first, second])
 
     def seen_by(self, rows: Ints, known: Floats) -> tuple[Floats, Floats, float]:
-        """What columns that act on some rows only could explain beside others.
+        """Return the reduced least-squares problem of columns that act on some rows only.
 
         Columns c, (R, P) in these rows, become U c, with which the squares fall by those of the
         part of t that U c spans.
 
         Args:
-            rows: (R,) which.
-            known: (n, K) whitened columns, orthonormal, that explain what they can first.
+            rows: (R,) of the columns.
+            known: (n, K) whitened columns, orthonormal, that are fitted first.
 
         Returns:
             (R, R) U, (R,) t, and the squares that the known columns leave.
@@ -232,14 +222,12 @@ class System(Solution):
         return np.asarray(lower.T), np.asarray(target), float(left @ left)
 
     def variance(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
-        """See `Solution.variance`."""
-        white, left = self._met(cross, design)
+        white, left = self._reduced(cross, design)
         added = np.sum((left @ self.covariance) * left, axis=1)
         return np.asarray(np.sum(white**2, axis=0)), np.asarray(added)
 
     def pulled(self, prior: Floats, cross: Floats, design: Floats) -> Pulled:
-        """See `Solution.pulled`."""
-        white, left = self._met(cross, design)
+        white, left = self._reduced(cross, design)
         across = self.covariance @ left.T
 
         def moved(pull: Floats) -> tuple[Floats, Floats]:
@@ -249,20 +237,20 @@ class System(Solution):
 
         return Pulled(prior - white.T @ white + left @ across, moved)
 
-    def _met(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
-        """(n, R) whitened kernel, and (R, B) what it leaves of the basis, of R torques."""
+    def _reduced(self, cross: Floats, design: Floats) -> tuple[Floats, Floats]:
+        """Return the whitened kernel (n, R) of R torques, and the basis less its part (R, B)."""
         white = solve_triangular(self.upper, cross, trans=1, check_finite=False)
         return white, design - white.T @ self.white_design
 
     def changes(self, groups: Sequence[Ints]) -> Floats:
-        """(G, B) how far the basis coefficients move when each group of rows is left out."""
+        """Return (G, B) the change of the coefficients when each group of rows is left out."""
         moved = [left.change for left in self.left_out(groups)]
         return np.array(moved).reshape(len(groups), self.design.shape[1])
 
     def weights_without(self, left: Sequence[LeftOut]) -> Floats:
-        """(n, G) the weights of the fits that did not see a group, one column for each of G.
+        """Return (n, G) the weights of the fits without each of G groups, one column for each.
 
-        Such a fit is that of all rows where those left out have the torque it predicts for them.
+        Such a fit is that of all rows with the left-out torques replaced by its predictions.
         """
         shift = np.zeros((self.upper.shape[0], len(left)))
         for column, one in enumerate(left):

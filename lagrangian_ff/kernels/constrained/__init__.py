@@ -1,4 +1,4 @@
-"""Mechanisms whose loops are closed: eq. (48) of the paper."""
+"""Mechanisms with closed loops: eq. (48) of the paper."""
 
 from lagrangian_ff.kernels.constrained.five_bar import FiveBar
 from lagrangian_ff.kernels.constrained.linkage import Linkage

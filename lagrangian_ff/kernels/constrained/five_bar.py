@@ -1,17 +1,15 @@
 """The planar five-bar: two driven cranks whose forearms meet at a hand."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.kernels.constrained.linkage import Linkage
-
-Floats = NDArray[np.float64]
 
 
 class FiveBar(Linkage):
     """Cranks at (0, 0) and (base, 0), forearms that meet above the base.
 
-    Angles are counted from the x axis. Cut open at the hand it is a tree of four joints: the angle
+    Angles count from the x axis. Cut open at the hand, it is a tree of four joints: the angle
     of each crank, and that of its forearm to it: left crank, left elbow, right crank, right elbow.
 
     Args:
@@ -23,26 +21,23 @@ class FiveBar(Linkage):
     name = "five-bar"
 
     def __init__(
-        self,
-        base: float,
-        cranks: tuple[float, float],
-        forearms: tuple[float, float],
+        self, base: float, cranks: tuple[float, float], forearms: tuple[float, float],
         joints: tuple[str, str] = ("left", "right"),
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.joints = joints
         self._axes = np.array([[0.0, 0.0], [base, 0.0]])
         self._cranks, self._forearms = np.array(cranks), np.array(forearms)
 
     def positions(self, q: Floats) -> Floats:
-        """See `Linkage.positions`; NaN where the forearms do not reach each other."""
+        """Return the angles of cranks and forearms; NaN if the forearms do not reach each other."""
         forearms = self._forearm_angles(q)
         between = np.angle(np.exp(1j * (forearms - q)))
         return np.stack([q[:, 0], between[:, 0], q[:, 1], between[:, 1]], axis=1)
 
     def jacobian(self, q: Floats) -> Floats:
-        """See `Linkage.jacobian`: the hand moves alike with both arms."""
         forearms = self._forearm_angles(q)
-        # Columns of ∂hand/∂angle: left forearm, minus right forearm; and the cranks.
+        # The hand is on both arms. Columns of ∂hand/∂angle: left forearm, minus right forearm;
+        # and the cranks.
         passive = _across(forearms, self._forearms) * np.array([1.0, -1.0])
         active = _across(q, self._cranks) * np.array([-1.0, 1.0])
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -59,7 +54,7 @@ class FiveBar(Linkage):
         return out
 
     def _forearm_angles(self, q: Floats) -> Floats:
-        """(M, 2) rad, of left and right forearm: two circles about the elbows meet in the hand."""
+        """Return (M, 2) rad of the forearms: two circles about the elbows meet at the hand."""
         tips = np.stack([np.cos(q), np.sin(q)], axis=2) * self._cranks[None, :, None]
         elbows = self._axes[None] + tips
         apart = elbows[:, 1] - elbows[:, 0]
@@ -76,5 +71,5 @@ class FiveBar(Linkage):
 
 
 def _across(angle: Floats, length: Floats) -> Floats:
-    """(M, 2, K) how the end of each rod (M, K) moves with its angle: columns of x, y."""
+    """Return (M, 2, K) the derivative of each rod's end (x, y) by its angle (M, K)."""
     return np.stack([-np.sin(angle) * length, np.cos(angle) * length], axis=1)

@@ -1,31 +1,35 @@
-"""Closed loops, told by how the joints of the opened mechanism follow the active ones."""
+"""Mechanisms with closed loops, and the kernel of their torques: Gᵀ K_T G, eq. (48).
+
+The torque of the active joints is that of the tree's joints projected by G = ∂q_tr/∂q_a, so that a
+kernel K_T of the tree's torques gives one of theirs. The states of the tree are
+qd_tr = G qd, qdd_tr = G qdd + dG/dt qd.
+"""
 
 from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels.base import Kernel
-from lagrangian_ff.kernels.constrained.closed import closed
-from lagrangian_ff.kernels.mechanism import Mechanism
+from lagrangian_ff.kernels import base
+from lagrangian_ff.kernels.dense import dense_cross, dense_gram
 from lagrangian_ff.kernels.states import States
-
-Floats = NDArray[np.float64]
 
 KIND = "linkage"
 STEP = 1e-5
 """s, over which the Jacobian is differenced along the motion."""
 
 
-class Linkage(Mechanism):
+class Linkage(base.Mechanism):
     """A mechanism with loops, cut open into a tree of T joints that follow its N active ones.
 
-    A subclass gives `name`, `joints`, `positions` and `jacobian`; where the change of the Jacobian
-    is known in closed form, `jacobian_rate` may give that, too.
+    A subclass defines `name`, `joints`, `positions` and `jacobian`; it may define `jacobian_rate`
+    if the change of the Jacobian is known in closed form.
 
     Attributes:
-        name: of the linkage, as the model's file tells it.
+        name: of the linkage, as the model file has it.
         joints: (N,) names of the active joints, in the order that `positions` takes.
     """
 
@@ -34,19 +38,19 @@ class Linkage(Mechanism):
 
     @abstractmethod
     def positions(self, q: Floats) -> Floats:
-        """(M, T) positions q_tr of the tree's joints, for those of the active ones, q (M, N)."""
+        """Return (M, T) the positions q_tr of the tree's joints for q (M, N) of the active ones."""
 
     @abstractmethod
     def jacobian(self, q: Floats) -> Floats:
-        """(M, T, N) G = ∂q_tr/∂q."""
+        """Return (M, T, N) G = ∂q_tr/∂q."""
 
     def jacobian_rate(self, q: Floats, qd: Floats) -> Floats:
-        """(M, T, N) dG/dt, 1/s; by central differences along the motion."""
+        """Return (M, T, N) dG/dt, 1/s; by central differences along the motion."""
         ahead, behind = self.jacobian(q + STEP * qd), self.jacobian(q - STEP * qd)
         return np.asarray((ahead - behind) / (2.0 * STEP))
 
     def tree(self, x: States) -> tuple[States, Floats]:
-        """The states (M, T) of the tree, and G (M, T, N), for states (M, N) of the active joints.
+        """Return the tree's states (M, T) and G (M, T, N) for states (M, N) of the active joints.
 
         Raises:
             ModelError: `positions` or `jacobian` gave another shape, or values that are not finite.
@@ -61,7 +65,7 @@ class Linkage(Mechanism):
         return States.of(q, qd, qdd), g
 
     def of_joints(self, joints: tuple[str, ...], source: str) -> "Linkage":
-        """See `Mechanism.of_joints`; the order must be that of the linkage."""
+        """Return the linkage; a recording's joints must be in its order."""
         if joints != self.joints:
             raise ModelError(
                 f"the joints of {source} are not the active ones of {self.name}: recorded are "
@@ -70,17 +74,75 @@ class Linkage(Mechanism):
             )
         return self
 
-    def around(self, family: type[Kernel]) -> type[Kernel]:
-        """See `Mechanism.around`."""
-        return closed(self, family)
+    def around(self, family: base.Family) -> "ClosedFamily":
+        meaning = f"the loops of {self.name} closed: {family.meaning}"
+        return ClosedFamily(self, family, meaning, family.searched, family.differentiable)
 
     def record(self) -> dict[str, object]:
-        """See `Mechanism.record`."""
         return {"kind": KIND, "name": self.name}
 
     def stored(self) -> dict[str, object]:
-        """See `Mechanism.stored`; what it computes is code, which a model's file does not hold."""
+        """Return the name alone: what it computes is code, which a model file does not hold."""
         return self.record()
+
+
+@dataclass(frozen=True)
+class ClosedFamily(base.MechanismFamily):
+    """The kernels of a linkage, for a family of kernels of its tree; none has a Lagrangian."""
+
+    mechanism: Linkage
+
+    has_lagrangian = False
+
+    def start(self, x: States) -> "Closed":
+        """Return the kernel as the family starts on the tree's states."""
+        made = ClosedDifferentiable if self.differentiable else Closed
+        return made(self, self.inner.start(self.mechanism.tree(x)[0]))
+
+
+@dataclass(frozen=True)
+class Closed(base.MechanismKernel):
+    """A kernel of the tree, projected onto the active joints."""
+
+    of: ClosedFamily
+
+    def gram(self, x: States) -> Floats:
+        tree, g = self.of.mechanism.tree(x)
+        with np.errstate(all="ignore"):  # memory above the diagonal is not initialised
+            return _projected(dense_gram(self.kernel, tree), g, g)
+
+    def cross(self, x: States, u: States) -> Floats:
+        (at, g), (of, h) = self.of.mechanism.tree(x), self.of.mechanism.tree(u)
+        return _projected(dense_cross(self.kernel, at, of), g, h)
+
+    def apply(self, x: States, u: States, a: Floats) -> Floats:
+        (at, g), (of, h) = self.of.mechanism.tree(x), self.of.mechanism.tree(u)
+        torque = self.kernel.apply(at, of, np.einsum("mtn,mn->mt", h, a))
+        return np.asarray(np.einsum("mtn,mt->mn", g, torque))
+
+
+class ClosedDifferentiable(Closed, base.DifferentiableKernel):
+    """A projected kernel with derivatives by its hyperparameters."""
+
+    def contract(self, x: States, weights: Floats, vector: Floats) -> Mapping[str, base.Contracted]:
+        assert isinstance(self.kernel, base.DifferentiableKernel)
+        tree, g = self.of.mechanism.tree(x)
+        lifted = _projected(base.symmetric(weights), g.transpose(0, 2, 1), g.transpose(0, 2, 1))
+        moved = np.einsum("mtn,mn->mt", g, vector.reshape(len(x), x.joints))
+        found = {}
+        for name, one in self.kernel.contract(tree, lifted, moved.ravel()).items():
+            product = one.product.reshape(-1, len(x), tree.joints)
+            projected = np.einsum("mtn,kmt->kmn", g, product).reshape(len(product), -1)
+            found[name] = base.Contracted(one.total, projected)
+        return found
+
+
+def _projected(matrix: Floats, g: Floats, h: Floats) -> Floats:
+    """Return (M N, K L) gᵀ matrix h by blocks: matrix (M T, K S), g (M, T, N), h (K, S, L)."""
+    (m, t, n), (k, s, _) = g.shape, h.shape
+    left = g.transpose(0, 2, 1) @ matrix.reshape(m, t, k * s)
+    right = left.reshape(m * n, k, s).transpose(1, 0, 2) @ h
+    return np.ascontiguousarray(right.transpose(1, 0, 2)).reshape(m * n, -1)
 
 
 def _sound(name: str, what: str, values: Floats, shape: tuple[int, ...]) -> Floats:

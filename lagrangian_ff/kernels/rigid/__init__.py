@@ -1,4 +1,4 @@
-"""Robots whose rigid bodies a description tells."""
+"""Robots whose rigid bodies a URDF describes."""
 
 from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.kernels.rigid.tree import Tree

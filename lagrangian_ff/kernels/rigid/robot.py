@@ -1,24 +1,19 @@
-"""A robot whose bodies a description tells, as the model's file keeps it."""
+"""A robot whose bodies a URDF describes, as the model file keeps it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels.base import Kernel
-from lagrangian_ff.kernels.mechanism import Mechanism
-from lagrangian_ff.kernels.rigid.known import known
+from lagrangian_ff.kernels.base import Family, Mechanism
+from lagrangian_ff.kernels.rigid.known import CORRECTION, KnownFamily
 from lagrangian_ff.kernels.rigid.tree import Tree
-
-Floats = NDArray[np.float64]
 
 KIND = "urdf"
 WHOLE = ("parent", "driver")
-LEAST_MASS, LEAST_SIZE = 0.01, 0.02
-"""Of a body, in parts of the heaviest one and in m: what nobody has weighed is not without mass."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,38 +36,26 @@ class Robot(Mechanism):
 
     @property
     def prismatic(self) -> Floats:
-        """(N,) 1 where a coordinate slides, 0 where it turns."""
+        """Return (N,) 1 where a coordinate slides, 0 where it turns."""
         return np.array([self.tree.sliding[self.movable.index(name)] for name in self.joints])
 
     @property
     def still(self) -> tuple[str, ...]:
-        """The joints that no coordinate moves: they are taken to stand at zero."""
+        """Return the joints that no coordinate moves: they are taken to stay at zero."""
         return tuple(
             name for name, driver in zip(self.movable, self.tree.driver, strict=True) if driver < 0
         )
 
     @property
     def tool(self) -> int:
-        """The body farthest from the base that a coordinate moves: it carries the tool."""
+        """Return the body farthest from the base that a coordinate moves: it carries the tool."""
         depth = [0] * len(self.movable)
         for body, parent in enumerate(self.tree.parent):
             depth[body] = 1 + (depth[parent] if parent >= 0 else 0)
         moved = [body for body in range(len(depth)) if self.tree.driver[body] >= 0]
         return max(moved, key=lambda body: (depth[body], body))
 
-    @property
-    def scale(self) -> Floats:
-        """(B, 10) by how much each parameter may differ, were it not known at all."""
-        tree = self.tree
-        mass = tree.inertial[:, 0]
-        heaviest = float(mass.max(initial=0.0)) or 1.0
-        mass = np.maximum(mass, LEAST_MASS * heaviest)
-        spread = np.abs(tree.inertial[:, [4, 6, 9]]).sum(axis=1)
-        size = np.maximum(np.sqrt(spread / mass), LEAST_SIZE)
-        return np.stack([mass, *[mass * size] * 3, *[mass * size**2] * 6], axis=1)
-
     def of_joints(self, joints: tuple[str, ...], source: str) -> "Robot":
-        """See `Mechanism.of_joints`."""
         absent = [name for name in joints if name not in self.movable]
         if absent:
             raise ModelError(
@@ -86,7 +69,7 @@ class Robot(Mechanism):
         return replace(self, tree=tree, joints=joints)
 
     def _moved(self, name: str, joints: tuple[str, ...]) -> tuple[int, float, float]:
-        """The coordinate that moves a joint, its ratio and its shift."""
+        """Return the coordinate that moves a joint, its ratio and its shift."""
         if name in joints:
             return joints.index(name), 1.0, 0.0
         if name not in self.follows:
@@ -95,12 +78,15 @@ class Robot(Mechanism):
         driver, above, zero = self._moved(leader, joints)
         return driver, ratio * above, ratio * zero + shift
 
-    def around(self, family: type[Kernel]) -> type[Kernel]:
-        """See `Mechanism.around`."""
-        return known(self, family)
+    def around(self, family: Family) -> KnownFamily:
+        own = () if not family.differentiable else ("deviation", "armature")
+        return KnownFamily(
+            self, family, f"the bodies of {self.name}, corrected by: {family.meaning}",
+            searched=(*family.searched, CORRECTION), differentiable=(*family.differentiable, *own),
+            tree=self.tree, prismatic=self.prismatic,
+        )  # fmt: skip
 
     def record(self) -> dict[str, object]:
-        """See `Mechanism.record`."""
         return {
             "kind": KIND,
             "name": self.name,
@@ -110,7 +96,6 @@ class Robot(Mechanism):
         }
 
     def stored(self) -> dict[str, object]:
-        """See `Mechanism.stored`."""
         return {
             "kind": KIND,
             "name": self.name,
@@ -122,7 +107,7 @@ class Robot(Mechanism):
 
     @classmethod
     def from_stored(cls, record: Mapping[str, Any]) -> "Robot":
-        """The robot that `stored` wrote.
+        """Return the robot that `stored` wrote.
 
         Raises:
             ValueError: shapes or indices do not fit each other, or values are not finite.
@@ -142,7 +127,7 @@ class Robot(Mechanism):
                 raise ValueError(f"{name} of the robot holds values that are not finite")
         joints = tuple(map(str, record["joints"]))
         parent, driver = arrays["parent"], arrays["driver"]
-        # The compiled loops do not look where they reach.
+        # The compiled loops do not check their indices.
         if np.any(parent < -1) or np.any(parent >= np.arange(len(parent))):
             raise ValueError("a body of the robot hangs on one that does not come before it")
         if np.any(driver < -1) or np.any(driver >= len(joints)):

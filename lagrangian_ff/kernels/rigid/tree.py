@@ -12,15 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.kernels.states import States, contiguous
 from lagrangian_ff.loops import loop
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
 GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the frame of the base
+LEAST_MASS, LEAST_SIZE = 0.01, 0.02
+"""Least mass of a body, relative to the heaviest, and least size, m, of an unknown one."""
 
 
 @dataclass(frozen=True)
@@ -52,15 +51,25 @@ class Tree:
 
     @property
     def bodies(self) -> int:
-        """B."""
+        """Return the number of bodies, B."""
         return len(self.parent)
 
+    @property
+    def scale(self) -> Floats:
+        """Return (B, 10) by how much each parameter may differ if it is not known at all."""
+        mass = self.inertial[:, 0]
+        heaviest = float(mass.max(initial=0.0)) or 1.0
+        mass = np.maximum(mass, LEAST_MASS * heaviest)
+        spread = np.abs(self.inertial[:, [4, 6, 9]]).sum(axis=1)
+        size = np.maximum(np.sqrt(spread / mass), LEAST_SIZE)
+        return np.stack([mass, *[mass * size] * 3, *[mass * size**2] * 6], axis=1)
+
     def torque(self, x: States) -> Floats:
-        """(M, N) N·m, or N of prismatic joints, of the bodies as the CAD has them."""
+        """Return (M, N) the torque, N·m (N if prismatic), of the bodies as the CAD has them."""
         return np.asarray(self.regressor(x) @ self.inertial.ravel())
 
     def regressor(self, x: States) -> Floats:
-        """(M, N, 10 B) torque of each joint per unit of each body's parameters."""
+        """Return (M, N, 10 B) the torque of each joint per unit of each body's parameters."""
         out = np.zeros((len(x), x.joints, self.bodies, 10))
         tree = (
             self.parent, self.rotation, self.offset, self.axis, self.sliding, self.driver,
@@ -71,12 +80,12 @@ class Tree:
         return out.reshape(len(x), x.joints, -1)
 
     def momentum(self, x: States) -> Floats:
-        """(M, N, 10 B) momentum ∂L/∂qd of each joint per unit of each body's parameters."""
+        """Return (M, N, 10 B) the momentum ∂L/∂qd per unit of each body's parameters."""
         rest = x.at_rest()
         return self.regressor(States(x.q, rest.qd, x.qd)) - self.regressor(rest)
 
     def potential(self, q: Floats) -> Floats:
-        """(M, 10 B) J of potential energy per unit of each body's parameters, for q (M, N).
+        """Return (M, 10 B) potential energy, J per unit of each body's parameters, for q (M, N).
 
         It is zero where a body's mass is in the origin of the base.
         """

@@ -1,4 +1,4 @@
-"""Reading a URDF, with Pinocchio."""
+"""Read a URDF with Pinocchio."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -6,20 +6,18 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.kernels.rigid.tree import GRAVITY, Tree
-
-Floats = NDArray[np.float64]
 
 MOVABLE = ("revolute", "continuous", "prismatic")
 FIXED = "fixed"
 
 
 def read_urdf(path: "str | Path") -> Robot:
-    """The robot that a URDF file describes.
+    """Return the robot that a URDF file describes.
 
     Raises:
         ModelError: there is no such file, it is no URDF, or has a joint of an unsupported type.
@@ -36,13 +34,13 @@ def read_urdf(path: "str | Path") -> Robot:
 
 
 def robot_of(text: str, source: str) -> Robot:
-    """The robot of a URDF's text.
+    """Return the robot of a URDF's text.
 
     Fixed joints join their bodies. The base stands in the world as the root link does.
 
     Args:
         text: the XML.
-        source: where it is from, for messages.
+        source: its origin, for messages.
 
     Raises:
         ModelError: it is no URDF, has no movable joint or one of an unsupported type, or Pinocchio
@@ -64,14 +62,11 @@ def robot_of(text: str, source: str) -> Robot:
         parent=np.array([int(model.parents[n]) - 1 for n in bodies]),
         rotation=np.array([placement.rotation for placement in placements]),
         offset=np.array([placement.translation for placement in placements]),
-        axis=np.array([axes[name] for name in movable]),
-        sliding=sliding,
-        driver=np.arange(len(movable)),
-        ratio=np.ones(len(movable)),
-        shift=np.zeros(len(movable)),
+        axis=np.array([axes[name] for name in movable]), sliding=sliding,
+        driver=np.arange(len(movable)), ratio=np.ones(len(movable)), shift=np.zeros(len(movable)),
         inertial=np.array([model.inertias[n].toDynamicParameters() for n in bodies]),
         gravity=np.array(GRAVITY),
-    )
+    )  # fmt: skip
     name = str(ElementTree.fromstring(text).get("name") or Path(source).stem)
     return Robot(name, tree, movable, follows, movable)
 
@@ -89,7 +84,7 @@ def _pinocchio(source: str) -> Callable[[str], Any]:
 
 
 def _joints(text: str, source: str) -> dict[str, ElementTree.Element]:
-    """The joints by name, found to be of types that are supported."""
+    """Return the joints by name; all are of supported types."""
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
@@ -111,7 +106,7 @@ def _joints(text: str, source: str) -> dict[str, ElementTree.Element]:
 
 
 def _axis(joint: ElementTree.Element, source: str) -> Floats:
-    """(3,) unit vector in the joint's frame; along x where none is given, as URDF has it."""
+    """Return (3,) the unit vector in the joint's frame; URDF's default is x."""
     element = joint.find("axis")
     words = "1 0 0" if element is None else element.get("xyz", "1 0 0")
     try:
@@ -129,7 +124,7 @@ def _axis(joint: ElementTree.Element, source: str) -> Floats:
 def _follows(
     joints: dict[str, ElementTree.Element], source: str
 ) -> dict[str, tuple[str, float, float]]:
-    """By the name of a mimic joint the one it follows, the ratio and the shift."""
+    """Return, by the name of a mimic joint, the one it follows, the ratio and the shift."""
     found = {}
     for name, joint in joints.items():
         mimic = joint.find("mimic")

@@ -1,6 +1,5 @@
 """Kernels that know what a mechanical Lagrangian is: quadratic in velocity, gravity apart."""
 
-from lagrangian_ff.kernels.structured.chain import Chain, ChainRbf
-from lagrangian_ff.kernels.structured.energy import Energy, EnergyRbf
+from lagrangian_ff.kernels.structured.chain import Chain, ChainRbf, Energy, EnergyRbf
 
 __all__ = ["Chain", "ChainRbf", "Energy", "EnergyRbf"]

@@ -1,1 +1,1 @@
-"""What every node does the same way: running, pacing, parameters, QoS, diagnostics, warnings."""
+"""The parts that all nodes share."""

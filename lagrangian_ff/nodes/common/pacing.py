@@ -1,73 +1,68 @@
-"""Work at a fixed rate, paced by the clock instead of by rclpy timers, which miss their rate."""
+"""Time: work at a fixed rate, which rclpy timers miss, and the clocks that a node goes by."""
 
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 
-class Pacing(Protocol):
-    """Tells when to work."""
-
-    def wait(self) -> range:
-        """Wait, not for long; the indices of the instants that are due, which may be none."""
-
-
-STOPPED = 0.01  # s between looks whether instants go on
+STOPPED = 0.01  # s between checks whether instants go on
 BACK = 1_000_000_000  # ns; a clock that goes back by more was set back
 
 
+class Pacing(Protocol):
+    """A source of the instants to work at."""
+
+    def wait(self) -> range:
+        """Wait briefly and return the indices of the instants that are due, perhaps none."""
+
+
 class Pacer:
-    """The instants start + k·period on a monotonic clock, and what became of them.
+    """The instants start + k·period on a monotonic clock, and a count of those missed.
 
     Args:
         period: s between two instants.
-        most: how many instants that have passed are worked off at once.
+        most: largest number of past instants returned at once.
         skip: whether older ones are left out, for work of which only the newest counts; if not,
-            they are worked off next, for work that must not have holes.
+            they come next, for work that must not have holes.
         clock: ns of a monotonic clock.
         sleep: s to wait.
 
     Attributes:
-        speed: times real time that the instants go; 0 stops them. May be set at any time.
+        speed: factor of real time; 0 stops the instants. May be set at any time.
         start: ns of instant 0, or of the last change of speed.
-        late: instants worked off at least one period after their time.
+        late: instants returned at least one period after their time.
         skipped: instants left out.
     """
 
     def __init__(
-        self,
-        period: float,
-        most: int = 1,
-        skip: bool = True,
-        clock: Callable[[], int] = time.monotonic_ns,
-        sleep: Callable[[float], object] = time.sleep,
-    ) -> None:
+        self, period: float, most: int = 1, skip: bool = True,
+        clock: Callable[[], int] = time.monotonic_ns, sleep: Callable[[float], object] = time.sleep,
+    ) -> None:  # fmt: skip
         self.period = self._unhurried = round(period * 1e9)
         self.start = clock()
         self.speed = self._speed = 1.0
-        self.late = 0
-        self.skipped = 0
-        self._most = most
-        self._skip = skip
-        self._clock = clock
-        self._sleep = sleep
+        self.late = self.skipped = 0
+        self._most, self._skip = most, skip
+        self._clock, self._sleep = clock, sleep
         self._next = 1
 
     def instant(self, index: int) -> int:
-        """Ns of the monotonic clock at this instant."""
+        """Return the time of this instant on the monotonic clock, ns."""
         return self.start + index * self.period
 
     @property
     def behind(self) -> float:
-        """s since the oldest instant that waits to be worked off; 0 where none does."""
+        """Return the s since the oldest instant still waiting; 0 if none waits."""
         if self._speed == 0.0:
             return 0.0
         return max(0, self._clock() - self.instant(self._next)) / 1e9
 
     def wait(self) -> range:
-        """Sleep until the next instant; the indices of the instants that are due, none only while
-        they are stopped."""
+        """Sleep until the next instant and return the indices that are due; none while stopped."""
         if self.speed != self._speed:
             self._change_to(self.speed)
         if self._speed == 0.0:
@@ -94,13 +89,13 @@ class Pacer:
 
 
 class FollowingPacer:
-    """The instants k·period of a clock that somebody else keeps, such as a simulation.
+    """The instants k·period of another clock, such as that of a simulation.
 
-    The newest instant alone counts. A clock that is set back goes on from there.
+    Only the newest instant counts. A clock that is set back continues from there.
 
     Args:
         period: s between two instants.
-        clock: its ns.
+        clock: the other clock, ns.
         rest: waits for the clock to move, for some ms at most.
     """
 
@@ -112,7 +107,7 @@ class FollowingPacer:
         self._last = clock() // self._period
 
     def wait(self) -> range:
-        """Rest once; the index of the instant that has come, nothing while the clock stands."""
+        """Rest once and return the index of a new instant; none while the clock stands."""
         self._rest()
         index = self._clock() // self._period
         if self._last - self._set_back <= index <= self._last:
@@ -122,7 +117,7 @@ class FollowingPacer:
 
 
 class RateMeter:
-    """How many events a second came since the rate was last asked for."""
+    """The rate of events since it was last taken."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -134,7 +129,7 @@ class RateMeter:
         self._count += count
 
     def take(self) -> float:
-        """Events a second since the last call; starts counting anew."""
+        """Return the events per second since the last call, and start from zero."""
         now = self._clock()
         rate = self._count / max(now - self._since, 1e-9)
         self._since, self._count = now, 0
@@ -144,20 +139,15 @@ class RateMeter:
 class PacedThread:
     """A thread that calls `work` with the instants that are due, until it is stopped.
 
-    An exception in `work` is handed to `failed` and the next instant is worked off all the
-    same: a thread that ends silently would leave its last output standing.
+    An exception in `work` goes to `failed`, and the next instant follows all the same: a thread
+    that ends silently would leave its last output standing.
     """
 
     def __init__(
-        self,
-        pacer: Pacing,
-        work: Callable[[range], None],
-        failed: Callable[[Exception], None],
+        self, pacer: Pacing, work: Callable[[range], None], failed: Callable[[Exception], None],
         name: str,
-    ) -> None:
-        self._pacer = pacer
-        self._work = work
-        self._failed = failed
+    ) -> None:  # fmt: skip
+        self._pacer, self._work, self._failed = pacer, work, failed
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
@@ -172,6 +162,35 @@ class PacedThread:
                 self._failed(error)
 
     def stop(self) -> None:
-        """End after the instant under way; returns when it has ended."""
+        """End after the present instant; return when the thread has ended."""
         self._stop.set()
         self._thread.join(timeout=2.0)
+
+
+class NodeTime:
+    """The node's clock, and the steady seconds its watchdogs count in.
+
+    With use_sim_time both are the simulation's: a robot whose machine is slow is not silent. The
+    stamps of joint states then count as time, too, since /clock may come less often than they do.
+
+    Attributes:
+        simulated: whether use_sim_time was set when this was made.
+    """
+
+    def __init__(self, node: "Node") -> None:
+        self._clock = node.get_clock()
+        self.simulated = bool(node.get_parameter("use_sim_time").value)
+        self._stamped = 0
+
+    def stamped(self, at: int) -> None:
+        """Take the stamp of a joint state that came now, ns."""
+        self._stamped = at
+
+    def now(self) -> int:
+        """Return the time of the node's clock, ns."""
+        now = int(self._clock.now().nanoseconds)
+        return max(now, self._stamped) if self.simulated else now
+
+    def steady(self) -> float:
+        """Return the steady time, s since some instant."""
+        return self.now() / 1e9 if self.simulated else time.monotonic()

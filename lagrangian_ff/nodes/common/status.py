@@ -1,8 +1,12 @@
-"""What a part of a node says about itself, before it becomes a message."""
+"""The state of a part of a node, and warnings that come once a second at most. Free of rclpy."""
 
-from collections.abc import Mapping
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 
 class Level(IntEnum):
@@ -16,18 +20,71 @@ class Level(IntEnum):
 
 @dataclass(frozen=True)
 class Status:
-    """How it goes, in a sentence and in figures.
-
-    Numbers among the values are shown with six digits.
-    """
+    """The state of one part, in a sentence and in figures."""
 
     level: Level
     message: str
     values: Mapping[str, object] = field(default_factory=dict)
 
     def texts(self) -> dict[str, str]:
-        """The values as text."""
+        """Return the values as text, numbers with six digits."""
         return {
             key: f"{value:.6g}" if isinstance(value, float) else str(value)
             for key, value in self.values.items()
         }
+
+
+def held_out(record: Mapping[str, Any]) -> dict[str, str]:
+    """Return the held-out error by joint: RMSE in N·m, and the share of the variance missed."""
+    return {
+        f"held-out error {joint}": f"{error['rmse']:.4g} N·m, nMSE {error['nmse']:.4g}"
+        for joint, error in record.get("joints", {}).items()
+    }
+
+
+class ThrottledWarnings:
+    """Counts warnings by kind and logs them together, at most once per interval.
+
+    The first warning is logged at once. Those that follow within `interval` seconds wait for the
+    next `add` or `flush` after that. Any thread may add.
+
+    Args:
+        warn: logs one text.
+        interval: s.
+        clock: s, monotonic.
+
+    Attributes:
+        counts: number of warnings of each kind since the start, for the diagnostics.
+    """
+
+    def __init__(
+        self, warn: Callable[[str], object], interval: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
+        self.counts: Counter[str] = Counter()
+        self._warn, self._interval, self._clock = warn, interval, clock
+        self._logged_at = -float("inf")
+        self._lock = threading.Lock()
+        self._pending: dict[str, tuple[int, str]] = {}
+
+    def add(self, kind: str, text: str) -> None:
+        """Count one warning of this kind; `text` says what happened and what to do."""
+        with self._lock:
+            self.counts[kind] += 1
+            self._pending[kind] = (self._pending.get(kind, (0, ""))[0] + 1, text)
+        self.flush()
+
+    def flush(self) -> None:
+        """Log what is pending, unless the last log is less than `interval` ago."""
+        with self._lock:
+            now = self._clock()
+            if not self._pending or now - self._logged_at < self._interval:
+                return
+            pending, self._pending = self._pending, {}
+            self._logged_at = now
+        self._warn(
+            "; ".join(
+                text if count == 1 else f"{text} ({count} times)"
+                for count, text in pending.values()
+            )
+        )

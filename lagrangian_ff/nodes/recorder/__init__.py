@@ -1,1 +1,1 @@
-"""Recording joint states and identifying from them. Nothing here imports rclpy."""
+"""Recording joint states, and the jobs done with recordings. Free of rclpy."""

@@ -1,129 +1,69 @@
-"""What may be done when: recordings are made, a model is learned, held against them, enlarged."""
+"""The recordings of a session, the model they gave, and what was found out about it."""
 
 from dataclasses import dataclass, field
-from datetime import datetime
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from lagrangian_ff.nodes.recorder.order import Addition, Order, Task
-from lagrangian_ff.record_json import why_of
-
-
-class State(Enum):
-    """What the recorder is busy with."""
-
-    IDLE = "idle"
-    RECORDING = "recording"
-    IDENTIFYING = "identifying"
-    COMPARING = "comparing"
-    DIAGNOSING = "diagnosing"
-    ADDING = "adding"
-
-
-BUSY = {
-    Task.IDENTIFY: State.IDENTIFYING,
-    Task.COMPARE: State.COMPARING,
-    Task.DIAGNOSE: State.DIAGNOSING,
-    Task.ADD: State.ADDING,
-}
-"""The state while a task is carried out."""
-
-CONFIRMED = "confirmed"
-
 
 @dataclass(frozen=True)
-class Result:
-    """A model: its file and the record of how it was made."""
+class SavedModel:
+    """A model on disk, with the record of how it was made."""
 
-    model: Path
+    file: Path
     record: dict[str, Any]
 
 
 @dataclass
 class Session:
-    """The recordings, the model they gave, and what was found out about it.
+    """The state between the services of the recorder.
 
     Attributes:
-        state: what is going on.
         bags: finished recordings, in the order in which they were made.
         current: the bag being recorded.
-        result: the last model, identified or enlarged.
-        found: the last comparison, diagnosis and addition of this model.
-        failures: why the last piece of work of a kind came to nothing.
+        busy: the present job in one word, such as "identifying"; empty without one.
+        model: the last model, identified or extended.
+        found: the record of the last job about this model, by service.
+        failures: why the last job failed, by service.
     """
 
-    state: State = State.IDLE
     bags: list[Path] = field(default_factory=list)
     current: Path | None = None
-    result: Result | None = None
-    found: dict[Task, dict[str, Any]] = field(default_factory=dict)
-    failures: dict[Task, str] = field(default_factory=dict)
+    busy: str = ""
+    model: SavedModel | None = None
+    found: dict[str, dict[str, Any]] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)
 
-    def refusal(self, action: str) -> str:
-        """Why this action (the name of a service) is impossible now, and what to do; empty where
-        it is possible."""
-        if action == "stop" and self.state is State.RECORDING:
+    @property
+    def state(self) -> str:
+        """Return what the recorder does now, in one word."""
+        return "recording" if self.current else self.busy or "idle"
+
+    def refusal(self, service: str) -> str:
+        """Return why this service is impossible now and what to do first, or ""."""
+        if self.current is not None:
+            return "" if service == "stop" else f"recording to {self.current}: call ~/stop first"
+        if service == "clear":
             return ""
-        if action == "clear" and self.state is not State.RECORDING:
-            return ""
-        if self.state is State.RECORDING:
-            return f"recording to {self.current}: call ~/stop first"
-        if self.state is not State.IDLE:
-            return (
-                f"{self.state.value}: wait for the end (see /diagnostics), or call ~/clear to "
-                "cancel"
-            )
-        if action == "stop":
+        if self.busy:
+            return f"{self.busy}: wait for the end (see /diagnostics), or call ~/clear to cancel"
+        if service == "stop":
             return "not recording: call ~/start first"
-        if action in ("identify", "compare", "diagnose") and not self.bags:
-            return "nothing recorded: call ~/start, move the arm, call ~/stop"
-        if action == "save" and self.result is None:
-            failure = self.failures.get(Task.IDENTIFY, "")
+        if service == "save" and self.model is None:
+            failure = self.failures.get("identify", "")
             reason = f"the last identification failed: {failure}; " if failure else ""
             return f"{reason}no model yet: call ~/identify first and wait for its end"
         return ""
 
-    def finish(self, order: Order, record: dict[str, Any] | None, error: str) -> None:
-        """Take what an order gave. What was found out about an older model is dropped."""
-        task = order.task
-        self.state = State.IDLE
-        self.failures.pop(task, None)
-        if record is None:
-            self.failures[task] = error
-        elif task is Task.IDENTIFY:
-            self.result = Result(Path(order.output), record)
-            self.found.clear()
-        elif task is Task.ADD:
-            self.result = Result(Path(order.output), record["record"])
-            self.found = {task: record}
-        else:
-            self.found[task] = record
-
-    def confirmed(self) -> tuple[Addition, ...]:
-        """What the last diagnosis confirmed, with the reasons for the model's history.
-
-        A load or a contact, which has no `why`, is of the recording and not to be added.
-        """
-        findings = self.found.get(Task.DIAGNOSE, {}).get("findings", [])
-        return tuple(
-            _addition(one) for one in findings if one["verdict"] == CONFIRMED and one["why"]
-        )
-
-
-def _addition(finding: dict[str, Any]) -> Addition:
-    return Addition(finding["effect"], finding["joints"][0], finding["shape"], why_of(finding))
+    def take_model(self, file: Path, record: dict[str, Any]) -> None:
+        """Take a new model; what was found out about the old one is dropped."""
+        self.model = SavedModel(file, record)
+        self.found.clear()
 
 
 def new_path(directory: Path, stem: str, suffix: str = "") -> Path:
-    """A path in the directory that does not exist yet: stem, stem_2, stem_3 and so on."""
+    """Return a path in the directory that does not exist yet: stem, stem_2, stem_3 and so on."""
     number, path = 1, directory / f"{stem}{suffix}"
     while path.exists():
         number += 1
         path = directory / f"{stem}_{number}{suffix}"
     return path
-
-
-def stamped(prefix: str, now: datetime) -> str:
-    """The name of a recording begun now."""
-    return f"{prefix}_{now:%Y%m%d_%H%M%S}"

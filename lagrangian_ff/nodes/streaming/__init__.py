@@ -1,1 +1,1 @@
-"""From a reference to a safe stream of torques. Nothing here imports rclpy."""
+"""The way from a reference to a safe stream of torques. Free of rclpy."""

@@ -1,49 +1,45 @@
-"""The torques of a whole reference, computed when it comes in so that streaming only looks up."""
+"""The torques of a whole reference, computed when it arrives so that streaming only looks up."""
 
-from collections.abc import Callable, Mapping
+import threading
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.nodes.common.errors import RefusedReference
-from lagrangian_ff.nodes.streaming.doubt import Doubts, along, words
-from lagrangian_ff.nodes.streaming.ranges import Excess, Range, excess, fade_around
-from lagrangian_ff.nodes.streaming.reference import Reference
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.effects import PARTS
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.identification.predicting import MotionRange, TermTorques, by_part
+from lagrangian_ff.nodes.streaming.ranges import (
+    Doubts,
+    Excess,
+    along,
+    doubt_words,
+    excess,
+    fade_around,
+)
+from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference
 
-Floats = NDArray[np.float64]
-
-TERMS = ("gravity", "inertia", "coriolis", "friction")
+TERMS = PARTS
 FIRST = np.zeros(1, dtype=np.int64)
 
-
-class TermTorques(Protocol):
-    """The parts of a torque, each (L, N) in N·m."""
-
-    @property
-    def gravity(self) -> Floats: ...
-    @property
-    def inertia(self) -> Floats: ...
-    @property
-    def coriolis(self) -> Floats: ...
-    @property
-    def effects(self) -> Mapping[str, Floats]: ...
+Tag = TypeVar("Tag")
 
 
 class InverseDynamics(Protocol):
-    """What is needed of an identified model."""
+    """The part of an identified model that plans need."""
 
     @property
     def joints(self) -> tuple[str, ...]: ...
     @property
-    def range(self) -> Range: ...
+    def range(self) -> MotionRange: ...
     def terms(self, q: Floats, qd: Floats, qdd: Floats) -> TermTorques: ...
 
 
 @dataclass(frozen=True)
 class Policy:
-    """How references outside the identified range are met.
+    """The treatment of references outside the identified range.
 
     Attributes:
         out_of_range: "refuse" the reference, "fade" its torque to zero there, or "allow" it.
@@ -63,14 +59,14 @@ class Plan:
     """The torques along a reference, term by term.
 
     Attributes:
-        reference: what is followed.
+        reference: the motion.
         time: (L,) s from the start.
         parts: (L, 4, N) N·m: gravity, inertia, coriolis, friction.
         weight: (L,) 0 outside the identified range, 1 inside, fading between.
         before, after: (4, N) N·m at rest at the first and at the last point.
-        own: (K,) which of the L samples are the reference's own points.
-        excess: what lies outside the identified range.
-        doubt: (N,) the largest of each joint's torque; None where it was not asked for.
+        own: (K,) indices of the reference's own points among the L samples.
+        excess: the samples outside the identified range.
+        doubt: (N,) the largest of each joint's torque; None if it was not evaluated.
     """
 
     reference: Reference
@@ -79,12 +75,12 @@ class Plan:
     weight: Floats
     before: Floats
     after: Floats
-    own: NDArray[np.int64]
+    own: Ints
     excess: Excess
     doubt: Floats | None = None
 
     def at(self, elapsed: float) -> tuple[Floats, float]:
-        """(4, N) parts and the weight, `elapsed` seconds after the start."""
+        """Return the parts (4, N) N·m and the weight, `elapsed` s after the start."""
         time = self.time
         if len(time) == 1:
             return self.parts[0], float(self.weight[0])
@@ -99,7 +95,7 @@ class Plan:
         return parts, float(weight)
 
     def effort(self, switches: Floats, scale: Floats, limit: Floats) -> Floats:
-        """(K, N) N·m at the reference's own points.
+        """Return the torque (K, N) N·m at the reference's own points.
 
         Args:
             switches: (4,) 1 or 0 for each term.
@@ -112,15 +108,11 @@ class Plan:
 
 
 def make_plan(
-    model: InverseDynamics,
-    reference: Reference,
-    policy: Policy,
-    step: float = 0.004,
-    report: Callable[[float], None] = lambda fraction: None,
-    chunk: int = 16,
+    model: InverseDynamics, reference: Reference, policy: Policy, step: float = 0.004,
+    report: Callable[[float], None] = lambda fraction: None, chunk: int = 16,
     doubts: Doubts | None = None,
-) -> Plan:
-    """Compute the torques of a reference.
+) -> Plan:  # fmt: skip
+    """Return the torques of a reference.
 
     Args:
         model: gives the torques.
@@ -128,9 +120,9 @@ def make_plan(
         policy: what to do outside the identified range.
         step: s, the widest distance between samples: friction changes within milliseconds
             when a joint reverses, so sparse points are not enough.
-        report: told the fraction done after each chunk; may raise to cancel.
+        report: receives the share done after each chunk, 0 to 1; may raise to cancel.
         chunk: samples per call of the model; between calls other threads get their turn.
-        doubts: how far torques are a guess, where the model tells.
+        doubts: evaluates how far torques are a guess; None if the model cannot.
 
     Raises:
         RefusedReference: it leaves the identified range and the policy is to refuse, or the
@@ -166,7 +158,7 @@ def make_plan(
 def _setpoint_plan(
     model: InverseDynamics, reference: Reference, policy: Policy, doubts: Doubts | None
 ) -> Plan:
-    """The plan of a single state, with nothing that a trajectory needs: it may come at 1 kHz."""
+    """Return the plan of a single state, without what a trajectory needs: it may come at 1 kHz."""
     time, states = reference.time, (reference.q, reference.qd, reference.qdd)
     found = excess(reference.joints, time, states, model.range, policy.margin)
     doubt = None if doubts is None else doubts(*states)
@@ -198,15 +190,15 @@ def _require_finite(*parts: Floats) -> None:
 def _with_doubt(
     found: Excess, model: InverseDynamics, time: Floats, doubt: Floats, limit: float
 ) -> Excess:
-    """What is outside with the states whose torque (L, N) is too much of a guess."""
+    """Return the excess with the states added whose torque (L, N) is too much of a guess."""
     if limit == 0.0:
         return found
-    told = words(model.joints, time, doubt, model.range.tau_max, limit)
-    return Excess(found.outside | (doubt > limit).any(axis=1), found.worst or told)
+    worst = found.worst or doubt_words(model.joints, time, doubt, model.range.tau_max, limit)
+    return Excess(found.outside | (doubt > limit).any(axis=1), worst)
 
 
-def _refine(time: Floats, step: float) -> tuple[Floats, NDArray[np.int64]]:
-    """Times at most `step` apart that include the given ones, and where those are."""
+def _refine(time: Floats, step: float) -> tuple[Floats, Ints]:
+    """Return times at most `step` apart, and the indices of the given ones among them."""
     # Rounding must not double the samples of a reference that already has this step.
     pieces = np.maximum(1, np.ceil(np.diff(time) / step - 1e-6).astype(np.int64))
     own = np.concatenate([[0], np.cumsum(pieces)])
@@ -214,14 +206,109 @@ def _refine(time: Floats, step: float) -> tuple[Floats, NDArray[np.int64]]:
 
 
 def _parts(model: InverseDynamics, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-    """(L, 4, N) the parts of the torque at L states.
+    """Return (L, 4, N) the parts of the torque at L states, see `by_part`."""
+    parts = by_part(model.terms(q, qd, qdd))
+    return np.stack([parts[term] for term in TERMS], axis=1)
 
-    A constant offset counts as gravity: without an independent measurement of one of them, an
-    identification may share the mean of gravity between the two in any way.
+
+class _SupersededError(Exception):
+    """The task was replaced by a newer one."""
+
+
+@dataclass(frozen=True)
+class _Task(Generic[Tag]):
+    read: Callable[[], tuple[Reference, Tag]]
+    policy: Policy
+
+
+class Planner(Generic[Tag]):
+    """A thread that turns references into plans; a newer one replaces an older one.
+
+    Args:
+        model: gives the torques.
+        done: called in this thread with each plan and the tag of its reference.
+        failed: called in this thread with the reason why there is no plan.
+        doubts: evaluates how far torques are a guess; None if the model cannot.
+
+    Attributes:
+        fraction: share done of the present plan, 0 to 1; 1 without one.
     """
-    terms = model.terms(q, qd, qdd)
-    parts = np.zeros((len(q), len(TERMS), q.shape[1]))
-    parts[:, 0], parts[:, 1], parts[:, 2] = terms.gravity, terms.inertia, terms.coriolis
-    for name, torque in terms.effects.items():
-        parts[:, 0 if name == "offset" else 3] += torque
-    return parts
+
+    def __init__(
+        self, model: InverseDynamics, done: Callable[[Plan, Tag], None],
+        failed: Callable[[Exception], None], doubts: Doubts | None = None,
+    ) -> None:  # fmt: skip
+        self._model, self._doubts = model, doubts
+        self._done = done
+        self._failed = failed
+        self._wake = threading.Condition()
+        self._task: _Task[Tag] | None = None
+        self._ended = False
+        self.fraction = 1.0
+        self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
+        self._thread.start()
+
+    def submit(self, read: Callable[[], tuple[Reference, Tag]], policy: Policy) -> None:
+        """Compute the plan of this reference next, and nothing older.
+
+        Args:
+            read: called in the thread; returns the reference and its tag.
+            policy: what to do outside the identified range.
+        """
+        with self._wake:
+            self._task = _Task(read, policy)
+            self._wake.notify()
+
+    def drop(self) -> None:
+        """Forget what was submitted."""
+        with self._wake:
+            self._task = None
+            self.fraction = 1.0
+
+    def stop(self) -> None:
+        """End the thread."""
+        with self._wake:
+            self._ended, self._task = True, None
+            self._wake.notify()
+        self._thread.join(timeout=2.0)
+
+    def _run(self) -> None:
+        while True:
+            with self._wake:
+                self._wake.wait_for(lambda: self._task is not None or self._ended)
+                task = self._task
+            if task is None:
+                return
+            try:
+                self._work(task)
+            except _SupersededError:
+                continue
+            except Exception as error:
+                self._end(task)
+                self._failed(error)
+
+    def _work(self, task: "_Task[Tag]") -> None:
+        def report(fraction: float) -> None:
+            if self._task is not task:
+                raise _SupersededError
+            self.fraction = fraction
+
+        self.fraction = 0.0
+        reference, tag = task.read()
+        plan = make_plan(self._model, reference, task.policy, report=report, doubts=self._doubts)
+        if self._end(task):
+            self._done(plan, tag)
+
+    def _end(self, task: "_Task[Tag]") -> bool:
+        """Forget this task and return whether it was still the newest."""
+        with self._wake:
+            newest = self._task is task
+            if newest:
+                self._task = None
+            self.fraction = 1.0
+            return newest
+
+
+def reason(error: Exception) -> str:
+    """Return the text to show: a user's mistake as it is, anything else with its type."""
+    return str(error) if isinstance(error, UserError) else f"{type(error).__name__}: {error}"

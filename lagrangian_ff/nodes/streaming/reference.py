@@ -1,5 +1,6 @@
-"""The motion to follow: points in time, complete with velocities and accelerations."""
+"""The motion to follow: read from a message, completed, and followed without jumps."""
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,11 +8,14 @@ from itertools import chain
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from lagrangian_ff.nodes.common.errors import RefusedReference
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.errors import UserError
 
-Floats = NDArray[np.float64]
+
+class RefusedReference(UserError):  # noqa: N818
+    """A reference motion that cannot be followed."""
+
 
 # d^r/dt^r of t^k is FACTOR[r, k] t^EXPONENT[r, k].
 EXPONENT = np.array([[0, 1, 2, 3, 4, 5], [0, 0, 1, 2, 3, 4], [0, 0, 0, 1, 2, 3]])
@@ -20,12 +24,12 @@ FACTOR = np.array([[1.0, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20
 
 @dataclass(frozen=True)
 class Points:
-    """A trajectory as it came in a message: rows may be empty or of the wrong length.
+    """The content of a trajectory message: rows may be empty or of the wrong length.
 
     Attributes:
         names: joints in the order of the columns.
         time: K times from the start, s.
-        position: K rows; velocity, acceleration, effort: K rows, empty where not given.
+        position: K rows; velocity, acceleration, effort: K rows, empty if not given.
     """
 
     names: Sequence[str]
@@ -38,7 +42,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Reference:
-    """Where N joints shall be at K times.
+    """The wanted motion of N joints at K times.
 
     Between two points the motion is the 5th-order polynomial that meets position, velocity and
     acceleration at both; before the first point and after the last one it stands still.
@@ -47,7 +51,7 @@ class Reference:
         joints: N names; the columns follow them.
         time: (K,) s from the start, increasing.
         q: (K, N) rad.  qd: (K, N) rad/s.  qdd: (K, N) rad/s².
-        filled: what was not given and had to be filled in, in words.
+        filled: what the message lacked and how it was filled in, in words.
     """
 
     joints: tuple[str, ...]
@@ -59,16 +63,16 @@ class Reference:
 
     @property
     def duration(self) -> float:
-        """Time of the last point, s."""
+        """Return the time of the last point, s."""
         return float(self.time[-1])
 
     @property
     def is_setpoint(self) -> bool:
-        """One point at time 0: a sample of a stream of set-points."""
+        """Return whether it is one point at time 0, a sample of a stream of set-points."""
         return len(self.time) == 1
 
     def sample(self, time: Floats) -> tuple[Floats, Floats, Floats]:
-        """q, qd, qdd, each (..., N), at times (...) from the start."""
+        """Return q, qd, qdd, each (..., N), at times (...) in s from the start."""
         if self.is_setpoint:
             rows = np.zeros(np.shape(time), dtype=np.int64)
             return self.q[rows], self.qd[rows], self.qdd[rows]
@@ -82,7 +86,7 @@ class Reference:
 
     @cached_property
     def _coefficients(self) -> Floats:
-        """(K - 1, 6, N) of the powers of the time since the left point."""
+        """Return the coefficients (K - 1, 6, N) of the powers of the time since the left point."""
         h = np.diff(self.time)[:, None]
         p, v, a = self.q[:-1], self.qd[:-1] * h, self.qdd[:-1] * h**2
         d, w, b = self.q[1:] - p, self.qd[1:] * h, self.qdd[1:] * h**2
@@ -104,12 +108,12 @@ LONGEST = 3600.0
 
 
 def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_000) -> Reference:
-    """Check a trajectory and complete it.
+    """Check a trajectory, complete it and return it.
 
     Columns are matched by name: any order, further joints are ignored. Missing velocities and
     accelerations come from a 5th-order spline through the positions that starts and ends at
     rest; accelerations missing beside given velocities from a cubic spline of the velocities.
-    A set-point (one point at time 0) has no neighbours: what it lacks is zero.
+    A set-point (one point at time 0) has no neighbours: zeros fill what it lacks.
 
     Args:
         points: the message.
@@ -160,7 +164,7 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
 
 
 def read_effort(points: Points, joints: Sequence[str]) -> Floats | None:
-    """(K, N) N·m the trajectory carries for these joints, or None where it carries none.
+    """Return the torque (K, N) N·m in the message for these joints, or None if it has none.
 
     Raises:
         RefusedReference: names the joint and the point that are wrong.
@@ -201,7 +205,7 @@ def _check_time(time: Floats) -> None:
 def _table(
     rows: Sequence[Sequence[float]], label: str, names: Sequence[str], columns: list[int]
 ) -> Floats | None:
-    """(K, N) of the wanted columns, or None where every row is empty."""
+    """Return the wanted columns (K, N), or None if every row is empty."""
     lengths = {len(row) for row in rows}
     if lengths <= {0}:
         return None
@@ -221,3 +225,101 @@ def _table(
             f"the {label} of {names[columns[joint]]} in point {point} is {table[point, joint]}"
         )
     return table
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A reference with its start.
+
+    Attributes:
+        reference: the motion.
+        start: ns.
+        effort: (K, N) N·m at its points, linear between them; None if the message has none.
+    """
+
+    reference: Reference
+    start: int
+    effort: Floats | None = None
+
+    def at(self, now: int) -> tuple[Floats, Floats, Floats]:
+        """Return q, qd, qdd, each (N,), at this time in ns."""
+        return self.reference.sample(np.asarray((now - self.start) / 1e9))
+
+    def effort_at(self, now: int) -> Floats:
+        """Return the torque (N,) N·m at this time in ns: constant outside, zero without effort."""
+        if self.effort is None:
+            return np.zeros(len(self.reference.joints))
+        time = self.reference.time
+        elapsed = np.clip((now - self.start) / 1e9, time[0], time[-1])
+        right = min(int(np.searchsorted(time, elapsed, side="right")), len(time) - 1)
+        left = max(right - 1, 0)
+        span = time[right] - time[left]
+        share = (elapsed - time[left]) / span if span > 0.0 else 0.0
+        return np.asarray(self.effort[left] * (1.0 - share) + self.effort[right] * share)
+
+
+class Follower:
+    """Follows one reference after another and stands still between them; it never jumps.
+
+    One thread may accept references while another asks for the present state.
+
+    Args:
+        joints: N names.
+        q: (N,) rad, the first position.
+        tolerance: rad by which a new reference may differ from the present one when it
+            takes over.
+    """
+
+    def __init__(self, joints: tuple[str, ...], q: Floats, tolerance: float) -> None:
+        still = np.zeros((1, len(joints)))
+        self._now = Segment(Reference(joints, np.zeros(1), q[None, :], still, still), 0)
+        self._next: Segment | None = None
+        self.tolerance = tolerance
+        self._lock = threading.Lock()
+
+    def accept(self, segment: Segment, now: int) -> None:
+        """Follow this segment from its start on, instead of any other.
+
+        Raises:
+            RefusedReference: the position would jump there, or it is over already.
+        """
+        reference = segment.reference
+        end = segment.start + round(reference.duration * 1e9)
+        if not reference.is_setpoint and end < now:
+            raise RefusedReference(
+                f"it ended {(now - end) / 1e9:.3f} s ago; give a start in header.stamp that is "
+                "still to come, or 0 for now"
+            )
+        takes_over = max(segment.start, now)
+        jump = segment.at(takes_over)[0] - self._now.at(takes_over)[0]
+        worst = int(np.argmax(np.abs(jump)))
+        if abs(jump[worst]) > self.tolerance:
+            late = (now - segment.start) / 1e9
+            raise RefusedReference(
+                f"{reference.joints[worst]} would jump by {jump[worst]:.4f} rad from the present "
+                f"reference, more than the tolerance of {self.tolerance:g} rad; "
+                + (
+                    f"it came {late:.3f} s after its start: send it earlier"
+                    if late > 0.0
+                    else "start where the arm is"
+                )
+            )
+        with self._lock:
+            self._next = segment
+
+    def at(self, now: int) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return q, qd, qdd and effort of the reference, each (N,), at this time in ns."""
+        with self._lock:
+            if self._next is not None and now >= self._next.start:
+                self._now, self._next = self._next, None
+        return (*self._now.at(now), self._now.effort_at(now))
+
+    @property
+    def has_effort(self) -> bool:
+        """Return whether the present reference carries effort."""
+        return self._now.effort is not None
+
+    def moving(self, now: int) -> bool:
+        """Return whether a motion goes on or is still to come."""
+        segment = self._next or self._now
+        return now < segment.start + segment.reference.duration * 1e9

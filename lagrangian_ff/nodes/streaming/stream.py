@@ -1,26 +1,79 @@
-"""Which torque to send now: the one place that decides, at every instant."""
+"""The torque to send at every instant: limits, ramps, watchdogs, and a monitor of all this."""
 
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.nodes.streaming.limits import Ramp, clamp, slew
+from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.nodes.common.joint_state_bytes import MessageError
+from lagrangian_ff.nodes.common.pacing import RateMeter
+from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.streaming.plan import TERMS, Plan
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-
 LONGEST_STEP = 0.02
-"""s that ramps and rate limits move on at most in one tick: when the machine stalls, the torque
-must not jump afterwards."""
+"""s that ramps and rate limits move in one tick at most: after a stall of the machine the torque
+must not jump."""
+FEW = 0.9  # of the wanted rate
+
+
+def clamp(tau: Floats, limit: Floats) -> tuple[Floats, Flags]:
+    """Return the torques clipped to ±limit, and which were clipped."""
+    return np.minimum(np.maximum(tau, -limit), limit), np.abs(tau) > limit
+
+
+def slew(previous: Floats, wanted: Floats, rate: Floats, dt: float) -> tuple[Floats, Flags]:
+    """Move from `previous` towards `wanted` by at most rate·dt; also return who was held back."""
+    step, flagged = clamp(wanted - previous, rate * dt)
+    return previous + step, flagged
+
+
+class Ramp:
+    """A gain between 0 and 1 that takes `up` seconds to rise and `down` seconds to fall."""
+
+    def __init__(self, up: float, down: float) -> None:
+        self.value, self.up, self.down = 0.0, up, down
+
+    def move(self, on: bool, dt: float) -> float:
+        """Move towards 1 or 0 for dt seconds and return the new gain."""
+        if on:
+            self.value = min(1.0, self.value + (dt / self.up if self.up > 0.0 else 1.0))
+        else:
+            self.value = max(0.0, self.value - (dt / self.down if self.down > 0.0 else 1.0))
+        return self.value
+
+
+def effort_limits(urdf: str) -> dict[str, float]:
+    """Return the torque limits of a robot description: N·m by joint (N for prismatic ones).
+
+    Joints without a positive limit are left out.
+
+    Raises:
+        MessageError: the text is not a URDF.
+    """
+    try:
+        root = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise MessageError(f"robot_description is not XML: {error}") from None
+    found = {}
+    for joint in root.iter("joint"):
+        limit = joint.find("limit")
+        try:
+            effort = float(limit.get("effort", "0")) if limit is not None else 0.0
+        except ValueError:
+            raise MessageError(
+                f"robot_description: the effort limit of {joint.get('name')} is no number"
+            ) from None
+        if 0.0 < effort < float("inf"):
+            found[joint.get("name", "")] = effort
+    return found
 
 
 class Phase(Enum):
-    """Where the stream is in its reference."""
+    """The position of the stream in its reference."""
 
     WAITING = "no reference"
     AHEAD = "before the start"
@@ -31,7 +84,7 @@ class Phase(Enum):
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything about the stream that a user may change while it runs.
+    """The settings that a user may change while the stream runs.
 
     Attributes:
         scale: (N,) factor of each joint, 0 to 1.
@@ -62,13 +115,14 @@ class Settings:
 
 @dataclass(frozen=True)
 class Output:
-    """What is sent at one instant, and why.
+    """The torque sent at one instant, and why.
 
     Attributes:
         tau: (N,) N·m.
-        gain: 0 while nothing is let through, 1 when all is.
-        phase: where in the reference.
-        withheld: why the torque is faded or zero; empty where it is not.
+        gain: 0 while the torque is withheld, 1 when all of it is sent.
+        phase: position in the reference.
+        withheld: why the torque is faded or zero; empty if it is sent.
+        silent: whether that is because messages do not come.
         saturated: (N,) joints at their torque limit.
         held_back: (N,) joints at their rate limit.
         q, qd: (N,) the reference now; None without one.
@@ -82,15 +136,15 @@ class Output:
     held_back: Flags
     q: Floats | None = None
     qd: Floats | None = None
+    silent: bool = False
 
 
 class TorqueStream:
-    """Plays plans, and fades to zero whenever anything is not as it should be.
+    """Plays plans, and fades to zero whenever something is wrong.
 
     Times of the reference are ns of the node's clock, which may be simulated; the watchdogs
     count in s of a steady clock. The gain multiplies after all limits, so that fading takes
-    `fade_time` whatever the rate limit is. Everything may be told in one thread while another
-    ticks.
+    `fade_time` whatever the rate limit is. One thread may call `tick` while others call the rest.
     """
 
     def __init__(self, joints: tuple[str, ...], settings: Settings) -> None:
@@ -111,33 +165,33 @@ class TorqueStream:
 
     @property
     def plan(self) -> Plan | None:
-        """The plan that came last."""
+        """Return the newest plan."""
         return self._next[0] if self._next else self._plan
 
     def play(self, plan: Plan, start: int, steady: float) -> None:
-        """Follow this plan from `start` (ns) on; until then, what is followed now."""
+        """Follow this plan from `start` (ns) on; until then, the present one."""
         with self._lock:
             self._next, self._refused = (plan, start), ""
         self._reference_at = steady
 
     def withhold(self, reason: str) -> None:
-        """Fade out until the next reference that can be followed comes."""
+        """Fade out until the next usable reference comes."""
         self._refused = reason
 
     def end(self, reason: str) -> None:
-        """Fade out, whatever reference may still come, until `forget`."""
+        """Fade out until `forget`, whatever references come."""
         self._ending = reason
 
     def joint_state_came(self, steady: float, stamp: int, position: Floats) -> None:
-        """The robot is alive, and its joints were here, (N,) rad, at this time in ns."""
+        """Take a sign of life: the joints' position (N,) rad at the time `stamp` in ns."""
         self._joint_state_at, self._state = steady, (stamp, position)
 
     def reference_age(self, steady: float) -> float:
-        """Seconds since the last reference came; infinite where none did."""
+        """Return the s since the last reference; infinite before the first."""
         return float(steady - self._reference_at)
 
     def forget(self) -> None:
-        """No reference, no torque."""
+        """Drop the reference and the torque."""
         with self._lock:
             self._plan = self._next = None
         self._refused = self._ending = ""
@@ -145,7 +199,7 @@ class TorqueStream:
         self._last_tick = None
 
     def tick(self, now: int, steady: float) -> Output:
-        """The torque to send.
+        """Return the torque to send.
 
         Args:
             now: ns of the node's clock.
@@ -158,11 +212,13 @@ class TorqueStream:
         none = np.zeros(len(self.joints), dtype=bool)
         if plan is None:
             self._ramp.value = 0.0
-            reason = self._withheld(Phase.WAITING, steady)
-            return Output(np.zeros(len(self.joints)), 0.0, Phase.WAITING, reason, none, none)
+            withheld, silent = self._withheld(Phase.WAITING, steady)
+            zero = np.zeros(len(self.joints))
+            return Output(zero, 0.0, Phase.WAITING, withheld, none, none, silent=silent)
         elapsed = (now - self._start) / 1e9 + settings.lead
         phase = _phase(plan, elapsed)
-        withheld = self._withheld(phase, steady) or self._astray(plan)
+        withheld, silent = self._withheld(phase, steady)
+        withheld = withheld or self._astray(plan)
         parts, weight = plan.at(elapsed)
         wanted = (settings.switches @ parts) * settings.scale * weight
         wanted, saturated = clamp(wanted, settings.effort_limit)
@@ -174,14 +230,15 @@ class TorqueStream:
         self._ramp.up, self._ramp.down = settings.ramp_time, settings.fade_time
         gain = self._ramp.move(not withheld, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
-        return Output(gain * self._limited, gain, phase, withheld, saturated, held_back, q, qd)
+        tau = gain * self._limited
+        return Output(tau, gain, phase, withheld, saturated, held_back, q, qd, silent)
 
     def _astray(self, plan: Plan) -> str:
-        """Which joint was not where the reference was: its torque would be the wrong one."""
+        """Return which joint is away from its reference, where the torque would be wrong, or ""."""
         tolerance = self.settings.tracking_tolerance
         if self._state is None or tolerance == 0.0:
             return ""
-        # By the stamp, so that joint states that come late do no harm.
+        # By the stamp, so that late joint states do no harm.
         stamp, position = self._state
         q, _, _ = plan.reference.sample(np.asarray((stamp - self._start) / 1e9))
         distance = np.abs(position - q)
@@ -191,7 +248,7 @@ class TorqueStream:
         return f"{self.joints[worst]} is more than {tolerance:g} rad from its reference"
 
     def _take_over(self, now: int) -> None:
-        """Let the next plan take the place of the present one when its time has come."""
+        """Replace the present plan by the next one when its time has come."""
         with self._lock:
             if self._next is None:
                 return
@@ -200,26 +257,23 @@ class TorqueStream:
             if not moving or now >= start:
                 self._plan, self._start, self._next = plan, start, None
 
-    def _withheld(self, phase: Phase, steady: float) -> str:
-        """Why the torque must not be sent; empty where it may."""
+    def _withheld(self, phase: Phase, steady: float) -> tuple[str, bool]:
+        """Return why the torque must not be sent, or "", and whether messages do not come."""
         settings = self.settings
-        if self._ending:
-            return self._ending
-        if not self.enabled:
-            return "disabled"
-        silence = steady - self._joint_state_at
+        if self._ending or not self.enabled:
+            return self._ending or "disabled", False
+        silence, age = steady - self._joint_state_at, self.reference_age(steady)
         if 0.0 < settings.joint_state_timeout < silence:
-            return "no joint states" + (f" for {silence:.1f} s" if np.isfinite(silence) else "")
+            lasting = f" for {silence:.1f} s" if np.isfinite(silence) else ""
+            return f"no joint states{lasting}", True
         if phase is Phase.WAITING:
-            return "no reference"
+            return "no reference", True
         if self._refused:
-            return self._refused
-        age = self.reference_age(steady)
+            return self._refused, False
         if phase is Phase.STREAMED and 0.0 < settings.reference_timeout < age:
-            return f"no set-point for {age:.1f} s"
-        if phase is Phase.HOLDING and settings.after_end == "fade":
-            return "the reference has ended"
-        return ""
+            return f"no set-point for {age:.1f} s", True
+        ended = phase is Phase.HOLDING and settings.after_end == "fade"
+        return "the reference has ended" if ended else "", False
 
 
 def _phase(plan: Plan, elapsed: float) -> Phase:
@@ -228,3 +282,51 @@ def _phase(plan: Plan, elapsed: float) -> Phase:
     if elapsed < 0.0:
         return Phase.AHEAD
     return Phase.FOLLOWING if elapsed <= plan.reference.duration else Phase.HOLDING
+
+
+class StreamMonitor:
+    """Summarises the outputs of a stream, once a second.
+
+    Attributes:
+        last: the newest output.
+    """
+
+    def __init__(self) -> None:
+        self.last: Output | None = None
+        self._meter = RateMeter()
+        self._saturated = 0
+        self._held_back = 0
+
+    def note(self, output: Output) -> str:
+        """Take an output and return why the torque begins to fade with it, or ""."""
+        before = "" if self.last is None else self.last.withheld
+        self.last = output
+        self._meter.add()
+        self._saturated += bool(output.saturated.any())
+        self._held_back += bool(output.held_back.any())
+        begins = output.withheld != before and output.phase is not Phase.WAITING
+        return output.withheld if begins else ""
+
+    def status(self, wanted_rate: float, more: Mapping[str, object]) -> Status:
+        """Return the state of the stream since the last call.
+
+        Args:
+            wanted_rate: Hz.
+            more: further values to show.
+        """
+        output, rate = self.last, self._meter.take()
+        saturated, self._saturated = self._saturated, 0
+        held_back, self._held_back = self._held_back, 0
+        values: dict[str, object] = {
+            "publish rate [Hz]": rate, "phase": output.phase.value if output else "",
+            "gain": output.gain if output else 0.0, "ticks at the torque limit": saturated,
+            "ticks at the rate limit": held_back, **more,
+        }  # fmt: skip
+        level, message = Level.OK, output.phase.value if output else "starting"
+        if output is not None and output.phase is not Phase.WAITING and output.withheld:
+            level, message = (Level.STALE if output.silent else Level.WARN), output.withheld
+        elif saturated:
+            level, message = Level.WARN, f"torque limit reached in {saturated} ticks"
+        elif rate < FEW * wanted_rate:
+            level, message = Level.WARN, f"{rate:.0f} Hz instead of {wanted_rate:g} Hz"
+        return Status(level, message, values)

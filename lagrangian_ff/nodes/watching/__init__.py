@@ -1,1 +1,1 @@
-"""Holding a model against joint states as they come. Nothing here imports rclpy."""
+"""The comparison of a model with live joint states. Free of rclpy."""

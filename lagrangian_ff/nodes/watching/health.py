@@ -1,4 +1,4 @@
-"""Whether a model is still as good as it was when it was identified."""
+"""The state of a model: its residual and its intervals compared with when it was identified."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -6,25 +6,28 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.certainty.uncertainty import quick_factor
+from lagrangian_ff.identification.predicting import MotionRange
 from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.streaming.ranges import Range, excess
+from lagrangian_ff.nodes.streaming.ranges import excess
 from lagrangian_ff.nodes.watching.live import Judged
 
-Floats = NDArray[np.float64]
-
 FEWEST = 20
-"""States of a joint below which nothing is said of it."""
+"""States of a joint below which it is not judged."""
 FLOOR = 1e-3
-"""Of the largest torque identified: no error is expected to be smaller."""
+"""Share of the largest torque identified: the smallest error to expect."""
 AWAY = 0.2
-"""Share of the time outside the identified range from which on it is warned of."""
+"""Share of the time outside the identified range that is worth a warning."""
+PAUSE = 0.1
+"""s between the states of `Coverage`: one takes 1 ms, and neighbours err alike."""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """When to judge, and when to warn.
+    """The rules for judging and warning.
 
     Attributes:
         window: s looked back on.
@@ -40,27 +43,77 @@ class Limits:
     error: float
 
 
+class Coverage:
+    """The share of the last seconds' torques outside the model's 90 % intervals.
+
+    One in ten should be. Joints that hardly move do not count: see `Limits.still`.
+
+    Args:
+        model: of the states' joints.
+
+    Raises:
+        ModelError: the model cannot be calibrated.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._joints = model.joints
+        self._certain = model.quick_uncertainty
+        self._seen: deque[tuple[int, Flags, Flags]] = deque()
+
+    @classmethod
+    def of(cls, model: Model) -> "Coverage | None":
+        """Return the coverage of a model; None if its file has no calibration, which takes long."""
+        return None if quick_factor(model) is None else cls(model)
+
+    def add(self, judged: Judged, limits: Limits) -> None:
+        """Take one more instant, unless the last one was just now."""
+        state, seen = judged.state, self._seen
+        if seen and state.at < seen[-1][0]:
+            seen.clear()  # the clock was set back
+        if seen and (state.at - seen[-1][0]) / 1e9 < PAUSE:
+            return
+        outside = np.abs(judged.residual) > self._certain.reach(state.q, state.qd, state.qdd)
+        seen.append((state.at, outside, np.abs(state.qd) > limits.still))
+        while (state.at - seen[0][0]) / 1e9 > limits.window:
+            seen.popleft()
+
+    def forget(self) -> None:
+        """Drop what was seen: nothing came for too long."""
+        self._seen.clear()
+
+    def values(self) -> dict[str, str]:
+        """Return the share by joint, for joints that moved long enough."""
+        if not self._seen:
+            return {}
+        outside, moving = (np.stack([each[k] for each in self._seen]) for k in (1, 2))
+        number = moving.sum(axis=0)
+        share = (outside & moving).sum(axis=0) / np.maximum(number, 1)
+        return {
+            f"outside the 90 % interval {joint}": f"{share[n]:.0%}"
+            for n, joint in enumerate(self._joints)
+            if number[n] >= FEWEST
+        }
+
+
 class Health:
     """The residual of the last seconds against the error the model had on unseen motion.
 
     Args:
         joints: N names.
-        expected: (N,) N·m.
+        record: of the model; holds the error of each joint.
         known: the identified range.
+        coverage: None if the model has no calibration.
     """
 
-    def __init__(self, joints: tuple[str, ...], expected: Floats, known: Range) -> None:
-        self._joints = joints
-        self._expected = np.maximum(expected, FLOOR * known.tau_max)
-        self._known = known
-        self._seen: deque[tuple[int, Floats, NDArray[np.bool_], bool]] = deque()
-
-    @classmethod
-    def of(cls, joints: tuple[str, ...], record: Mapping[str, Any], known: Range) -> "Health":
-        """With the error that the record of a model tells."""
+    def __init__(
+        self, joints: tuple[str, ...], record: Mapping[str, Any], known: MotionRange,
+        coverage: Coverage | None = None,
+    ) -> None:  # fmt: skip
         errors = record.get("joints", {})
-        expected = [errors.get(joint, {}).get("rmse", 0.0) for joint in joints]
-        return cls(joints, np.nan_to_num(np.array(expected, dtype=np.float64)), known)
+        expected = np.array([errors.get(joint, {}).get("rmse", 0.0) for joint in joints])
+        self._expected = np.maximum(np.nan_to_num(expected), FLOOR * known.tau_max)  # (N,) N·m
+        self._joints, self._known, self._coverage = joints, known, coverage
+        self._seen: deque[tuple[int, Floats, Flags, bool]] = deque()
 
     def add(self, judged: Judged, limits: Limits) -> None:
         """Take one more instant."""
@@ -74,13 +127,19 @@ class Health:
         self._seen.append((state.at, judged.residual**2, counts, bool(out)))
         while (state.at - self._seen[0][0]) / 1e9 > limits.window:
             self._seen.popleft()
+        if self._coverage is not None:
+            self._coverage.add(judged, limits)
 
     def forget(self) -> None:
-        """Nothing has come for so long that what was seen says nothing of now."""
+        """Drop what was seen: nothing came for too long."""
         self._seen.clear()
+        if self._coverage is not None:
+            self._coverage.forget()
 
     def status(self, limits: Limits, more: Mapping[str, object]) -> Status:
-        """How it stands over the last seconds."""
+        """Return the state over the last seconds, with further values."""
+        if self._coverage is not None:
+            more = {**more, **self._coverage.values()}
         if not self._seen:
             return Status(Level.STALE, "nothing to compare", more)
         squared = np.stack([each[1] for each in self._seen])

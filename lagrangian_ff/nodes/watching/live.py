@@ -1,23 +1,21 @@
-"""What a model predicts for states as they come, its effects with a memory included."""
+"""The torques a model predicts for live states, including effects with a memory."""
 
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification import Model
 from lagrangian_ff.kernels import States
 from lagrangian_ff.nodes.watching.states import State
 
-Floats = NDArray[np.float64]
-
 MEMORY = 300
 """States that effects with a memory look back on."""
 BEHIND = 2
-"""States by which the prediction waits where an effect takes derivatives: those need both sides."""
+"""States by which the prediction waits for effects with derivatives: those need both sides."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,7 @@ class Judged:
 
     @property
     def residual(self) -> Floats:
-        """(N,) N·m, measured minus predicted."""
+        """Return measured minus predicted, (N,) N·m."""
         return np.asarray(self.state.tau - self.predicted)
 
 
@@ -37,13 +35,13 @@ class LivePrediction:
     """Predicts in the order of time.
 
     Effects that come or go with the time since a recording began (warm-up, drift, payload,
-    contact) are taken as settled: nobody knows when the motion began.
+    contact) are taken as settled: the start of the motion is unknown.
 
     Args:
         model: of the states' joints.
 
     Attributes:
-        waits: states by which it lies behind.
+        waits: states by which it is late.
     """
 
     def __init__(self, model: Model) -> None:
@@ -57,7 +55,7 @@ class LivePrediction:
         self.waits = BEHIND if self._remembering else 0
 
     def take(self, states: Sequence[State]) -> list[Judged]:
-        """The newest states, oldest first; gives those whose prediction is ready."""
+        """Take the newest states, oldest first, and return those whose prediction is ready."""
         if not states:
             return []
         x = _stacked(states)
@@ -71,7 +69,7 @@ class LivePrediction:
         return self._ready(len(states))
 
     def _ready(self, fresh: int) -> list[Judged]:
-        """Those for which BEHIND states have come since, so many of them being new."""
+        """Return the states with BEHIND states after them, given the number of new ones."""
         past = list(self._past)
         inputs = Inputs.of(
             _stacked([each.state for each in past]),
@@ -91,7 +89,7 @@ class LivePrediction:
         ]
 
     def _remembered(self, inputs: Inputs) -> Floats:
-        """(M, N) N·m of all effects with a memory."""
+        """Return the torque (M, N) N·m of all effects with a memory."""
         torque = np.zeros_like(inputs.q)
         for term, coefficients in self._remembering:
             torque[:, term.joint] += term.columns(inputs) @ coefficients
@@ -100,7 +98,7 @@ class LivePrediction:
 
 @dataclass(frozen=True)
 class _Past:
-    """A state, its load, and what is predicted for it: settled, and without what remembers."""
+    """A state, its load, and two predictions for it: settled, and without memory."""
 
     state: State
     load: Floats

@@ -1,16 +1,16 @@
 """rosbag2: a directory, or one of its files, sqlite3 or MCAP, compressed or not, whole or cut off.
 
 Files are read with the library `rosbags`; what it refuses (a recording that was killed, a file
-cut off) is read record by record as far as it goes.
+cut off) is read record by record up to the damage.
 """
 
 import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 import zstandard
@@ -19,35 +19,84 @@ from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.recording.sources.bag_intact import IntactFile, UnreadableError
-from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
-from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage
-from lagrangian_ff.recording.words import counted
+from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage, shortfall
+from lagrangian_ff.words import counted
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Reader
+
+    from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
 
 NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
 _SUFFIXES = (".db3", ".mcap")
+_DATA = (*_SUFFIXES, ".zstd")
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _EPOCH_NS = 10**17  # stamps above are dates (1973 and later), not seconds since start-up
 
 
-class StorageFile(Protocol):
-    """One file of a bag.
+class UnreadableError(Exception):
+    """`rosbags` cannot read the file, or not to its end; the text says why."""
 
-    Attributes:
-        topics: message type and number of messages (0 where unknown) by topic.
-        damage: what was wrong with it, in words; complete only after `messages` has ended.
+
+class IntactFile:
+    """A sqlite3 or MCAP file without damage.
+
+    Raises:
+        UnreadableError: also while messages are read.
     """
 
-    topics: dict[str, tuple[str, int]]
-    damage: str
+    damage = ""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self.topics: dict[str, tuple[str, int]] = {}
+        if path.suffix == ".db3" and (damage := shortfall(path)):
+            raise UnreadableError(damage)
+        with _opened(path) as reader:
+            for one in reader.connections:
+                _, before = self.topics.get(one.topic, ("", 0))
+                self.topics[one.topic] = (one.msgtype, before + one.msgcount)
 
     def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
-        """Time received in ns and serialized message, in order of arrival."""
+        """Yield the time received in ns and the serialized message, in order of arrival."""
+        with _opened(self._path) as reader:
+            connections = [c for c in reader.connections if c.topic == topic]
+            if not connections:
+                return
+            for _, received, data in reader.messages(connections):
+                if not isinstance(received, int):  # sqlite does not check types
+                    raise UnreadableError(f"a message was received at {received!r}")
+                yield received, bytes(data)
+
+
+@contextmanager
+def _opened(path: Path) -> "Iterator[Reader]":
+    from rosbags.rosbag2 import Reader  # slow to import, and only bags need it
+
+    # On damaged input the library raises struct, index, type, database and compression errors
+    # as well as its own.
+    try:
+        with Reader(path) as reader:
+            yield reader
+    except Exception as error:
+        raise UnreadableError(str(error) or type(error).__name__) from error
+
+
+StorageFile: TypeAlias = "IntactFile | McapSalvage | SqliteSalvage"
+"""One file of a bag: its topics (message type and number of messages, 0 if unknown), its damage
+in words, complete only after `messages` has ended, and the messages of one topic."""
 
 
 def recognises(path: Path) -> bool:
-    """Any directory, and files named as rosbag2 names them."""
+    """Return whether it is a directory, or named as rosbag2 names files."""
     return path.is_dir() or _kind(path) is not None
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a folder holds only a bag's files, so that it may be replaced."""
+    return all(
+        file.name.startswith("metadata.yaml") or file.suffix in _DATA for file in path.iterdir()
+    )
 
 
 def _kind(path: Path) -> str | None:
@@ -56,7 +105,7 @@ def _kind(path: Path) -> str | None:
 
 
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
-    """Read the joint states of one topic."""
+    """Return the joint states of one topic."""
     notes: list[str] = []
     paths = _files(path, notes)
     with ExitStack() as stack:
@@ -71,7 +120,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
 
 
 def _files(path: Path, notes: list[str]) -> list[Path]:
-    """The files of the bag in the order they were recorded."""
+    """Return the files of the bag in the order they were recorded."""
     if path.is_file():
         return [path]
     found = [file for file in path.iterdir() if file.is_file() and _kind(file)]
@@ -108,7 +157,7 @@ def _promised(metadata: Path) -> list[str]:
 
 
 def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
-    """A file that can be opened as it is: decompressed, its write-ahead log merged."""
+    """Return a file that can be opened: decompressed, its write-ahead log merged."""
     sidecars = [
         log
         for end in ("-wal", "-journal")
@@ -131,7 +180,7 @@ def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
 
 
 def _decompress(path: Path, target: Path) -> bool:
-    """Unpack as far as it goes; whether that was to the end."""
+    """Unpack up to the damage; return whether that is the end."""
     frame = zstandard.ZstdDecompressor().decompressobj()
     begun = False
     with path.open("rb") as packed, target.open("wb") as unpacked:
@@ -150,11 +199,16 @@ def _decompress(path: Path, target: Path) -> bool:
 
 
 def _salvage(path: Path, name: Path) -> StorageFile:
-    return McapSalvage(path, name) if _kind(path) == ".mcap" else SqliteSalvage(path, name)
+    if _kind(path) != ".mcap":
+        return SqliteSalvage(path, name)
+    # The library `mcap` is slow to import, and only damaged files need it.
+    from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
+
+    return McapSalvage(path, name)
 
 
 def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
-    """The type of every topic that has messages, or of all if none has."""
+    """Return the type of every topic that has messages, or of all if none has."""
     types: dict[str, str] = {}
     empty: dict[str, str] = {}
     for path, original in zip(paths, names, strict=True):
@@ -170,9 +224,8 @@ def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
 def _choose_topic(
     path: Path, topics: Mapping[str, str], wanted: str | None, notes: list[str]
 ) -> str:
-    joint_states = [
-        name for name, kind in topics.items() if kind.replace("/msg/", "/") == _SHORT_TYPE
-    ]
+    short = MESSAGE_TYPE.replace("/msg/", "/")
+    joint_states = [name for name, kind in topics.items() if kind.replace("/msg/", "/") == short]
     if wanted is not None:
         names = [name for name in joint_states if name.lstrip("/") == wanted.lstrip("/")]
         if names:
@@ -194,9 +247,6 @@ def _choose_topic(
     )
 
 
-_SHORT_TYPE = MESSAGE_TYPE.replace("/msg/", "/")
-
-
 def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
     if joint_states:
         return f"joint states are on {', '.join(joint_states)}"
@@ -207,15 +257,10 @@ def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
 
 
 def _read_file(
-    path: Path,
-    original: Path,
-    topic: str,
-    table: JointStateTable,
-    notes: list[str],
-    progress: Progress,
-    share: tuple[float, float],
-) -> None:
-    """Add this file's messages; a file that breaks half-way is read again, by salvage."""
+    path: Path, original: Path, topic: str, table: JointStateTable, notes: list[str],
+    progress: Progress, share: tuple[float, float],
+) -> None:  # fmt: skip
+    """Add this file's messages; a file that breaks half-way is read again by salvage."""
     mark = table.mark()
     before = len(table)
     try:
@@ -235,13 +280,9 @@ def _read_file(
 
 
 def _append(
-    file: StorageFile,
-    topic: str,
-    table: JointStateTable,
-    original: Path,
-    progress: Progress,
+    file: StorageFile, topic: str, table: JointStateTable, original: Path, progress: Progress,
     share: tuple[float, float],
-) -> None:
+) -> None:  # fmt: skip
     _, expected = file.topics.get(topic, ("", 0))
     unpack = zstandard.ZstdDecompressor()
     for number, (received, data) in enumerate(file.messages(topic)):
@@ -274,13 +315,5 @@ def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Reco
             "the time at which the recorder received them is used"
         )
         stamps = np.where(unset, received, stamps)
-    return Recording(
-        joints=joints,
-        time=(stamps - stamps[0]) / 1e9,
-        position=position,
-        velocity=velocity,
-        effort=effort,
-        start=float(stamps[0]) / 1e9,
-        source=source,
-        notes=tuple(notes),
-    )
+    time, start = (stamps - stamps[0]) / 1e9, float(stamps[0]) / 1e9
+    return Recording(joints, time, position, velocity, effort, start, source, tuple(notes))

@@ -7,27 +7,24 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.recording.sources.arrays import from_arrays
+from lagrangian_ff.recording.recording import Recording, from_arrays
 
 NAME = "a .csv with the header time,position/<joint>,velocity/<joint>,effort/<joint>"
 _QUANTITIES = ("position", "velocity", "effort")
 _BLOCK = 20_000
 
-Floats = NDArray[np.float64]
-
 
 def recognises(path: Path) -> bool:
-    """Files that end in .csv."""
+    """Return whether its name ends in .csv."""
     return path.suffix.lower() == ".csv"
 
 
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
-    """Read a table; empty cells are NaN. A CSV has no topics: `topic` is not used."""
+    """Return a table as a recording; empty cells are NaN, `topic` is not used."""
     size = max(1, path.stat().st_size)
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -49,13 +46,9 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
         for quantity in _QUANTITIES
     )
     return from_arrays(
-        path,
-        joints=list(columns),
-        time=table[:, names.index("time")],
-        position=position,
-        velocity=velocity,
-        effort=effort,
-    )
+        path, joints=list(columns), time=table[:, names.index("time")], position=position,
+        velocity=velocity, effort=effort,
+    )  # fmt: skip
 
 
 def write(path: Path, recording: Recording) -> None:
@@ -79,7 +72,7 @@ def write(path: Path, recording: Recording) -> None:
 
 
 def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
-    """Column number by joint and quantity."""
+    """Return the column number by joint and quantity."""
     if "time" not in names:
         raise RecordingError(
             f"{path}, line 1: no column `time`; expected the header "
@@ -106,13 +99,13 @@ def _blocks(file: TextIO) -> Iterator[list[str]]:
 
 
 def _parse(path: Path, names: list[str], lines: list[str], first: int) -> Floats:
-    """Numbers of these lines, the first of which is line `first` of the file."""
+    """Return the numbers of these lines, the first of which is line `first` of the file."""
     try:
         fast = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
         if fast.shape == (len(lines), len(names)):
             return fast
     except ValueError:
-        pass  # an empty or a bad cell: the slow way tells which
+        pass  # an empty or a bad cell: the slow way finds it
     rows = []
     for number, cells in enumerate(csv.reader(lines), start=first):
         if not cells:

@@ -1,26 +1,34 @@
-"""MCAP record by record, for files without a footer or cut off anywhere.
+"""MCAP without its index, for files that were not closed or are cut off anywhere.
 
-Needs no index: every record is framed by its kind and length, so all that lies before the cut
-is found, also inside the chunk that is cut. Source: MCAP format specification (mcap.dev/spec).
+The stream reader of the library `mcap` reads record by record up to the cut; of a chunk that is
+cut, what can be unpacked is read here.
 """
 
+import struct
 import zlib
+from collections import Counter
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
 
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, DataEnd, Footer, McapRecord, Message, Schema
+from mcap.stream_reader import StreamReader
 
 from lagrangian_ff.errors import RecordingError
 
 _MAGIC = b"\x89MCAP0\r\n"
-_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 2, 3, 4, 5, 6, 15
-_FRAME = 9  # kind and length of a record
-_MESSAGE_HEAD = 22  # channel, sequence, time logged, time published
+_FRAME = 9  # opcode and length of a record
+_BROKEN = (McapError, struct.error, ValueError, OverflowError, MemoryError)
+"""Errors of the library on damaged records."""
 
 
 class McapSalvage:
-    """What can be read of an MCAP file.
+    """The readable part of an MCAP file.
 
     Args:
         path: the file, perhaps a copy.
@@ -38,35 +46,38 @@ class McapSalvage:
         self._path = path
         self._name = name
         self.damage = ""
-        self._channels: dict[int, str] = {}
-        self.topics = self._scan()
+        schemas: dict[int, str] = {}
+        types: dict[str, str] = {}
+        counts: Counter[str] = Counter()
+        for record, topic in self._records():
+            if isinstance(record, Schema):
+                schemas[record.id] = record.name
+            elif isinstance(record, Channel):
+                types.setdefault(topic, schemas.get(record.schema_id, ""))
+            elif topic:
+                counts[topic] += 1
+        self.topics = {topic: (kind, counts[topic]) for topic, kind in types.items()}
 
     def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
-        """Time received in ns and serialized message, in order of arrival."""
-        self._channels = {}
-        for kind, body in self._records():
-            if kind == _CHANNEL:
-                number, name, _ = _channel(body)
-                self._channels[number] = name
-            elif kind == _MESSAGE and self._channels.get(_int(body, 0, 2)) == topic:
-                yield _int(body, 6, 8), body[_MESSAGE_HEAD:]
+        """Yield the time received in ns and the serialized message, in order of arrival."""
+        for record, its_topic in self._records():
+            if isinstance(record, Message) and its_topic == topic:
+                yield record.log_time, record.data
 
-    def _scan(self) -> dict[str, tuple[str, int]]:
-        schemas: dict[int, str] = {}
-        topics: dict[str, tuple[str, int]] = {}
-        for kind, body in self._records():
-            if kind == _SCHEMA:
-                schemas[_int(body, 0, 2)] = _text(body, 2)[0]
-            elif kind == _CHANNEL:
-                number, name, schema = _channel(body)
-                self._channels[number] = name
-                topics.setdefault(name, (schemas.get(schema, ""), 0))
-            elif kind == _MESSAGE and (name := self._channels.get(_int(body, 0, 2), "")):
-                topics[name] = (topics[name][0], topics[name][1] + 1)
-        return topics
+    def _records(self) -> Iterator[tuple[McapRecord, str]]:
+        """Yield schemas, channels and messages, these two with their topic."""
+        topics: dict[int, str] = {}
+        for record in self._flat():
+            if isinstance(record, Channel):
+                topics[record.id] = record.topic
+                yield record, record.topic
+            elif isinstance(record, Message):
+                yield record, topics.get(record.channel_id, "")
+            elif isinstance(record, Schema):
+                yield record, ""
 
-    def _records(self) -> Iterator[tuple[int, bytes]]:
-        """Schemas, channels and messages, those in chunks too, up to the damage."""
+    def _flat(self) -> Iterator[McapRecord]:
+        """Yield the records up to the end of the data, those in chunks too."""
         size = self._path.stat().st_size
         self.damage = ""
         with self._path.open("rb") as file:
@@ -74,71 +85,61 @@ class McapSalvage:
                 raise RecordingError(f"{self._name}: not an MCAP file (it does not begin as one)")
             while True:
                 offset = file.tell()
+                reader = StreamReader(
+                    file, skip_magic=True, emit_chunks=True, record_size_limit=size
+                )
+                try:
+                    for record in reader.records:
+                        if isinstance(record, DataEnd | Footer):
+                            return
+                        if isinstance(record, Chunk):
+                            yield from self._inside(record, offset, whole=True)
+                        else:
+                            yield record
+                        offset = file.tell()
+                except _BROKEN:
+                    pass
+                file.seek(offset)
                 head = file.read(_FRAME)
+                end = offset + _FRAME + int.from_bytes(head[1:], "little")
                 if len(head) < _FRAME:
                     self._damaged("it ends without its closing record")
                     return
-                kind, length = head[0], _int(head, 1, 8)
-                if kind in (_DATA_END, _FOOTER):
-                    return
-                whole = offset + _FRAME + length <= size
-                if kind == _CHUNK:
-                    yield from self._chunk(file.read(min(length, size)), offset, whole=whole)
-                elif whole and kind in (_SCHEMA, _CHANNEL, _MESSAGE):
-                    body = file.read(length)
-                    if kind == _MESSAGE and length < _MESSAGE_HEAD:
-                        self._damaged(f"record at byte {offset} is too short")
-                        return
-                    yield kind, body
-                elif whole:
-                    file.seek(length, 1)
-                if not whole:
+                if end > size:
+                    if head[0] == Opcode.CHUNK:
+                        yield from self._cut_chunk(file.read(), offset)
                     self._damaged(f"it ends inside the record at byte {offset}")
                     return
+                self._damaged(f"the record at byte {offset} cannot be read")
+                file.seek(end)
 
-    def _chunk(self, body: bytes, offset: int, *, whole: bool) -> Iterator[tuple[int, bytes]]:
-        if len(body) < 40:
+    def _cut_chunk(self, body: bytes, offset: int) -> Iterator[McapRecord]:
+        try:
+            chunk = Chunk.read(ReadDataStream(BytesIO(body)))
+        except _BROKEN:
             return
-        checksum = _int(body, 24, 4)
-        compression, start = _text(body, 28)
-        content = _unpack(compression, body[start + 8 :])
-        if content is None or (whole and len(content) != _int(body, 16, 8)):
+        yield from self._inside(chunk, offset, whole=False)
+
+    def _inside(self, chunk: Chunk, offset: int, *, whole: bool) -> Iterator[McapRecord]:
+        content = _unpack(chunk.compression, chunk.data)
+        if content is None or (whole and len(content) != chunk.uncompressed_size):
             self._damaged(f"the chunk at byte {offset} does not unpack")
             return
+        checksum = chunk.uncompressed_crc
         if whole and checksum and zlib.crc32(content) != checksum:
             self._damaged(f"the chunk at byte {offset} fails its checksum")
             return
-        position = 0
-        while position + _FRAME <= len(content):
-            kind, length = content[position], _int(content, position + 1, 8)
-            position += _FRAME
-            if position + length > len(content):
-                return
-            if kind in (_SCHEMA, _CHANNEL) or (kind == _MESSAGE and length >= _MESSAGE_HEAD):
-                yield kind, content[position : position + length]
-            position += length
+        try:
+            yield from StreamReader(BytesIO(content), skip_magic=True).records
+        except _BROKEN:  # the end of the content, or of what there is of it
+            return
 
     def _damaged(self, what: str) -> None:
         self.damage = self.damage or what
 
 
-def _int(data: bytes, offset: int, size: int) -> int:
-    return int.from_bytes(data[offset : offset + size], "little")
-
-
-def _text(data: bytes, offset: int) -> tuple[str, int]:
-    """A length-prefixed text and the offset behind it."""
-    end = offset + 4 + _int(data, offset, 4)
-    return data[offset + 4 : end].decode("utf-8", errors="replace"), end
-
-
-def _channel(body: bytes) -> tuple[int, str, int]:
-    """Number, topic and number of the schema."""
-    return _int(body, 0, 2), _text(body, 4)[0], _int(body, 2, 2)
-
-
 def _unpack(compression: str, data: bytes) -> bytes | None:
-    """As much as unpacks of data that may be cut off; None for what cannot be unpacked."""
+    """Return as much as unpacks of data that may be cut off; None if nothing can be unpacked."""
     try:
         if compression == "":
             return data

@@ -4,16 +4,17 @@ The names used by other collections (`times`, `positions`, `velocities`, `torque
 well; joints without names are called joint_1, joint_2, ...
 """
 
+import tokenize
+import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.archives import DAMAGED
-from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.recording.sources.arrays import from_arrays
+from lagrangian_ff.recording.recording import Recording, from_arrays
 
 NAME = "an .npz with time, position, velocity, effort, joints"
 _KEYS = {
@@ -22,15 +23,21 @@ _KEYS = {
     "velocity": ("velocity", "velocities"),
     "effort": ("effort", "efforts", "torques"),
 }
+DAMAGED = (
+    ValueError, TypeError, KeyError, EOFError, RuntimeError, MemoryError, SyntaxError,
+    tokenize.TokenError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""Errors of a damaged archive: a flipped bit can reach the zip's flags (RuntimeError) and the text
+of an array's shape, which cannot be parsed (SyntaxError, TokenError) or is huge (MemoryError)."""
 
 
 def recognises(path: Path) -> bool:
-    """Files that end in .npz."""
+    """Return whether its name ends in .npz."""
     return path.suffix.lower() == ".npz"
 
 
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
-    """Read the arrays; an archive has no topics: `topic` is not used."""
+    """Return the arrays as a recording; `topic` is not used."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             if not isinstance(archive, np.lib.npyio.NpzFile):
@@ -57,16 +64,12 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             f"{path}: time has shape {found['time'].shape} and position {position.shape}; "
             "expected (samples,) and (samples, joints)"
         )
-    missing: NDArray[np.float64] = np.full(position.shape, np.nan)
+    missing: Floats = np.full(position.shape, np.nan)
     return from_arrays(
-        path,
-        joints=names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)],
-        time=found["time"],
-        position=position,
-        velocity=found.get("velocity", missing),
-        effort=found.get("effort", missing),
-        start=start,
-    )
+        path, joints=names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)],
+        time=found["time"], position=position, velocity=found.get("velocity", missing),
+        effort=found.get("effort", missing), start=start,
+    )  # fmt: skip
 
 
 def write(path: Path, recording: Recording) -> None:
@@ -74,11 +77,7 @@ def write(path: Path, recording: Recording) -> None:
     # An open file keeps NumPy from appending .npz to another name.
     with path.open("wb") as file:
         np.savez(
-            file,
-            time=recording.time,
-            position=recording.position,
-            velocity=recording.velocity,
-            effort=recording.effort,
-            joints=np.array(recording.joints, dtype=np.str_),
+            file, time=recording.time, position=recording.position, velocity=recording.velocity,
+            effort=recording.effort, joints=np.array(recording.joints, dtype=np.str_),
             start=recording.start,
-        )
+        )  # fmt: skip

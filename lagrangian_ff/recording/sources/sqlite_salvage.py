@@ -1,8 +1,9 @@
 """sqlite3 page by page, for rosbag2 files that were cut off.
 
-Rows lie in leaf pages that each stand for themselves, so the rows on every page that is there
-can be read although the tree above them is gone. rosbag2 only ever appends: what is left is the
-beginning of the recording. Source: SQLite file format (sqlite.org/fileformat2.html).
+Rows lie in leaf pages, which can be read without the tree above them. rosbag2 only appends: the
+remaining pages are the beginning of the recording. No library reads a file without its tree:
+SQLite refuses it, and its own recovery is an extension that Python does not have. Source:
+SQLite file format (sqlite.org/fileformat2.html).
 """
 
 import sqlite3
@@ -20,7 +21,7 @@ Value = int | bytes | str | None
 
 
 class SqliteSalvage:
-    """What can be read of a sqlite3 file of rosbag2.
+    """The readable part of a sqlite3 file of rosbag2.
 
     Args:
         path: the file, perhaps a copy.
@@ -59,7 +60,7 @@ class SqliteSalvage:
 
     @staticmethod
     def settle(path: Path) -> None:
-        """Let sqlite merge the log beside a private copy of a file into it."""
+        """Merge the log beside a private copy of a file into it."""
         try:
             connection = sqlite3.connect(path)
             try:
@@ -69,10 +70,10 @@ class SqliteSalvage:
             finally:
                 connection.close()
         except sqlite3.Error:
-            return  # what is wrong shows when the file is read
+            return  # reading the file reports the error
 
     def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
-        """Time received in ns and serialized message, in order of arrival."""
+        """Yield the time received in ns and the serialized message, in order of arrival."""
         numbers = {number for number, (name, _) in self._topics.items() if name == topic}
         found: dict[int, tuple[int, bytes]] = {}
         for key, row in self._rows():
@@ -83,7 +84,7 @@ class SqliteSalvage:
             yield found[key]
 
     def _rows(self) -> Iterator[tuple[int, list[Value]]]:
-        """Key and columns of every row of every table, on the pages that are whole."""
+        """Yield key and columns of every row of every table, on the pages that are whole."""
         with self._path.open("rb") as file:
             for number in range(self._size // self._page):
                 page = file.read(self._page)
@@ -130,7 +131,7 @@ class SqliteSalvage:
 
 
 def shortfall(path: Path) -> str:
-    """What a sqlite3 file lacks by its own account; empty where it is complete.
+    """Return what a sqlite3 file lacks by its own header; empty if it is complete.
 
     sqlite itself reads the missing part of the last page as zeros.
     """
@@ -154,7 +155,7 @@ def _page_size(head: bytes) -> int:
 
 
 def _varint(data: bytes, offset: int) -> tuple[int, int]:
-    """A number of 1 to 9 bytes and the offset behind it."""
+    """Return a number of 1 to 9 bytes and the offset behind it."""
     value = 0
     for index in range(8):
         byte = data[offset + index]
@@ -165,11 +166,7 @@ def _varint(data: bytes, offset: int) -> tuple[int, int]:
 
 
 def _columns(payload: bytes) -> list[Value]:
-    """The values of a row.
-
-    Raises:
-        ValueError, IndexError: the bytes are not a row.
-    """
+    """Return the values of a row; raise ValueError or IndexError if the bytes are not a row."""
     head, position = _varint(payload, 0)
     kinds = []
     while position < head:

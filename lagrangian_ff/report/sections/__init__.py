@@ -1,5 +1,1 @@
-"""Parts of a page: each file turns findings into one `Section`."""
-
-from lagrangian_ff.lazy import attach
-
-__getattr__, __all__ = attach(__name__, __file__)
+"""Parts of a page: each file turns what was found into text and figures."""

@@ -1,13 +1,13 @@
-"""The effects a model found, as equations with their values."""
+"""The effects that a model found, as equations with their values."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.identification.certainty.intervals import LEVEL
+from lagrangian_ff.identification.certainty.calibration import LEVEL
+from lagrangian_ff.numbers import typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.numbers import number
-from lagrangian_ff.report.section import Section
+from lagrangian_ff.report.page import Section
 
 TITLE = "What the model found in the joints"
 LEAD = (
@@ -24,7 +24,7 @@ def effects_section(
     lead: str = LEAD,
     remark: str = "",
 ) -> Section:
-    """A table for each effect, a row for each joint.
+    """Return a table for each effect, with a row for each joint.
 
     Args:
         record: of an identification; its list `effects` is shown.
@@ -47,7 +47,7 @@ def effects_section(
 def _effect(
     found: Sequence[Mapping[str, Any]], truth: Mapping[tuple[str, str], Sequence[float]]
 ) -> str:
-    """Heading, meaning and table of one effect on all its joints."""
+    """Return heading, meaning and table of one effect on all its joints."""
     name, formula = found[0]["effect"], found[0]["formula"]
     meaning = f"{EFFECTS[name].meaning}." if name in EFFECTS else ""
     header, rows = ["joint"], [[one["joint"]] for one in found]
@@ -57,8 +57,11 @@ def _effect(
         header += ["true value"] if known is not None else []
         for n, one in enumerate(found):
             value = one["parameters"][parameter]
-            rows[n] += [number(value["value"]), interval(value["low"], value["high"])]
-            rows[n] += [number(float(known[n]))] if known is not None else []
+            rows[n] += [
+                typeset(value["value"]),
+                f"{typeset(value['low'])} … {typeset(value['high'])}",
+            ]
+            rows[n] += [typeset(float(known[n]))] if known is not None else []
     for shape in found[0].get("shape", {}):
         header.append(f"{shape} [{_unit(name, shape)}]")
         for n, one in enumerate(found):
@@ -68,11 +71,6 @@ def _effect(
         f"{html.paragraph(meaning[:1].upper() + meaning[1:]) if meaning else ''}"
         f"{html.table(header, rows, strong=1)}"
     )
-
-
-def interval(low: float, high: float) -> str:
-    """Both ends."""
-    return f"{number(low)} … {number(high)}"
 
 
 def _unit(effect: str, shape: str) -> str:

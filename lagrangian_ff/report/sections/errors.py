@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from lagrangian_ff.numbers import percent, typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.numbers import number, percent
-from lagrangian_ff.report.section import Section
+from lagrangian_ff.report.page import Section
 
 LEAD = (
     "The model predicted the torque of every sample from position, velocity and acceleration; the "
@@ -15,17 +15,13 @@ LEAD = (
 
 
 def relative(error: Mapping[str, Any]) -> float:
-    """RMS error over the spread of the measured torque; NaN where the torque did not vary."""
+    """Return the RMS error over the torque's spread; NaN if the torque did not vary."""
     nmse = error["nmse"]
     return math.sqrt(nmse) if nmse is not None and math.isfinite(nmse) else math.nan
 
 
 def errors_section(record: Mapping[str, Any]) -> Section:
-    """Cards and a table.
-
-    Args:
-        record: of compare.
-    """
+    """Return the best and the worst joint as cards, and a table of all, from a comparison."""
     joints: Mapping[str, Any] = record["joints"]
     judged = {name: relative(e) for name, e in joints.items() if math.isfinite(relative(e))}
     cards = []
@@ -37,13 +33,9 @@ def errors_section(record: Mapping[str, Any]) -> Section:
             _card(best, judged[best], joints[best], "the best joint"),
         ]
     outside = float(record["outside_range"])
+    new = "outside the positions, speeds and accelerations it was identified on"
     cards.append(
-        html.Card(
-            percent(outside),
-            "of the motion is new to the model",
-            "outside the positions, speeds and accelerations it was identified on",
-            outside <= 0.05,
-        )
+        html.Card(percent(outside), "of the motion is new to the model", new, outside <= 0.05)
     )
     covered: Mapping[str, float] = record.get("covered", {})
     rows = []
@@ -51,7 +43,7 @@ def errors_section(record: Mapping[str, Any]) -> Section:
         share = relative(error)
         spread = error["rmse"] / share if share > 0.0 else math.nan
         inside = [percent(covered[name])] if covered else []
-        figures = [number(spread), number(error["rmse"]), percent(share)]
+        figures = [typeset(spread), typeset(error["rmse"]), percent(share)]
         rows.append([name, *figures, *inside, _word(share)])
     header = [
         "joint", "torque's spread [N·m]", "RMS error [N·m]", "error / spread",
@@ -66,19 +58,15 @@ def errors_section(record: Mapping[str, Any]) -> Section:
             " Inside its interval: the share of the measured torques that the model thought "
             "possible; it should be about 90 %."
         )
-    small = html.note(text)
-    return Section(
-        "How far is the model off?",
-        LEAD,
-        html.cards(cards) + html.table(header, rows, strong=3) + small,
-    )
+    body = html.cards(cards) + html.table(header, rows, strong=3) + html.note(text)
+    return Section("How far is the model off?", LEAD, body)
 
 
 def _card(joint: str, share: float, error: Mapping[str, Any], label: str) -> html.Card:
     return html.Card(
         percent(share),
         f"of the torque's spread is missed on {joint}, {label}",
-        f"typically {number(error['rmse'])} N·m",
+        f"typically {typeset(error['rmse'])} N·m",
         share <= math.sqrt(0.05),
     )
 

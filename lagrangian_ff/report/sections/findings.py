@@ -4,16 +4,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from lagrangian_ff.numbers import DASH, chance, percent, typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.interactive import embed
-from lagrangian_ff.report.interactive.before_after import before_after_plot
-from lagrangian_ff.report.interactive.signature import signature_plot
-from lagrangian_ff.report.numbers import number, percent
-from lagrangian_ff.report.section import Section
-from lagrangian_ff.report.words import chance, sentence, spoken
-from lagrangian_ff.words import where
+from lagrangian_ff.report.colours import AFTER, BAD, BEFORE, EFFECT, RESIDUAL
+from lagrangian_ff.report.page import Section
+from lagrangian_ff.report.plot import Plot, axis, band, embed, line
+from lagrangian_ff.words import sentence, spoken, standing, where
 
-KINDS = {"confirmed": "good", "suggested": "fair", "ambiguous": "fair", "unexplained": "bad"}
+KINDS = {"confirmed": "good", "suggested": "fair", "ambiguous": "fair"}
 """The colour of each verdict."""
 MEANINGS = (
     "Confirmed: the effect, frozen as it was found, also lowers the error on data that the search "
@@ -24,11 +22,7 @@ MEANINGS = (
 
 
 def summary_section(record: Mapping[str, Any]) -> Section:
-    """A card for each finding that matters, and a table of all.
-
-    Args:
-        record: of diagnose.
-    """
+    """Return a card for each finding that matters, and a table of all, from a diagnosis."""
     findings: Sequence[Mapping[str, Any]] = record["findings"]
     if not findings:
         return Section(
@@ -42,11 +36,9 @@ def summary_section(record: Mapping[str, Any]) -> Section:
         [
             spoken(one["effect"]),
             where(one, every),
-            one["verdict"],
-            number(_value(one, "error_before")),
-            number(_value(one, "error_after")),
-            number(_value(one, "evidence_gain")),
-            chance(one.get("p_value")),
+            _verdict(one),
+            *(typeset(one.get(name)) for name in ("error_before", "error_after", "evidence_gain")),
+            chance(one.get("p_value"), DASH),
         ]
         for one in findings
     ]
@@ -61,11 +53,7 @@ def summary_section(record: Mapping[str, Any]) -> Section:
 
 
 def evidence_section(record: Mapping[str, Any]) -> Section | None:
-    """For each finding what it is, where it shows, its size, and whether it helps.
-
-    Args:
-        record: of diagnose.
-    """
+    """Return for each finding what it is, where it shows, its size, and whether it helps."""
     if not record["findings"]:
         return None
     return Section(
@@ -76,19 +64,25 @@ def evidence_section(record: Mapping[str, Any]) -> Section | None:
     )
 
 
+def _verdict(found: Mapping[str, Any]) -> str:
+    others = ", ".join(map(spoken, found.get("ambiguous_with") or []))
+    word = standing(found)
+    return f"{word} with {others}" if word == "ambiguous" and others else word
+
+
 def _card(found: Mapping[str, Any], every: Sequence[str]) -> html.Card:
-    before, after = _value(found, "error_before"), _value(found, "error_after")
+    before, after = found.get("error_before"), found.get("error_after")
     on = where(found, every)
-    if not (math.isfinite(before) and math.isfinite(after) and before > 0.0):
-        return html.Card(spoken(found["effect"]), f"on {on}", found["verdict"])
+    if before is None or after is None or not before > 0.0 or not math.isfinite(after / before):
+        return html.Card(spoken(found["effect"]), f"on {on}", _verdict(found))
     fall = 1.0 - after / before
     # An error that rises is said as such, never as a negative fall.
     change = f"error {percent(abs(fall))} {'lower' if fall >= 0.0 else 'higher'}"
     return html.Card(
         spoken(found["effect"]),
         f"on {on}: {change} on held-back data",
-        f"{number(before)} → {number(after)} N·m, {found['verdict']}",
-        True if found["verdict"] == "confirmed" else None,
+        f"{typeset(before)} → {typeset(after)} N·m, {_verdict(found)}",
+        True if standing(found) == "confirmed" else None,
     )
 
 
@@ -96,7 +90,7 @@ def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
     on = where(found, every)
     heading = (
         f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(on)} "
-        f"{html.badge(found['verdict'], KINDS.get(found['verdict'].split()[0], ''))}</h3>"
+        f"{html.badge(_verdict(found), KINDS[standing(found)])}</h3>"
     )
     parts = [heading]
     if found.get("meaning"):
@@ -106,22 +100,16 @@ def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
     pictures = []
     signature = found.get("signature")
     if signature and signature.get("x"):
-        pictures.append(
-            embed(
-                signature_plot(signature, spoken(found["effect"])),
-                f"what the model leaves over {signature['coordinate']}, and the fitted effect",
-            )
-        )
+        shown = f"what the model leaves over {signature['coordinate']}, and the fitted effect"
+        pictures.append(embed(signature_plot(signature, spoken(found["effect"])), shown))
     if found.get("blocks"):
-        pictures.append(
-            embed(before_after_plot(found["blocks"]), "error of each block before and after")
-        )
+        shown = "error of each block before and after"
+        pictures.append(embed(before_after_plot(found["blocks"]), shown))
     parts.append(html.plots(pictures) if pictures else "")
     parts.append(_parameters(found))
-    if look_alikes := names_of(found.get("ambiguous_with") or []):
-        parts.append(
-            html.paragraph(f"Could also be {', '.join(look_alikes)}: on this motion they agree.")
-        )
+    if others := found.get("ambiguous_with"):
+        names = ", ".join(map(spoken, others))
+        parts.append(html.paragraph(f"Could also be {names}: on this motion they agree."))
     if found.get("next_motion"):
         parts.append(html.paragraph(f"To be sure: {found['next_motion']}."))
     return f'<div class="finding">{"".join(parts)}</div>'
@@ -129,31 +117,68 @@ def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
 
 def _parameters(found: Mapping[str, Any]) -> str:
     rows = [
-        [name, number(p["value"]), number(_value(p, "low")), number(_value(p, "high")), p["unit"]]
+        [name, *(typeset(p.get(end)) for end in ("value", "low", "high")), p["unit"]]
         for name, p in found.get("parameters", {}).items()
     ]
     units = found.get("shape_units") or {}
     rows += [
-        [name, str(value), "–", "–", units.get(name, "")]
+        [name, str(value), DASH, DASH, units.get(name, "")]
         for name, value in (found.get("shape_words") or {}).items()
         if name not in found.get("parameters", {})
     ]
     return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows) if rows else ""
 
 
-def names_of(others: Sequence[Any]) -> list[str]:
-    """Effects given by name, or as records with a joint."""
-    names = []
-    for one in others:
-        if isinstance(one, Mapping):
-            joints = one.get("joints") or ([one["joint"]] if one.get("joint") else [])
-            place = f" on {', '.join(joints)}" if joints else ""
-            names.append(f"{spoken(one['effect'])}{place}")
-        else:
-            names.append(spoken(str(one)))
-    return names
+def signature_plot(signature: Mapping[str, Any], effect: str) -> Plot:
+    """Draw the mean residual with its band, and the effect as it was fitted."""
+    x = signature["x"]
+    many = "lines" if len(x) > 40 else "lines+markers"
+    data = [
+        band(x, signature["low"], signature["high"], RESIDUAL),
+        line(
+            x, signature["residual"], "what the model leaves", RESIDUAL, mode=many,
+            marker={"size": 5},
+        ),
+        line(x, signature["effect"], effect, EFFECT, width=2.6),
+    ]  # fmt: skip
+    unit = f" [{signature['unit']}]" if signature.get("unit") else ""
+    layout = {
+        "xaxis": axis(f"{spoken(signature['coordinate'])}{unit}"),
+        "yaxis": axis("torque [N·m]"),
+        "showlegend": True,
+        "hovermode": "x unified",
+    }
+    return Plot(data, layout, 330)
 
 
-def _value(record: Mapping[str, Any], name: str) -> float:
-    value = record.get(name)
-    return math.nan if value is None else float(value)
+def before_after_plot(blocks: Sequence[Mapping[str, Any]]) -> Plot:
+    """Draw two dots a block, joined: blue below grey is better, red above it is worse."""
+    times = [block["time"] for block in blocks]
+    joined_x, joined_y = [], []
+    for block in blocks:
+        joined_x += [block["time"], block["time"], None]
+        joined_y += [block["before"], block["after"], None]
+    better = [block["after"] <= block["before"] for block in blocks]
+    hover = "%{y:.3g} N·m at %{x:.0f} s"
+    data: list[dict[str, Any]] = [
+        {
+            "type": "scatter", "mode": "lines", "x": joined_x, "y": joined_y, "showlegend": False,
+            "line": {"color": BEFORE, "width": 2}, "hoverinfo": "skip",
+        },
+        {
+            "type": "scatter", "mode": "markers", "x": times, "name": "before",
+            "y": [block["before"] for block in blocks], "marker": {"color": BEFORE, "size": 8},
+            "hovertemplate": hover,
+        },
+        {
+            "type": "scatter", "mode": "markers", "x": times, "name": "after",
+            "y": [block["after"] for block in blocks], "hovertemplate": hover,
+            "marker": {"color": [AFTER if good else BAD for good in better], "size": 9},
+        },
+    ]  # fmt: skip
+    layout = {
+        "xaxis": axis("time of the block [s]"),
+        "yaxis": axis("RMS error [N·m]", rangemode="tozero"),
+        "showlegend": True,
+    }
+    return Plot(data, layout, 330)

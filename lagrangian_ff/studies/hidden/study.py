@@ -1,96 +1,230 @@
-"""The study of hidden effects: its cases, and what their lines come to."""
+"""The study of hidden effects: each case from the plant to the judgement."""
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from matplotlib.figure import Figure
+import numpy as np
 
-from lagrangian_ff.errors import UserError
-from lagrangian_ff.studies.common.case import Line
-from lagrangian_ff.studies.common.study import Numbers, Request, Study
-from lagrangian_ff.studies.hidden.cases import Case, cases
-from lagrangian_ff.studies.hidden.examine import examine
-from lagrangian_ff.studies.hidden.examined import Examined
-from lagrangian_ff.studies.hidden.examiner import BASE, Diagnosis
-from lagrangian_ff.studies.hidden.figure import figure
-from lagrangian_ff.studies.hidden.plants import FULL, Stretches
-from lagrangian_ff.studies.hidden.table import summary, table
+from lagrangian_ff import recording
+from lagrangian_ff.diagnosis import add, compare, consequences, diagnose, diagnosis_record
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.errors import ModelError, UserError
+from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.studies.hidden.plants import FULL, Built, HiddenCase, Stretches, cases, recorded
+from lagrangian_ff.studies.hidden.results import HiddenResults
+from lagrangian_ff.studies.hidden.verdicts import Truth, claims, judge
+from lagrangian_ff.studies.study import Line, Request, Study
+
+BASE = "vrbfs+fri"
+CURVES = ("signature", "blocks")
+"""Fields of a finding that are only drawn; the study does not keep them."""
+
+
+class Examined(Protocol):
+    """Anything that models a motion, names the effects that the model lacks, and adds them."""
+
+    def identify(self, motion: Motion) -> Any:
+        """Return a base model of the first recording."""
+
+    def diagnose(self, model: Any, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
+        """Return the record of what the model lacks, as `lagrangian_ff diagnose --json` has it."""
+
+    def add(
+        self, model: Any, effect: str, joint: str, shape: Mapping[str, float] | None = None
+    ) -> Any:
+        """Return the model refitted with an effect on a joint; without a shape it is searched."""
+
+    def errors(self, model: Any, motion: Motion) -> Mapping[str, float]:
+        """Return the RMS error in N·m by joint on a motion."""
+
+
+class OwnDiagnosis:
+    """This package's identification and diagnosis, with a base model of the first recording.
+
+    Args:
+        base: its kernel and effects.
+        steps: the largest number of missing effects that are searched.
+    """
+
+    def __init__(self, base: str = BASE, steps: int = MOST_STEPS) -> None:
+        self._base = base
+        self._steps = steps
+
+    def identify(self, motion: Motion) -> Model:
+        """Return a model of the whole motion."""
+        return identify([motion], Settings(model=self._base, train=1.0)).model
+
+    def diagnose(self, model: Model, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
+        """Return the diagnosis's record without its curves."""
+        found = diagnose(model, motion, confirm=confirm, steps=self._steps)
+        record: dict[str, Any] = diagnosis_record(found, consequences(found))
+        record["findings"] = [
+            {key: value for key, value in finding.items() if key not in CURVES}
+            for finding in record["findings"]
+        ]
+        return record
+
+    def add(
+        self, model: Model, effect: str, joint: str, shape: Mapping[str, float] | None = None
+    ) -> Model:
+        """Return the model with the effect, or as it is if it has it by another name."""
+        try:
+            return add(model, effect, joint=joint, shape=shape)
+        except ModelError:
+            return model
+
+    def errors(self, model: Model, motion: Motion) -> Mapping[str, float]:
+        """Return the RMS error in N·m by joint."""
+        score = compare(model, motion).score
+        return dict(zip(model.joints, (float(value) for value in score.rmse), strict=True))
 
 
 @dataclass(frozen=True)
 class Examination:
-    """A case, who diagnoses it, and where its recordings are; see `examine`."""
+    """A case of the study.
 
-    case: Case
+    Attributes:
+        case: the plant.
+        folder: of the study.
+        stretches: the parts of each recording.
+        examined: who diagnoses.
+        keep: keep the recordings in the folder, and use those that are there.
+    """
+
+    case: HiddenCase
     folder: Path
     stretches: Stretches
     examined: Examined
-    keep: bool
+    keep: bool = False
 
     @property
     def name(self) -> str:
-        """The case's."""
+        """Return the plant's name."""
         return self.case.name
 
     def run(self) -> Mapping[str, Any]:
-        """See `examine`."""
-        return examine(self.case, self.folder, self.stretches, self.examined, keep=self.keep)
+        """Record the plant, have it diagnosed, and judge the diagnosis.
+
+        Returns:
+            The `plant`, the diagnosis's `record`, the `judgement`, the `errors` on the second
+            recording of the `base` model, with what was `found` and with the `true` structure,
+            and their `ratio`.
+        """
+        clock, who = _Clock(), self.examined
+        first, second, plant = recorded(self.case, self.folder, self.stretches, keep=self.keep)
+        clock.lap("recording")
+        motion, confirm = recording.condition(first), recording.condition(second)
+        model = who.identify(motion)
+        clock.lap("identification")
+        record = who.diagnose(model, motion, confirm)
+        clock.lap("diagnosis")
+        findings = record["findings"]
+        lasting = [each for each in plant.hidden if not any(map(_is_event, each.catalogue))]
+        errors = self._errors(model, lasting, findings, confirm)
+        clock.lap("adding")
+        truths = [Truth(tuple(each.catalogue), tuple(each.joints)) for each in plant.hidden]
+        return {
+            "group": self.case.group, "plant": plant.record(), "record": record,
+            "judgement": judge(truths, findings).record(),
+            "errors": {name: dict(by_joint) for name, by_joint in errors.items()},
+            "ratio": _ratio(errors, [each.joint for each in lasting]), "seconds": clock.laps,
+        }  # fmt: skip
+
+    def _errors(
+        self, model: Any, lasting: Sequence[Built], findings: Sequence[Mapping[str, Any]],
+        confirm: Motion,
+    ) -> dict[str, Mapping[str, float]]:  # fmt: skip
+        """Return errors by joint of the base model, the true structure, and what was found."""
+        who = self.examined
+        errors = {"base": who.errors(model, confirm)}
+        if lasting and all(each.catalogue for each in lasting):
+            true = model
+            for each in lasting:
+                true = who.add(true, each.catalogue[0], each.joint)
+            errors["true"] = who.errors(true, confirm)
+        claimed = [one for one in findings if claims(one) and not _is_event(one["effect"])]
+        if claimed:
+            found = model
+            for claim in claimed:
+                found = who.add(found, claim["effect"], claim["joints"][0], claim.get("shape"))
+            errors["found"] = who.errors(found, confirm)
+        return errors
+
+
+def _is_event(effect: str) -> bool:
+    """Return whether an effect is of the recording, as a load taken up: no model is to have it."""
+    return EFFECTS[effect].kind == "event"
+
+
+def _ratio(errors: Mapping[str, Mapping[str, float]], joints: Sequence[str]) -> float | None:
+    """Return the error on the hidden effects' joints over that of the true structure.
+
+    Without a claim nothing was added, and the base model's error counts.
+    """
+    if "true" not in errors:
+        return None
+    after = errors.get("found", errors["base"])
+    total = [sum(by_joint[joint] ** 2 for joint in joints) for by_joint in (after, errors["true"])]
+    return float(np.sqrt(total[0] / total[1]))
+
+
+class _Clock:
+    """The time that each part of the work took, in s."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+        self.laps: dict[str, float] = {}
+
+    def lap(self, name: str) -> None:
+        """Book the time since the last lap under a name."""
+        now = time.monotonic()
+        self.laps[name] = round(now - self._last, 2)
+        self._last = now
 
 
 class HiddenStudy(Study):
     """Is a hidden effect found, and nothing where nothing is hidden?
 
     Args:
-        request: `models` may name the base model.
-        folder: where recordings, and runs of the arm without effects, are kept.
-        examined: who diagnoses; must be picklable for several jobs. None is the package's own
-            diagnosis on the base model.
-        stretches: what each recording is made of.
+        request: its `models` may name the base model.
+        folder: also keeps runs of the arm without effects.
+        examined: who diagnoses, picklable; None is this package's diagnosis on the base model.
+        stretches: the parts of each recording.
 
     Raises:
-        UserError: more than one base model is asked for.
+        UserError: the request names more than one base model.
     """
 
     name = "hidden"
     takes = frozenset({"models", "keep"})
 
     def __init__(
-        self,
-        request: Request,
-        folder: Path,
-        *,
-        examined: Examined | None = None,
+        self, request: Request, folder: Path, *, examined: Examined | None = None,
         stretches: Stretches = FULL,
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(request, folder)
         if len(request.models) > 1:
             raise UserError("study hidden has one base model: name one with --models")
         self._base = request.models[0] if request.models else BASE
-        self._examined = examined or Diagnosis(self._base)
+        self._examined = examined or OwnDiagnosis(self._base)
         self._stretches = stretches
 
     def identity(self) -> dict[str, Any]:
-        """See `Study.identity`."""
+        """Return what identifies the study, the base model and the stretches too."""
         stretches = [list(part) for part in self._stretches.parts]
         return {**super().identity(), "model": self._base, "stretches": stretches}
 
     def every_case(self) -> Sequence[Examination]:
-        """See `Study.every_case`."""
+        """Return the cases, clean plants and effects of 10 % first."""
         return [
             Examination(case, self.folder, self._stretches, self._examined, self.request.keep)
             for case in cases(self.request.seed, small=self.request.quick)
         ]
 
-    def numbers(self, lines: Sequence[Line]) -> Numbers:
-        """See `summary`."""
-        return summary(lines)
-
-    def table(self, numbers: Numbers) -> list[str]:
-        """See `table`."""
-        return table(numbers)
-
-    def figure(self, numbers: Numbers) -> Figure:
-        """See `figure`."""
-        return figure(numbers)
+    def results(self, lines: Sequence[Line]) -> HiddenResults:
+        return HiddenResults.of(lines)

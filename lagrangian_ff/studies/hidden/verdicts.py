@@ -1,18 +1,28 @@
-"""Was the diagnosis of a case right? One pure function decides."""
+"""Judge a diagnosis against what was hidden: one pure function decides."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import asdict, dataclass
+from enum import Enum
+from typing import Any
 
-Outcome = Literal["right", "class", "part", "wrong", "nothing"]
-OUTCOMES: tuple[Outcome, ...] = ("right", "class", "part", "wrong", "nothing")
 CONFIRMED, AMBIGUOUS = "confirmed", "ambiguous"
 """How verdicts begin that claim something: this effect is there, or one of these is."""
 
 
-def claims(finding: Mapping[str, Any]) -> bool:
-    """Whether a finding claims that something is there; what is only suggested does not."""
-    return str(finding["verdict"]).startswith((CONFIRMED, AMBIGUOUS))
+class Outcome(str, Enum):
+    """The outcome of a case.
+
+    RIGHT: every truth is confirmed by its name. CLASS: every truth is claimed, some only as one of
+    several effects that the data cannot tell apart. PART: some truths are claimed and others
+    missed. WRONG: a claim that holds no truth. NOTHING: no claim; right where nothing, or nothing
+    of the catalogue, is hidden.
+    """
+
+    RIGHT = "right"
+    CLASS = "class"
+    PART = "part"
+    WRONG = "wrong"
+    NOTHING = "nothing"
 
 
 @dataclass(frozen=True)
@@ -20,7 +30,7 @@ class Truth:
     """One hidden effect, as the diagnosis should name it.
 
     Attributes:
-        names: of the catalogue, each of them right; empty for what no catalogue has.
+        names: its right names in the catalogue; empty if the catalogue does not have it.
         joints: where it acts; a finding that any of them causes is in the right place.
     """
 
@@ -30,21 +40,33 @@ class Truth:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is said of a case.
+    """The judgement of a case.
 
     Attributes:
-        outcome: `right`: every truth is confirmed by its name. `class`: every truth is claimed,
-            some only as one of several that the data cannot tell apart. `part`: some truths are
-            claimed and others missed. `wrong`: a claim that holds no truth.
-            `nothing`: no claim; right where nothing, or nothing of the catalogue, is hidden.
+        outcome: of the case.
         false: effect and joints of each claim that matches no truth. A single hidden effect may
             be right beside them: they are counted apart there.
-        suggested: truths, by their place, that are named by a finding that claims nothing.
+        suggested: indices of truths that a finding names without a claim.
     """
 
     outcome: Outcome
     false: tuple[str, ...]
     suggested: tuple[int, ...]
+
+    def record(self) -> dict[str, Any]:
+        """Return the judgement as JSON holds it."""
+        return {**asdict(self), "outcome": self.outcome.value}
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> "Judgement":
+        """Return the judgement of a record."""
+        outcome = Outcome(record["outcome"])
+        return cls(outcome, tuple(record["false"]), tuple(record["suggested"]))
+
+
+def claims(finding: Mapping[str, Any]) -> bool:
+    """Return whether a finding claims that something is there; a suggestion does not."""
+    return str(finding["verdict"]).startswith((CONFIRMED, AMBIGUOUS))
 
 
 def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Judgement:
@@ -58,42 +80,40 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
         findings: of the diagnosis's record: `effect`, `joints`, `caused_by`, `verdict`,
             `ambiguous_with`.
     """
-    matches: dict[int, str] = {}
+    matches: dict[int, Outcome] = {}
+    suggested: set[int] = set()
     false = []
     for finding in findings:
+        hits = {k: how for k, truth in enumerate(truths) if (how := _match(truth, finding))}
         if not claims(finding):
+            suggested |= set(hits)
             continue
-        hits = {k: how for k, t in enumerate(truths) if (how := _match(t, finding))}
         for k, how in hits.items():
-            matches[k] = "right" if "right" in (how, matches.get(k)) else how
+            matches[k] = Outcome.RIGHT if Outcome.RIGHT in (how, matches.get(k)) else how
         if not hits:
-            false.append(_words(finding))
-    named = (f for f in findings if not claims(f))
-    suggested = {k for f in named for k, t in enumerate(truths) if _match(t, f)} - set(matches)
-    return Judgement(_outcome(truths, matches, bool(false)), tuple(false), tuple(sorted(suggested)))
+            names = [finding["effect"], *(finding.get("ambiguous_with") or ())]
+            false.append(f"{' or '.join(names)} on {', '.join(finding['joints'])}")
+    outcome = _outcome(truths, matches, bool(false))
+    return Judgement(outcome, tuple(false), tuple(sorted(suggested - set(matches))))
 
 
-def _match(truth: Truth, finding: Mapping[str, Any]) -> str:
-    """`right` by its name alone, `class` as one of several, or empty."""
+def _match(truth: Truth, finding: Mapping[str, Any]) -> Outcome | None:
+    """Return RIGHT if the finding names the truth alone, CLASS if as one of several."""
     cause = finding.get("caused_by")
     if not set(truth.joints) & ({cause} if cause else set(finding["joints"])):
-        return ""
+        return None
     if finding["effect"] in truth.names:
-        return "class" if str(finding["verdict"]).startswith(AMBIGUOUS) else "right"
-    return "class" if set(truth.names) & set(finding.get("ambiguous_with") or ()) else ""
+        ambiguous = str(finding["verdict"]).startswith(AMBIGUOUS)
+        return Outcome.CLASS if ambiguous else Outcome.RIGHT
+    alike = set(truth.names) & set(finding.get("ambiguous_with") or ())
+    return Outcome.CLASS if alike else None
 
 
-def _words(finding: Mapping[str, Any]) -> str:
-    names = [finding["effect"], *(finding.get("ambiguous_with") or ())]
-    return f"{' or '.join(names)} on {', '.join(finding['joints'])}"
-
-
-def _outcome(truths: Sequence[Truth], matches: Mapping[int, str], false: bool) -> Outcome:
-    alone = len(truths) == 1 and matches
-    if false and not alone:
-        return "wrong"
+def _outcome(truths: Sequence[Truth], matches: Mapping[int, Outcome], false: bool) -> Outcome:
+    if false and not (len(truths) == 1 and matches):
+        return Outcome.WRONG
     if not matches:
-        return "nothing"
+        return Outcome.NOTHING
     if len(matches) < len(truths):
-        return "part"
-    return "right" if set(matches.values()) == {"right"} else "class"
+        return Outcome.PART
+    return Outcome.RIGHT if set(matches.values()) == {Outcome.RIGHT} else Outcome.CLASS

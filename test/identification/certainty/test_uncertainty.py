@@ -1,4 +1,4 @@
-"""How sure a model is: against dense formulas, against refitting, and against what happens."""
+"""Uncertainty: against dense formulas, refitting, and motion held out."""
 
 import itertools
 from dataclasses import replace
@@ -16,10 +16,10 @@ from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.identification.certainty.few import QUICK
+from lagrangian_ff.identification.certainty.calibration import QUICK
 from lagrangian_ff.identification.certainty.uncertainty import quick_factor
-from lagrangian_ff.identification.solving.equations import fit_basis
-from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.kernels import KERNELS, CoupledKernel, IndependentKernel, States
 from lagrangian_ff.recording.motion import Motion
 
@@ -29,7 +29,7 @@ EVERY = sorted(KERNELS)
 
 
 def wandering(seconds: float, seed: int) -> Motion:
-    """A pendulum with an error no model has: slow, a tenth of each torque, far from white."""
+    """Return a pendulum with an error that no model has: slow, a tenth of each torque."""
     motion = pendulum.motion(seconds, seed=0)
     wild = np.random.default_rng(seed).normal(size=motion.tau.shape)
     slow = sosfiltfilt(butter(2, 1.0, fs=100.0, output="sos"), wild, axis=0)
@@ -37,17 +37,17 @@ def wandering(seconds: float, seed: int) -> Motion:
     return replace(motion, tau=motion.tau + error)
 
 
-def dense(fit: Fit, x: Inputs, joint: int) -> tuple[float, float]:
-    """Kernel and basis variance of one torque at one state, over s² and in the kernel's units."""
+def dense(fit: Posterior, x: Inputs, joint: int) -> tuple[float, float]:
+    """Return kernel and basis variance of one torque at one state, in units of s²."""
     joints, basis, system = next(s for s in fit.systems if joint in s[0])
-    kernel, states, at = fit.choice.kernel, fit.states, States(x.q, x.qd, x.qdd)
-    row, unit = joints.index(joint), fit.scaling.unit
+    kernel, states, at = fit.problem.kernel, fit.states, States(x.q, x.qd, x.qdd)
+    row, unit = joints.index(joint), fit.problem.unit
     if isinstance(kernel, CoupledKernel):
         gram, cross = kernel.cross(states, states), kernel.cross(at, states)[row]
     else:
         assert isinstance(kernel, IndependentKernel)
         gram, cross = kernel.cross(states, states, joint), kernel.cross(at, states, joint)[0]
-    noise = (fit.choice.noise * fit.scaling.noise**2)[list(joints)]
+    noise = fit.problem.variances[list(joints)]
     inverse = np.linalg.inv(gram + np.diag(np.tile(noise, len(states))))
     design = basis.design(x)[0, joint] / unit[joint]
     left = design - cross @ inverse @ system.design
@@ -58,13 +58,13 @@ def dense(fit: Fit, x: Inputs, joint: int) -> tuple[float, float]:
 
 @pytest.mark.parametrize("name", EVERY)
 def test_it_is_the_variance_of_gaussian_processes(name: str) -> None:
-    found = fitted(f"{name}+fri", samples=40, noise=1e-2).fitted
+    found = fitted(f"{name}+fri", samples=40, noise=1e-2).posterior
     x = Inputs.of(pendulum.states(3.0, 1.0, seed=5)[1])
     variance = found.variance(x)
     for sample in range(len(x)):
         for joint in range(2):
             system = next(s for j, _, s in found.systems if joint in j)
-            scale = system.amplitude * found.scaling.unit[joint] ** 2
+            scale = system.amplitude * found.problem.unit[joint] ** 2
             kernel, basis = dense(found, x.take(np.array([sample])), joint)
             prior = variance.prior[sample, joint]
             assert variance.kernel[sample, joint] == pytest.approx(
@@ -74,16 +74,15 @@ def test_it_is_the_variance_of_gaussian_processes(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_what_it_expects_of_samples_left_out_is_what_a_fit_without_them_would(name: str) -> None:
+def test_deviations_of_samples_left_out_are_those_of_a_fit_without_them(name: str) -> None:
     made = fitted(f"{name}+fri", samples=60, noise=1e-2)
-    scaling, x, tau = made.fitted.scaling, Inputs.of(made.fitted.states), made.training.tau
+    x, tau = Inputs.of(made.posterior.states), made.training.tau
     group, rest = np.arange(20, 30), np.setdiff1d(np.arange(60), np.arange(20, 30))
-    trust = np.random.default_rng(3).uniform(0.1, 1.0, tau.shape)
-    parts = made.fitted.basis, made.fitted.choice
-    whole = fit_basis(*parts, x, tau, scaling, trust)
-    without = fit_basis(*parts, x.take(rest), tau[rest], scaling, trust[rest])
-    told = without.variance(x.take(group))
-    expected = told.kernel + told.basis + told.noise
+    weight = np.random.default_rng(3).uniform(0.1, 1.0, tau.shape)
+    problem = made.posterior.problem.of(Samples(x, tau, None, weight))
+    whole, without = exact(problem), exact(problem.take(rest))
+    variance = without.variance(x.take(group))
+    expected = variance.kernel + variance.basis + variance.noise
     for joints, _, system in whole.systems:
         other = next(s for j, _, s in without.systems if j == joints)
         expected[:, list(joints)] *= system.amplitude / other.amplitude
@@ -95,7 +94,7 @@ def test_what_it_expects_of_samples_left_out_is_what_a_fit_without_them_would(na
 def coverage(
     name: str, motions: list[Motion], thinned: int = 0, landmarks: int | None = None
 ) -> Floats:
-    """The share of each joint's torques in blocks held out that its interval holds, on average."""
+    """Return the mean share of each joint's torques held out that lie inside its interval."""
     shares = []
     for motion in motions:
         found = fitted(name, motion, samples=200, noise=1e-3, in_turn=True, landmarks=landmarks)
@@ -125,13 +124,13 @@ def test_they_hold_them_where_errors_are_no_white_noise(thinned: int) -> None:
 @pytest.mark.parametrize(
     ("name", "thinned"), [("chain+fri", 0), ("srbfs+fri", 0), ("vrbfs+fri", 0), ("vrbfs+fri", 50)]
 )
-def test_models_on_landmarks_hold_them_as_well(name: str, thinned: int) -> None:
-    """Neighbours err alike here: 2400 samples say as much as few of them."""
+def test_models_on_inducing_points_hold_them_as_well(name: str, thinned: int) -> None:
+    """Neighbours have a common error here: 2400 samples count as much as a small subset."""
     motions = [wandering(60.0, seed) for seed in range(3)]
     assert np.abs(coverage(name, motions, thinned, landmarks=40) - 0.9).max() < 0.05
 
 
-def test_the_record_tells_what_deviations_are_multiplied_with() -> None:
+def test_the_record_has_the_factors_on_deviations() -> None:
     found = fitted("vrbfs+fri", wandering(30.0, 1))
     record = found.record["uncertainty"]
     assert isinstance(record, dict)
@@ -168,13 +167,13 @@ def test_noise_is_a_part_of_it() -> None:
     assert (torque.mean(axis=0) < 0.5 * whole.mean(axis=0)).all()
 
 
-def test_fewer_samples_are_never_surer_before_calibration() -> None:
+def test_fewer_samples_have_no_smaller_variance_before_calibration() -> None:
     found = fitted("vrbfs+fri", pendulum.motion(30.0, noise=0.02))
     whole, x = found.model.uncertainty, found.held_out
     few = whole.thinned(40)
-    assert len(few.fitted.states) == 40
+    assert len(few.posterior.states) == 40
     at = Inputs.of(States.of(x.q, x.qd, x.qdd))
-    one, other = whole.fitted.variance(at), few.fitted.variance(at)
+    one, other = whole.posterior.variance(at), few.posterior.variance(at)
     amplitudes = np.median(other.prior / one.prior)
     left = (other.kernel + other.basis) / amplitudes
     assert (left > (1.0 - 1e-6) * (one.kernel + one.basis)).all()
@@ -183,7 +182,7 @@ def test_fewer_samples_are_never_surer_before_calibration() -> None:
 
 
 @pytest.mark.parametrize("more", [{}, {"landmarks": 40}, {"loss": "huber"}])
-def test_the_quick_form_is_the_thinned_one_without_calibrating_anew(
+def test_the_quick_form_is_the_thinned_one_with_its_stored_calibration(
     more: dict[str, Any], tmp_path: Path
 ) -> None:
     found = fitted("vrbfs+fri", wandering(30.0, 2), samples=QUICK + 20, noise=1e-3, **more)
@@ -199,7 +198,7 @@ def test_the_quick_form_is_the_thinned_one_without_calibrating_anew(
     assert quick_factor(of_before) is None
 
 
-def test_some_samples_are_met_with_the_past_of_all() -> None:
+def test_some_samples_are_evaluated_with_the_past_of_all() -> None:
     presliding = (Term(EFFECTS["hysteresis"], 0, {"w": 0.3}),)
     found = fitted("chain+fri", further=presliding, samples=60)
     x, quick = found.held_out, found.model.quick_uncertainty
@@ -211,7 +210,7 @@ def test_some_samples_are_met_with_the_past_of_all() -> None:
     assert not np.allclose(quick.reach(alone.q, alone.qd, alone.qdd), every[at], rtol=1e-3)
 
 
-def test_a_single_block_tells_nothing_of_certainty() -> None:
+def test_a_single_block_is_too_little_for_calibration() -> None:
     found = fitted("vrbfs+fri", samples=60, block_seconds=60.0, train=1.0)
     assert quick_factor(found.model) is None
     with pytest.raises(ModelError, match="longer recording"):
@@ -230,15 +229,22 @@ def test_one_state_is_as_in_a_batch() -> None:
         np.testing.assert_allclose(one, many[3], rtol=1e-6)
 
 
-def test_effects_that_follow_the_torque_are_met_with_what_the_model_says_of_it() -> None:
-    found = fitted("chain+fri+load_friction", samples=60)
-    x = found.held_out
-    variance = found.model.uncertainty.variance(x.q, x.qd, x.qdd, time=x.time, segment=x.segment)
-    assert np.isfinite(variance).all()
+def test_effects_that_follow_the_torque_receive_that_of_the_model() -> None:
+    rubbing = [Term(EFFECTS["load_friction"], joint, {"Jr": 0.0}) for joint in range(2)]
+    found = fitted("chain+fri", further=rubbing, samples=60)
+    x, certain = found.held_out, found.model.uncertainty
+    variance = certain.variance(x.q, x.qd, x.qdd, time=x.time, segment=x.segment)
+    known = certain.posterior.variance(found.model.inputs_of(x)).whole * certain.factor**2
+    np.testing.assert_allclose(variance, known, rtol=1e-9)
+    still = found.model.inputs_of(x)
+    unknown = certain.posterior.variance(replace(still, load=0.0 * still.load)).basis
+    assert (np.abs(unknown / certain.posterior.variance(still).basis - 1.0) > 0.01).any()
 
 
 @pytest.mark.parametrize("landmarks", [None, 40])
-def test_a_model_file_is_as_sure_as_the_model(landmarks: int | None, tmp_path: Path) -> None:
+def test_a_model_file_has_the_uncertainty_of_the_model(
+    landmarks: int | None, tmp_path: Path
+) -> None:
     found = fitted("vrbfs+fri", samples=60, landmarks=landmarks)
     found.model.save(tmp_path / "model.npz")
     again, x = Model.load(tmp_path / "model.npz"), found.held_out

@@ -11,74 +11,98 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification.choice import Choice, Scaling
 from lagrangian_ff.identification.choosing import choose as choosing
-from lagrangian_ff.identification.choosing.choose import choose_all
-from lagrangian_ff.identification.choosing.evidence import _Path, climb, slopes_of
-from lagrangian_ff.identification.choosing.robustly import choose_robustly
-from lagrangian_ff.identification.choosing.search import starting_choice
-from lagrangian_ff.identification.choosing.training import TrainingSet
-from lagrangian_ff.identification.samples import evenly
-from lagrangian_ff.identification.solving.equations import fit
+from lagrangian_ff.identification.choosing.choose import choose, choose_robustly
+from lagrangian_ff.identification.choosing.evidence import (
+    Logarithms,
+    derivatives,
+    maximise_evidence,
+    solvable,
+)
+from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.samples import Samples, evenly
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
+from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import Spec, parse
-from lagrangian_ff.kernels import States
+from lagrangian_ff.kernels import KERNELS, DifferentiableKernel, States
 
 Floats = NDArray[np.float64]
 
 CHAIN = parse("chain+fri")
+DIFFERENTIABLE = sorted(n for n, k in KERNELS.items() if issubclass(k, DifferentiableKernel))
 
 
-def training(samples: int, seed: int = 0) -> TrainingSet:
+def training(samples: int, seed: int = 0) -> Samples:
     motion = pendulum.motion(24.0, noise=0.02, seed=seed)
     few = motion.take(evenly(len(motion), samples))
     x = Inputs.of(States.of(few.q, few.qd, few.qdd), few.time, few.segment)
-    return TrainingSet(x, few.tau, few.blocks(3.0) % 4)
+    return Samples(x, few.tau, few.blocks(3.0) % 4)
 
 
-def doubting(data: TrainingSet) -> TrainingSet:
-    trust = np.random.default_rng(2).uniform(0.05, 1.0, data.tau.shape)
-    return replace(data, trust=trust)
+def doubting(data: Samples) -> Samples:
+    weight = np.random.default_rng(2).uniform(0.05, 1.0, data.tau.shape)
+    return replace(data, weight=weight)
 
 
-def started(data: TrainingSet, spec: Spec = CHAIN) -> tuple[Choice, Scaling]:
-    return starting_choice(spec, data.states), Scaling.of(data.tau, per_joint=False)
+def common(data: Samples) -> Scaling:
+    return Scaling.of(data.tau, per_joint=False)
+
+
+def started(data: Samples, spec: Spec = CHAIN) -> Problem:
+    return Problem.started(spec, data, common(data))
+
+
+def step_widths(problem: Problem) -> Floats:
+    """Return (N,) rad/s, v0 of the Coulomb terms."""
+    return np.array([t.shape["v0"] for t in problem.basis.terms if t.effect.name == "coulomb"])
+
+
+def best(problem: Problem, steps: int) -> Posterior[System]:
+    return maximise_evidence(solvable(problem), steps, Logarithms(problem).prior, enough=0.5)
+
+
+CHANGES = {"one Lagrangian": None, "another from then on": (6.0, np.inf, 0.3)}
 
 
 @pytest.mark.parametrize("doubt", [False, True])
-def test_slopes_by_numbers_noise_and_shapes_are_those_of_finite_differences(doubt: bool) -> None:
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("name", DIFFERENTIABLE)
+def test_derivatives_are_those_of_finite_differences(name: str, change: str, doubt: bool) -> None:
+    """They are those by the kernel's numbers, the noise and the effects' shapes."""
     data = training(20)
     data = doubting(data) if doubt else data
-    choice, scaling = started(data)
-    path = _Path(CHAIN, choice)
-    middle = path.middle
+    problem = replace(started(data, parse(f"{name}+fri")), change=CHANGES[change])
+    logarithms = Logarithms(problem)
+    middle = logarithms.of(problem)
 
-    def height(point: Floats) -> float:
-        return fit(CHAIN, path.at(point), data.x, data.tau, scaling, data.trust).log_evidence
+    def evidence(point: Floats) -> float:
+        return exact(logarithms.at(point)).log_evidence
 
-    found = slopes_of(fit(CHAIN, choice, data.x, data.tau, scaling, data.trust), data)
+    found = derivatives(exact(problem))
     step = 1e-4
     expected = [
-        (height(middle + e) - height(middle - e)) / (2 * step) for e in step * np.eye(len(middle))
+        (evidence(middle + e) - evidence(middle - e)) / (2 * step)
+        for e in step * np.eye(len(middle))
     ]
-    assert len(expected) == len(middle) == len(found.slope)
-    np.testing.assert_allclose(found.slope, expected, rtol=1e-4, atol=1e-4)
-    assert np.linalg.eigvalsh(found.information).min() > -1e-6
+    assert len(expected) == len(middle) == len(found.gradient)
+    np.testing.assert_allclose(found.gradient, expected, rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(found.curvature, found.curvature.T, atol=1e-10)
+    assert np.linalg.eigvalsh(found.curvature).min() > -1e-6
 
 
-def test_a_climb_raises_the_evidence_by_more_than_the_prior_takes() -> None:
-    data = training(40)
-    choice, scaling = started(data)
-    before = fit(CHAIN, choice, data.x, data.tau, scaling).log_evidence
-    path = _Path(CHAIN, choice)
-    heights = [before + path.belief.height(path.middle)]
+def test_steps_raise_the_evidence_by_more_than_the_prior_takes() -> None:
+    problem = started(training(40))
+    logarithms = Logarithms(problem)
+    before = exact(problem).log_evidence
+    densities = [before + logarithms.prior.log_density(logarithms.of(problem))]
     for steps in (1, 3, 9):
-        top, evidence = climb(CHAIN, choice, data, scaling, [(40, steps)])
-        again = fit(CHAIN, top, data.x, data.tau, scaling).log_evidence
-        assert evidence == pytest.approx(again, abs=1e-6)
-        belief = _Path(CHAIN, choice).belief
-        heights.append(evidence + belief.height(_Path(CHAIN, top).middle))
-    assert (np.diff(heights) >= -1e-9).all()
-    assert heights[-1] > before + 20.0
+        found = best(problem, steps)
+        again = exact(found.problem).log_evidence
+        assert found.log_evidence == pytest.approx(again, abs=1e-6)
+        at = logarithms.of(found.problem)
+        densities.append(found.log_evidence + logarithms.prior.log_density(at))
+    assert (np.diff(densities) >= -1e-9).all()
+    assert densities[-1] > before + 20.0
 
 
 def test_a_number_the_motion_does_not_show_stays_where_it_began() -> None:
@@ -91,10 +115,10 @@ def test_a_number_the_motion_does_not_show_stays_where_it_began() -> None:
         qd=np.column_stack([data.x.qd[:, 0], zero]),
         qdd=np.column_stack([data.x.qdd[:, 0], zero]),
     )
-    still = TrainingSet(x, data.tau, data.fold)
-    choice, scaling = started(still)
-    top, _ = climb(CHAIN, choice, still, scaling, [(40, 8)])
-    before, after = (c.kernel.hyperparameters["rotor"] for c in (choice, top))
+    still = Samples(x, data.tau, data.fold)
+    problem = started(still)
+    top = best(problem, 8).problem
+    before, after = (one.kernel.hyperparameters["rotor"] for one in (problem, top))
     assert after[1] == pytest.approx(before[1], rel=1e-12)
     assert after[0] != pytest.approx(before[0], rel=1e-6)
 
@@ -103,111 +127,96 @@ def test_a_shape_stays_within_its_range() -> None:
     """Friction that reverses slowly asks for a step as wide as that of no dry friction."""
     data = training(40)
     smooth = replace(data, tau=data.tau + 5.0 * np.tanh(data.x.qd / 1.5))
-    choice, scaling = started(smooth)
-    top, _ = climb(CHAIN, choice, smooth, scaling, [(40, 12)])
+    widths = step_widths(best(started(smooth), 12).problem)
     (shape,) = EFFECTS["coulomb"].shapes
-    assert (top.shapes["coulomb"]["v0"] <= shape.high * (1.0 + 1e-12)).all()
-    assert top.shapes["coulomb"]["v0"].max() == pytest.approx(shape.high)
+    assert (widths <= shape.high * (1.0 + 1e-12)).all()
+    assert widths.max() == pytest.approx(shape.high)
 
 
 def test_a_start_with_too_little_noise_gets_more() -> None:
     data = training(30)
     twice = np.repeat(np.arange(15), 2)
-    doubled = TrainingSet(data.x.take(twice), data.tau[twice], data.fold[twice])
-    choice, scaling = started(doubled)
-    hardly = replace(choice, noise=choice.noise * 1e-17)
-    top, evidence = climb(CHAIN, hardly, doubled, scaling, [(30, 4)])
-    assert np.isfinite(evidence)
-    assert (top.noise > hardly.noise).all()
+    hardly = started(data.take(twice)).noisier(1e-17)
+    found = best(hardly, 4)
+    assert np.isfinite(found.log_evidence)
+    assert (found.problem.noise > hardly.noise).all()
 
 
 def test_a_motion_no_start_has_a_factor_for_is_refused_in_words() -> None:
     data = training(30)
     wild = replace(data, x=replace(data.x, qdd=1e170 * data.x.qdd))
-    _, scaling = started(data)
+    scaling = common(data)
     with pytest.raises(ModelError, match=r"chain\+fri has no Cholesky factor .* impossible"):
-        choose_all(CHAIN, wild, [scaling])
+        choose(CHAIN, wild, [scaling])
 
 
 @pytest.mark.parametrize("criterion", ["validation", "evidence"])
 def test_auto_takes_the_kernel_that_does_better(criterion: str) -> None:
     data = training(60)
-    _, scaling = started(data)
+    scaling = common(data)
     spec = parse("auto+fri")
-    found = choose_all(spec, data, [scaling], criterion)
+    found = choose(spec, data, [scaling], criterion)
     assert {str(one["kernel"]) for one in found.tried} == {"chain", "chain_rbf"}
     best = min(found.tried, key=lambda one: float(str(one[criterion])))
     assert found.spec.kernel.name == best["kernel"]
     assert found.spec.basic == f"{best['kernel']}+fri"
-    again = choose_all(spec, data, [scaling], criterion)
+    again = choose(spec, data, [scaling], criterion)
     assert again.tried == found.tried
-    np.testing.assert_array_equal(again.choice.noise, found.choice.noise)
+    np.testing.assert_array_equal(again.problem.noise, found.problem.noise)
 
 
-def astray(after: int, climbs: list[Choice]) -> Callable[..., tuple[Choice, float]]:
-    """A climb that ends in much noise once there have been some; it notes where each one led."""
+def astray(after: int, ended: list[Problem]) -> Callable[..., Posterior[System]]:
+    """Return a maximisation that ends in much noise after some calls; it notes where each led."""
 
-    def climbed(*given: Any, **named: Any) -> tuple[Choice, float]:
-        top, evidence = climb(*given, **named)
-        if len(climbs) >= after:
-            top = replace(top, noise=1e6 * top.noise)
-        climbs.append(top)
-        return top, evidence
+    def maximised(*given: Any, **named: Any) -> Posterior[System]:
+        found = maximise_evidence(*given, **named)
+        if len(ended) >= after:
+            found = replace(found, problem=found.problem.noisier(1e6))
+        ended.append(found.problem)
+        return found
 
-    return climbed
+    return maximised
 
 
-def test_a_last_climb_that_leads_astray_is_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where samples lie so close that they share their errors."""
+def test_last_steps_that_lead_astray_are_not_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It happens if samples lie so close that they share their errors."""
     data = training(250)
-    _, scaling = started(data)
-    climbs: list[Choice] = []
-    monkeypatch.setattr(choosing, "climb", astray(2, climbs))
-    found = choose_all(CHAIN, data, [scaling])
+    scaling = common(data)
+    ended: list[Problem] = []
+    monkeypatch.setattr(choosing, "maximise_evidence", astray(2, ended))
+    found = choose(CHAIN, data, [scaling])
     _, before, last = (float(str(one["validation"])) for one in found.tried)
     assert last > before
-    assert (found.choice.noise < 1e-3 * climbs[-1].noise).all()
+    assert (found.problem.noise < 1e-3 * ended[-1].noise).all()
 
 
-def test_after_a_climb_that_leads_astray_there_is_no_further_one(
+def test_after_steps_that_lead_astray_there_are_no_further_ones(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     data = training(60)
-    _, scaling = started(data)
-    climbs: list[Choice] = []
-    monkeypatch.setattr(choosing, "climb", astray(1, climbs))
-    found = choose_all(CHAIN, data, [scaling])
-    assert len(climbs) == len(found.tried) == 2
+    scaling = common(data)
+    ended: list[Problem] = []
+    monkeypatch.setattr(choosing, "maximise_evidence", astray(1, ended))
+    found = choose(CHAIN, data, [scaling])
+    assert len(ended) == len(found.tried) == 2
 
 
-def test_a_robust_choice_knows_whom_not_to_trust() -> None:
+def test_a_robust_choice_weighs_down_outliers() -> None:
     data = training(80)
     wrong = np.zeros(data.tau.shape, dtype=bool)
     wrong[::17, 0] = wrong[5::19, 1] = True
     tau = data.tau + 6.0 * wrong * data.tau.std(axis=0)
-    chosen, trust = choose_robustly(
+    chosen, weight = choose_robustly(
         CHAIN, replace(data, tau=tau), lambda some, known: [Scaling.of(some, False, known)]
     )
-    assert (trust[wrong] < 0.2).all()
-    assert np.mean(trust[~wrong] < 0.5) < 0.06
-    choice = chosen.choice
-    fitted = fit(CHAIN, choice, data.x, data.tau, chosen.scaling, np.where(wrong, 1e-6, 1.0))
-    assert np.sqrt(np.mean(fitted.residual[~wrong] ** 2)) < 0.03 * data.tau.std()
+    assert (weight[wrong] < 0.2).all()
+    assert np.mean(weight[~wrong] < 0.5) < 0.06
+    posterior = exact(chosen.problem.of(data).weighted(np.where(wrong, 1e-6, 1.0)))
+    assert np.sqrt(np.mean(posterior.residual[~wrong] ** 2)) < 0.03 * data.tau.std()
 
 
-def test_friction_turns_round_as_all_samples_say_not_only_those_climbed_with() -> None:
+def test_the_coulomb_step_follows_all_samples_not_only_those_of_the_evidence() -> None:
     data = training(1200, seed=1)
-    _, scaling = started(data)
-    found = choose_all(CHAIN, data, [scaling], "evidence").choice
-    np.testing.assert_allclose(found.shapes["coulomb"]["v0"], pendulum.WIDTH, rtol=0.03)
-
-
-def test_a_choice_takes_the_shapes_of_a_basis_and_keeps_the_rest() -> None:
-    data = training(20)
-    choice, _ = started(data)
-    v0 = [choice.shapes["coulomb"]["v0"][0], 0.07]
-    basis = replace(choice, shapes={"coulomb": {"v0": np.array(v0)}}).basis(CHAIN, 2)
-    found = choice.shaped_as(basis)
-    assert found.shapes["coulomb"]["v0"].tolist() == v0
-    assert found.kernel is choice.kernel
-    assert found.basis(CHAIN, 2).terms == basis.terms
+    scaling = common(data)
+    found = choose(CHAIN, data, [scaling], "evidence").problem
+    np.testing.assert_allclose(step_widths(found), pendulum.WIDTH, rtol=0.03)

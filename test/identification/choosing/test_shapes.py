@@ -1,4 +1,4 @@
-"""Shapes that were chosen while an effect was missing are chosen anew once it is there."""
+"""Shapes that were chosen while an effect was missing are chosen again with it."""
 
 from dataclasses import replace
 
@@ -12,8 +12,7 @@ from lagrangian_ff.identification import Model, extend
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.choosing.shapes import best_shape, fall, tuned
-from lagrangian_ff.identification.solving.equations import fit_basis
-from lagrangian_ff.identification.solving.fit import Fit
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.recording.motion import Motion
 
@@ -38,7 +37,7 @@ def model() -> Model:
 
 
 def with_steps(basis: Basis, v0: float, joints: tuple[int, ...]) -> Basis:
-    """The basis with Coulomb's step of some joints as wide as v0."""
+    """Return the basis with the Coulomb step of some joints as wide as v0."""
     return Basis(
         tuple(
             replace(term, shape={"v0": v0})
@@ -49,11 +48,10 @@ def with_steps(basis: Basis, v0: float, joints: tuple[int, ...]) -> Basis:
     )
 
 
-def fitted_on_few(model: Model) -> tuple[Fit[System], Basis, Inputs]:
-    """A fit to 200 of a model's samples, its basis, and those samples."""
-    old = Blueprint.of(model)
-    few = old.few(model.inputs_of_data(), 200)
-    return fit_basis(old.basis, old.choice, few.x, few.tau, old.scaling), old.basis, few.x
+def fitted_on_subset(model: Model) -> tuple[Posterior[System], Basis, Inputs]:
+    """Return a fit to 200 of a model's samples, its basis, and those samples."""
+    few = Blueprint.of(model).subset(model.inputs_of_data(), 200)
+    return exact(few), few.basis, few.samples.x
 
 
 def shapes(basis: Basis) -> dict[tuple[str, int], dict[str, float]]:
@@ -61,14 +59,16 @@ def shapes(basis: Basis) -> dict[tuple[str, int], dict[str, float]]:
 
 
 def test_of_a_shape_that_is_known_in_part_the_rest_is_searched(model: Model) -> None:
-    fitted, _, x = fitted_on_few(model)
+    fitted, _, x = fitted_on_subset(model)
     x = replace(x, load=0.3 * x.qdd)  # all inertia, of which any part may be the rotor's
+    samples = replace(fitted.problem.samples, x=x)
+    fitted = replace(fitted, problem=fitted.problem.of(samples))
     ripple, mesh = EFFECTS["ripple"], EFFECTS["gear_mesh"]
-    assert best_shape(fitted, ripple, 1, x, {"order": 7.0}) == {"order": 7.0}
-    found = best_shape(fitted, mesh, 1, x, {"order": 7.0})
+    assert best_shape(fitted, ripple, 1, {"order": 7.0}) == {"order": 7.0}
+    found = best_shape(fitted, mesh, 1, {"order": 7.0})
     tried = [shape for shape in mesh.candidates(x, 1) if shape["order"] == 7.0]
     assert len(tried) > 1
-    falls = [fall(fitted, Term(mesh, 1, shape), x)[0] for shape in tried]
+    falls = [fall(fitted, Term(mesh, 1, shape))[0] for shape in tried]
     assert found == tried[int(np.argmax(falls))]
 
 
@@ -93,21 +93,21 @@ def test_a_shape_that_is_given_is_kept(model: Model) -> None:
 
 
 def test_nothing_is_tuned_where_nothing_has_a_shape(model: Model) -> None:
-    """And tuning twice changes nothing: it was the best."""
-    fitted, basis, x = fitted_on_few(model)
+    """Tuning twice changes nothing either: the first result was the best."""
+    fitted, basis, _ = fitted_on_subset(model)
     plain = Basis(tuple(Term(EFFECTS[n], 1) for n in ("viscous", "offset")))
-    assert tuned(fitted, plain, 1, x) is plain
-    once = tuned(fitted, basis, 1, x)
-    twice = tuned(fitted, once, 1, x)
+    assert tuned(fitted, plain, 1) is plain
+    once = tuned(fitted, basis, 1)
+    twice = tuned(fitted, once, 1)
     v0 = [shapes(found)["coulomb", 1]["v0"] for found in (once, twice)]
     assert v0[1] == pytest.approx(v0[0], rel=0.03)
 
 
 @pytest.mark.parametrize("start", [0.3, 0.6])
 def test_a_shape_at_or_beyond_the_end_of_its_range_comes_back_into_it(start: float) -> None:
-    """Models of other versions have such."""
+    """Models of other versions have such shapes."""
     smooth = pendulum_models.fitted("chain+fri", pendulum.motion(30.0, noise=0.005)).model
-    fitted, basis, x = fitted_on_few(smooth)
-    found = shapes(tuned(fitted, with_steps(basis, start, (0, 1)), 1, x))
+    fitted, basis, _ = fitted_on_subset(smooth)
+    found = shapes(tuned(fitted, with_steps(basis, start, (0, 1)), 1))
     assert found["coulomb", 1]["v0"] == pytest.approx(pendulum.WIDTH, rel=0.3)
     assert found["coulomb", 0] == {"v0": start}

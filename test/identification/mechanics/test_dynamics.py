@@ -1,4 +1,4 @@
-"""What a Lagrangian tells beyond torque: identities of mechanics, and a pendulum that is known."""
+"""Quantities of a learned Lagrangian: identities of mechanics, and a known pendulum."""
 
 from collections.abc import Callable
 
@@ -12,7 +12,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Dynamics, Model
 from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.identification.mechanics.forward import acceleration
+from lagrangian_ff.identification.mechanics.dynamics import acceleration
 from lagrangian_ff.kernels import KERNELS, LagrangianKernel, States
 
 Floats = NDArray[np.float64]
@@ -46,7 +46,7 @@ def unseen() -> States:
 
 
 def rate(f: Callable[[Floats], Floats], at: Floats, along: Floats) -> Floats:
-    """The derivative of f along a direction, by differences of fourth order."""
+    """Return the derivative of f along a direction, by differences of fourth order."""
     h = 1e-3
     near = f(at + h * along) - f(at - h * along)
     far = f(at + 2 * h * along) - f(at - 2 * h * along)
@@ -54,7 +54,7 @@ def rate(f: Callable[[Floats], Floats], at: Floats, along: Floats) -> Floats:
 
 
 def conservative_torque(model: Model, x: States) -> Floats:
-    """What the model predicts, less its friction and constant torques."""
+    """Return the prediction less friction and constant torques."""
     terms = model.terms(x.q, x.qd, x.qdd)
     kept = {term.effect.name for term in KEPT}
     return terms.total - sum(
@@ -77,7 +77,7 @@ def test_the_parts_add_up_to_the_torque(model: Model, unseen: States) -> None:
 
 
 def test_the_torque_is_that_of_the_lagrangian(model: Model, unseen: States) -> None:
-    """d/dt ∂L/∂qd − ∂L/∂q, the Lagrangian differentiated numerically."""
+    """It is d/dt ∂L/∂qd − ∂L/∂q, differentiated numerically."""
     x, dynamics = unseen.take(slice(0, 20)), model.dynamics
     h, eye = 1e-3, np.eye(2)
 
@@ -109,7 +109,7 @@ def test_energy_is_kinetic_and_potential(model: Model, unseen: States) -> None:
 
 
 def test_power_is_the_rate_of_energy_along_a_motion(model: Model) -> None:
-    """Integrated over two seconds, with what friction takes."""
+    """Both are integrated over two seconds, with the work of friction."""
     time, x = pendulum.states(2.0, 500.0, seed=0)
     friction = model.predict(x.q, x.qd, x.qdd) - conservative_torque(model, x)
     power = np.sum((model.predict(x.q, x.qd, x.qdd) - friction) * x.qd, axis=1)
@@ -173,7 +173,7 @@ def test_potential_energy_is_the_pendulums_up_to_a_constant(chain: Model, unseen
 
 
 def test_effects_that_keep_energy_are_the_arms(unseen: States) -> None:
-    """A rotor that the kernel does not know of is in the mass matrix all the same."""
+    """A rotor that the kernel does not know is in the mass matrix all the same."""
     found = fitted("vrbfs+fri", further=KEPT[:1], samples=60)
     dynamics, q = found.model.dynamics, unseen.q
     places = {t.effect.name: p for t, p in found.model.basis.slices()}
@@ -253,7 +253,7 @@ def test_no_acceleration_is_made_up_where_mass_is_not_positive() -> None:
     np.testing.assert_allclose(found, 1.0)
 
 
-def test_a_model_on_landmarks_tells_as_much() -> None:
+def test_a_model_on_inducing_points_has_the_same_quantities() -> None:
     model = fitted("chain+fri", landmarks=40).model
     x = pendulum.states(20.0, 7.0, seed=0)[1]
     expected = pendulum.mass_matrix(x.q)

@@ -18,17 +18,17 @@ from lagrangian_ff.kernels import KERNELS, LagrangianKernel, States
 LAGRANGIAN = [name for name, kernel in KERNELS.items() if issubclass(kernel, LagrangianKernel)]
 ROTOR = (Term(EFFECTS["rotor_inertia"], 1, {}),)
 NOISY = pendulum.motion(20.0, 50.0, noise=1.0, seed=3)
-"""As much noise as torque: its mass matrix is anything."""
+"""A motion with as much noise as torque, which hardly determines a mass matrix."""
 
 
 def found(name: str, positive: bool, landmarks: int | None = None) -> Identification:
-    """A fit of few samples of the noisy motion, or of all of them on landmarks."""
+    """Return a fit of 40 samples of the noisy motion, or of all on inducing points."""
     how: dict[str, Any] = {"samples": 40, "positive": positive, "landmarks": landmarks}
     return fitted(f"{name}+fri", NOISY, further=ROTOR, noise=1e-2, **how)
 
 
 def least(model: Model) -> float:
-    """The least eigenvalue on the whole training motion."""
+    """Return the least eigenvalue on the whole training motion."""
     x = model.data.take(model.trained)
     return float(np.linalg.eigvalsh(model.dynamics.mass_matrix(x.q, x.qd)).min())
 
@@ -51,20 +51,20 @@ def test_it_is_positive_definite_all_along(name: str) -> None:
 
 @pytest.mark.parametrize("name", LAGRANGIAN)
 def test_it_is_the_nearest_one(name: str) -> None:
-    """The conditions of Karush, Kuhn and Tucker, which only the minimiser of a convex cost meets.
+    """Only the minimiser of a convex cost satisfies the Karush-Kuhn-Tucker conditions.
 
     Residuals are the weights times the noise, and every constraint that pushes, pushes upwards and
-    is met exactly.
+    is reached exactly.
     """
-    free = found(name, False).fitted
+    free = found(name, False).posterior
     states, count = free.states, len(free.states)
     held = keep_positive(free, states)
-    kernel, unit = free.choice.kernel, float(free.scaling.unit[0])
+    kernel, unit = free.problem.kernel, float(free.problem.unit[0])
     ((_, _, system),) = free.systems
     target = system.target.reshape(count, 2)
-    design = free.basis.design(Inputs.of(states)) / unit
+    design = free.problem.basis.design(Inputs.of(states)) / unit
     left = target - kernel.apply(states, held.centres, held.weights) - design @ held.coefficients
-    noise = free.choice.noise * free.scaling.noise**2
+    noise = free.problem.variances
     np.testing.assert_allclose(left, noise * held.weights[:count], atol=1e-6 * abs(target).max())
 
     added = slice(count, count + (len(held.centres) - count) // 2)
@@ -79,7 +79,7 @@ def test_it_is_the_nearest_one(name: str) -> None:
 
     up, down = (kernel.apply(x, held.centres, held.weights) for x in (moved, rest))
     pull = up - down
-    rotor = free.basis.slices()[-1][1]
+    rotor = free.problem.basis.slices()[-1][1]
     pull[:, 1] += moved.qdd[:, 1] * held.coefficients[rotor][0] / unit
     reached = np.sum(pull * moved.qdd, axis=1)
     np.testing.assert_allclose(reached, FLOOR, rtol=1e-4)
@@ -89,7 +89,7 @@ def test_it_is_the_nearest_one(name: str) -> None:
     np.testing.assert_allclose(force, 0.0, atol=1e-6 * np.abs(held.weights).max())
 
 
-def test_models_on_landmarks_are_kept_positive_as_well(tmp_path: Path) -> None:
+def test_models_on_inducing_points_are_kept_positive_as_well(tmp_path: Path) -> None:
     free, kept = (found("vrbfs", positive, landmarks=20) for positive in (False, True))
     assert least(free.model) < 0.0
     assert least(kept.model) > 0.0

@@ -1,4 +1,4 @@
-"""How sure a model on landmarks is, and how it gives way: against dense formulas."""
+"""Variance and response of a model on inducing points, against dense formulas."""
 
 from dataclasses import replace
 
@@ -6,16 +6,13 @@ import numpy as np
 import pendulum
 import pytest
 from numpy.typing import NDArray
+from problems import problem_of
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.mechanics.positive import keep_positive
+from lagrangian_ff.identification.problem import Scaling
 from lagrangian_ff.identification.samples import evenly, groups
-from lagrangian_ff.identification.solving.equations import fit_basis
-from lagrangian_ff.identification.solving.fit import Fit
-from lagrangian_ff.identification.solving.landmark_equations import LandmarkEquations
-from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.identification.solving.posterior import Posterior, exact, inducing_solver
 from lagrangian_ff.kernels import KERNELS, LagrangianKernel, States
 
 Floats = NDArray[np.float64]
@@ -26,21 +23,20 @@ FOLD = np.arange(60) // 6 % 5
 AT = Inputs.of(pendulum.states(3.0, 1.0, seed=5)[1])
 
 
-def pair(name: str, noise: float = 0.02, per_joint: bool = False) -> tuple[Fit, Fit]:
-    """A fit with every sample as a landmark, and the exact one; the noise is as it was chosen."""
+def pair(name: str, noise: float = 0.02, per_joint: bool = False) -> tuple[Posterior, Posterior]:
+    """Return a fit with every sample as an inducing point, and the exact one."""
     motion = pendulum.motion(12.0, noise=noise)
     motion = motion.take(evenly(len(motion), len(FOLD)))
-    states, spec = States.of(motion.q, motion.qd, motion.qdd), parse(f"{name}+fri")
-    choice = starting_choice(spec, states)
-    scaling = Scaling.of(motion.tau, per_joint)
-    parts = choice.basis(spec, 2), choice, Inputs.of(states), motion.tau, scaling
-    raised = LandmarkEquations.of(*parts, states, groups(FOLD)).solve()
+    problem = problem_of(motion, f"{name}+fri", Scaling.of(motion.tau, per_joint))
+    raised = inducing_solver(problem, problem.samples.states, groups(FOLD))(None)
     systems = tuple((joints, b, replace(one, factor=1.0)) for joints, b, one in raised.systems)
-    return replace(raised, choice=choice, systems=systems), fit_basis(*parts)
+    return replace(raised, problem=problem, systems=systems), exact(problem)
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_with_all_samples_as_landmarks_it_is_as_sure_as_the_exact_fit(name: str) -> None:
+def test_with_all_samples_as_inducing_points_it_has_the_variance_of_the_exact_fit(
+    name: str,
+) -> None:
     found, exact = pair(name, per_joint=True)
     ours, theirs = found.variance(AT), exact.variance(AT)
     for part in ("prior", "kernel", "basis", "noise"):
@@ -51,23 +47,23 @@ def test_with_all_samples_as_landmarks_it_is_as_sure_as_the_exact_fit(name: str)
 
 
 @pytest.mark.parametrize("factor", [1.0, 10.0])
-def test_few_landmarks_keep_the_prior_of_what_they_cannot_express(factor: float) -> None:
-    """The dense form of Bayes' rule on the features, the rest of the prior on top."""
+def test_inducing_points_keep_the_prior_of_what_they_cannot_express(factor: float) -> None:
+    """It is the dense form of Bayes' rule on the features plus the rest of the prior."""
     found, exact = pair("vrbfs")
     ((joints, basis, system),) = found.systems
     few = States(*(column[::6] for column in (found.states.q, found.states.qd, found.states.qdd)))
-    made = type(system.landmarks).of(found.choice.kernel, few, joints)
+    made = type(system.points).of(found.problem.kernel, few, joints)
     fewer = replace(type(system).of(made, system.rows, system.groups), factor=factor)
     ours = replace(found, states=few, systems=((joints, basis, fewer),)).variance(AT)
     at, rows = States(AT.q, AT.qd, AT.qdd), system.rows
     features, there = made.features(found.states), made.features(at)
     inverse = np.linalg.inv(features @ features.T + factor * np.diag(rows.noise))
     cross = features @ there.T
-    left = basis.design(AT).reshape(len(AT) * 2, -1) / found.scaling.unit[0]
+    left = basis.design(AT).reshape(len(AT) * 2, -1) / found.problem.unit[0]
     left = left - cross.T @ inverse @ rows.design()
     information = rows.design().T @ inverse @ rows.design()
-    amplitude = factor * fewer.amplitude * found.scaling.unit[0] ** 2
-    prior = found.choice.kernel.variance(at).ravel()
+    amplitude = factor * fewer.amplitude * found.problem.unit[0] ** 2
+    prior = found.problem.kernel.variance(at).ravel()
     kernel = prior - np.einsum("ni,nm,mi->i", cross, inverse, cross)
     added = np.einsum("ib,bc,ic->i", left, np.linalg.inv(information), left)
     np.testing.assert_allclose(ours.kernel.ravel(), amplitude * kernel, rtol=1e-6)
@@ -76,12 +72,14 @@ def test_few_landmarks_keep_the_prior_of_what_they_cannot_express(factor: float)
 
 
 @pytest.mark.parametrize("name", LAGRANGIAN)
-def test_with_all_samples_as_landmarks_it_is_kept_positive_as_the_exact_fit(name: str) -> None:
-    """The least change to the same fit, found by another factor."""
+def test_with_all_samples_as_inducing_points_it_is_kept_positive_as_the_exact_fit(
+    name: str,
+) -> None:
+    """Both factors give the least change to the same fit."""
     found, exact = pair(name, noise=1.0)
     ours, theirs = (keep_positive(fit, exact.states) for fit in (found, exact))
     assert len(theirs.centres) > len(exact.states)
     at = States(AT.q, AT.qd, AT.qdd)
-    one, other = (exact.choice.kernel.apply(at, e.centres, e.weights) for e in (ours, theirs))
+    one, other = (exact.problem.kernel.apply(at, e.centres, e.weights) for e in (ours, theirs))
     np.testing.assert_allclose(one, other, atol=1e-4 * np.abs(other).max())
     np.testing.assert_allclose(ours.coefficients, theirs.coefficients, atol=1e-3)

@@ -9,19 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from problems import problem_of
 from scipy.optimize import minimize
 
-from lagrangian_ff.diagnosis import diagnose
-from lagrangian_ff.diagnosis.ground import tuning
-from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.diagnosis import consequences, diagnose, diagnosis_record
+from lagrangian_ff.diagnosis.whitening import hyperparameters
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Identification, Model, Settings, extend, identify
-from lagrangian_ff.identification.choice import Scaling
-from lagrangian_ff.identification.choosing.search import starting_choice
 from lagrangian_ff.identification.samples import evenly
-from lagrangian_ff.identification.solving.equations import Equations
+from lagrangian_ff.identification.solving.posterior import exact, exact_solver
 from lagrangian_ff.identification.solving.robust import at_sight, huber
-from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -30,7 +27,7 @@ FEW = Settings("chain+fri", samples=120, evaluations=12, loss="huber")
 
 
 def spoiled(motion: Motion, kind: str, share: float = 0.05, train: float = 2.0 / 3.0) -> Motion:
-    """A motion in whose training part this share of the torques is grossly wrong."""
+    """Return a motion in whose training part this share of the torques is grossly wrong."""
     rng = np.random.default_rng(7)
     last = round(train * len(motion))
     length = 1 if kind == "single" else round(0.2 / (motion.time[1] - motion.time[0]))
@@ -43,41 +40,32 @@ def spoiled(motion: Motion, kind: str, share: float = 0.05, train: float = 2.0 /
     return replace(motion, tau=tau)
 
 
-def equations(motion: Motion, name: str = "vrbfs+fri") -> Equations:
-    """Of a model before any search."""
-    spec = parse(name)
-    x = States.of(motion.q, motion.qd, motion.qdd)
-    choice = starting_choice(spec, x)
-    basis = choice.basis(spec, len(motion.joints))
-    return Equations.of(basis, choice, Inputs.of(x), motion.tau, Scaling.of(motion.tau))
-
-
 def few(samples: int, kind: str = "single") -> Motion:
     motion = pendulum.motion(12.0, noise=0.02)
     return spoiled(motion.take(evenly(len(motion), samples)), kind, 0.1, 1.0)
 
 
 @pytest.mark.parametrize("name", ["vrbfs+fri", "chain+fri", "srbfs+fri", "rbf", "fri"])
-def test_no_torque_pulls_harder_than_the_loss_says(name: str) -> None:
-    """At the minimum the noise times a is the derivative of the loss: the residual, cut at δ."""
-    given = equations(few(50), name)
-    found = huber(given, enough=1e-8)
-    fitted = found.fitted
-    noise = given.choice.noise * given.scaling.noise**2
-    pull = noise * fitted.weights * given.scaling.unit
-    cut = np.clip(fitted.residual, -found.threshold, found.threshold)
+def test_no_torque_pulls_harder_than_the_loss_allows(name: str) -> None:
+    """At the minimum the noise times a is the derivative of the loss, the residual cut at δ."""
+    given = problem_of(few(50), name)
+    found = huber(exact_solver(given), enough=1e-8)
+    posterior = found.posterior
+    noise = given.variances
+    pull = noise * posterior.weights * given.unit
+    cut = np.clip(posterior.residual, -found.threshold, found.threshold)
     np.testing.assert_allclose(pull / found.threshold, cut / found.threshold, atol=1e-7)
-    assert (np.abs(fitted.residual) > 3.0 * found.threshold).any()
+    assert (np.abs(posterior.residual) > 3.0 * found.threshold).any()
 
 
 def test_it_is_the_minimum_that_a_general_method_finds() -> None:
-    given = equations(few(16))
-    found = huber(given, enough=1e-9)
-    ((_, _, gram, rows),) = given.parts
+    given = problem_of(few(16))
+    found = huber(exact_solver(given), enough=1e-9)
+    rows, gram = given.rows((0, 1)), given.gram((0, 1))
     design, target = rows.design(), rows.target
     gram = np.tril(gram) + np.tril(gram, -1).T
-    noise = np.tile(given.choice.noise * given.scaling.noise**2, 16)
-    limit = np.tile(found.threshold / given.scaling.unit, 16)
+    noise = np.tile(given.variances, 16)
+    limit = np.tile(found.threshold / given.unit, 16)
     size = len(target)
 
     def cost(point: Floats) -> tuple[float, Floats]:
@@ -88,7 +76,7 @@ def test_it_is_the_minimum_that_a_general_method_finds() -> None:
         pull = cut / noise
         return float(loss), np.concatenate([gram @ (a - pull), -design.T @ pull])
 
-    weights, coefficients = found.fitted.weights.ravel(), found.fitted.coefficients
+    weights, coefficients = found.posterior.weights.ravel(), found.posterior.coefficients
     ours = cost(np.concatenate([weights, coefficients]))
     assert np.abs(ours[1]).max() < 1e-5
     elsewhere = minimize(
@@ -103,13 +91,14 @@ def test_it_is_the_minimum_that_a_general_method_finds() -> None:
 def test_the_order_of_the_samples_does_not_matter(seed: int, name: str) -> None:
     motion = few(30)
     order = np.random.default_rng(seed).permutation(len(motion))
-    one = huber(equations(motion, name), enough=1e-8)
-    other = huber(equations(motion.take(order), name), enough=1e-8)
+    one = huber(exact_solver(problem_of(motion, name)), enough=1e-8)
+    other = huber(exact_solver(problem_of(motion.take(order), name)), enough=1e-8)
     np.testing.assert_allclose(other.threshold, one.threshold, rtol=1e-5)
-    np.testing.assert_allclose(other.fitted.trust, one.fitted.trust[order], atol=1e-5)
-    scale = np.abs(one.fitted.coefficients).max()
+    ours, theirs = (found.posterior.problem.samples.weights for found in (other, one))
+    np.testing.assert_allclose(ours, theirs[order], atol=1e-5)
+    scale = np.abs(one.posterior.coefficients).max()
     np.testing.assert_allclose(
-        other.fitted.coefficients, one.fitted.coefficients, atol=1e-5 * scale
+        other.posterior.coefficients, one.posterior.coefficients, atol=1e-5 * scale
     )
 
 
@@ -117,18 +106,19 @@ def test_the_order_of_the_samples_does_not_matter(seed: int, name: str) -> None:
 @given(unit=st.floats(1e-3, 1e3))
 def test_the_unit_of_torque_does_not_matter(unit: float) -> None:
     motion = few(30)
-    one = huber(equations(motion))
-    other = huber(equations(replace(motion, tau=unit * motion.tau)))
-    np.testing.assert_allclose(other.fitted.trust, one.fitted.trust, atol=1e-6)
+    one = huber(exact_solver(problem_of(motion)))
+    other = huber(exact_solver(problem_of(replace(motion, tau=unit * motion.tau))))
+    ours, theirs = (found.posterior.problem.samples.weights for found in (other, one))
+    np.testing.assert_allclose(ours, theirs, atol=1e-6)
 
 
 @settings(max_examples=10)
 @given(threshold=st.floats(1e3, 1e9), name=st.sampled_from(["vrbfs+fri", "chain+fri", "rbf"]))
 def test_with_a_huge_threshold_it_is_least_squares(threshold: float, name: str) -> None:
-    given = equations(few(30), name)
-    found = huber(given, threshold=np.full(2, threshold)).fitted
-    least = given.solve()
-    assert (found.trust == 1.0).all()
+    given = problem_of(few(30), name)
+    found = huber(exact_solver(given), threshold=np.full(2, threshold)).posterior
+    least = exact(given)
+    assert (found.problem.samples.weights == 1.0).all()
     np.testing.assert_array_equal(found.weights, least.weights)
     np.testing.assert_array_equal(found.coefficients, least.coefficients)
 
@@ -136,26 +126,25 @@ def test_with_a_huge_threshold_it_is_least_squares(threshold: float, name: str) 
 @given(size=st.floats(10.0, 1e6))
 @settings(max_examples=10)
 def test_an_outlier_that_grows_changes_nothing_more(size: float) -> None:
-    """Beyond the threshold its pull is the same, however large it is."""
-    given = equations(few(30))
-    threshold = huber(given).threshold
-    ((joints, basis, gram, rows),) = given.parts
+    """Beyond the threshold its pull stays the same."""
+    given = problem_of(few(30))
+    threshold = huber(exact_solver(given)).threshold
     fits = []
     for factor in (1.0, size):
-        wrong = rows.target.copy()
-        wrong[14] = 100.0 * factor
-        spoilt = replace(given, parts=((joints, basis, gram, replace(rows, target=wrong)),))
-        fits.append(huber(spoilt, threshold=threshold, enough=1e-6).fitted.weights)
+        wrong = given.samples.tau.copy()
+        wrong[7, 0] = 100.0 * factor * given.unit[0]
+        spoilt = exact_solver(given.of(replace(given.samples, tau=wrong)))
+        fits.append(huber(spoilt, threshold=threshold, enough=1e-6).posterior.weights)
     np.testing.assert_allclose(fits[1], fits[0], atol=1e-3 * np.abs(fits[0]).max())
 
 
-def test_torques_without_noise_are_all_trusted_or_hardly_less() -> None:
+def test_torques_without_noise_weigh_one_or_hardly_less() -> None:
     """A joint that stands still has residuals of zero, and no threshold of zero."""
     motion = few(30)
     tau = motion.tau.copy()
     tau[:, 1] = 0.0
-    found = huber(equations(replace(motion, tau=tau)))
-    assert np.isfinite(found.fitted.weights).all()
+    found = huber(exact_solver(problem_of(replace(motion, tau=tau))))
+    assert np.isfinite(found.posterior.weights).all()
     assert (found.threshold > 0.0).all()
     assert (at_sight(tau)[:, 1] == 1.0).all()
 
@@ -195,53 +184,53 @@ def test_a_twentieth_of_gross_outliers_hardly_changes_the_error(
 
 
 @pytest.mark.parametrize("positive", [False, True])
-def test_outliers_hardly_change_a_model_on_landmarks(clean: Motion, positive: bool) -> None:
+def test_outliers_hardly_change_a_model_on_inducing_points(clean: Motion, positive: bool) -> None:
     usual = Settings("vrbfs+fri", samples=240, scale="common", landmarks=60, positive=positive)
     before = held_out_error(identify(clean, usual))
     wrong = spoiled(clean, "contact")
     found = identify(wrong, replace(usual, loss="huber"))
     assert held_out_error(found) < 1.1 * before
     assert held_out_error(identify(wrong, usual)) > 3.0 * before
-    trust = found.model.trust
-    assert trust is not None
-    assert trust.shape == found.training.tau.shape
+    weight = found.model.irls_weight
+    assert weight is not None
+    assert weight.shape == found.training.tau.shape
     gross = np.abs(wrong.tau - clean.tau)[found.model.seen] > 1.0
-    assert (trust[gross] < 0.5).mean() > 0.99
-    assert (trust[~gross] < 0.5).mean() < 0.05
+    assert (weight[gross] < 0.5).mean() > 0.99
+    assert (weight[~gross] < 0.5).mean() < 0.05
 
 
 def test_without_outliers_the_model_is_as_good(clean: Motion, square: Identification) -> None:
     assert held_out_error(identify(clean, FEW)) < 1.1 * held_out_error(square)
 
 
-def test_the_record_tells_what_was_weighed_down(touched: Identification) -> None:
-    told = touched.record["outliers"]
-    assert isinstance(told, dict)
-    trust = touched.model.trust
-    assert trust is not None
-    assert told["share"] == np.mean(trust < 0.5)
-    assert 0.03 < told["share"] < 0.12
-    longest = told["longest"]
+def test_the_record_has_the_outliers(touched: Identification) -> None:
+    outliers = touched.record["outliers"]
+    assert isinstance(outliers, dict)
+    weight = touched.model.irls_weight
+    assert weight is not None
+    assert outliers["share"] == np.mean(weight < 0.5)
+    assert 0.03 < outliers["share"] < 0.12
+    longest = outliers["longest"]
     assert 0.1 < longest["seconds"] < 1.0
     column = pendulum.JOINTS.index(longest["joint"])
     first = np.searchsorted(touched.training.time, longest["begin"])
-    assert trust[first, column] < 0.5
-    assert f"{longest['seconds']:.2f} s of {longest['joint']}" in told["words"]
-    assert f"{told['share']:.1%} of the torques" in told["words"]
+    assert weight[first, column] < 0.5
+    assert f"{longest['seconds']:.2f} s of {longest['joint']}" in outliers["words"]
+    assert f"{outliers['share']:.1%} of the torques" in outliers["words"]
     validation = touched.record["validation"]
     assert isinstance(validation, dict)
-    assert told["rmse_of_others"] < 0.2 * validation["rmse"]
+    assert outliers["rmse_of_others"] < 0.2 * validation["rmse"]
 
 
 def test_outliers_held_out_move_the_rmse_and_not_the_median_beside_it(clean: Motion) -> None:
     found = identify(spoiled(clean, "contact", train=1.0), FEW)
-    told, errors = found.record["outliers"], found.record["joints"]
-    assert isinstance(told, dict)
+    outliers, errors = found.record["outliers"], found.record["joints"]
+    assert isinstance(outliers, dict)
     assert isinstance(errors, dict)
     untouched = clean.take(np.flatnonzero(~found.model.trained))
     missed = np.median(np.abs(untouched.tau - found.predicted), axis=0)
     for joint, without in zip(pendulum.JOINTS, missed, strict=True):
-        half = told["joints"][joint]["held_out_median"]
+        half = outliers["joints"][joint]["held_out_median"]
         assert half == pytest.approx(without, rel=0.2)
         assert errors[joint]["rmse"] > 5.0 * half
 
@@ -267,7 +256,7 @@ def effects(found: Identification) -> list[dict[str, dict[str, dict[str, float]]
 
 
 @pytest.mark.parametrize("landmarks", [0, 60])
-def test_certainty_is_that_of_torques_without_contacts(clean: Motion, landmarks: int) -> None:
+def test_uncertainty_is_that_of_torques_without_contacts(clean: Motion, landmarks: int) -> None:
     settings = replace(FEW, samples=200, landmarks=landmarks)
     robust = identify(spoiled(clean, "contact"), settings)
     square = identify(clean, replace(settings, loss="square"))
@@ -294,7 +283,7 @@ def test_a_saved_model_refits_to_the_same(
     path = tmp_path / "model.npz"
     touched.model.save(path)
     again = Model.load(path)
-    np.testing.assert_array_equal(again.trust, touched.model.trust)
+    np.testing.assert_array_equal(again.irls_weight, touched.model.irls_weight)
     stribeck = EFFECTS["stribeck"]
     here = extend(touched.model, stribeck, "elbow")
     there = extend(again, stribeck, "elbow")
@@ -303,9 +292,9 @@ def test_a_saved_model_refits_to_the_same(
     assert held_out_error(here) < 1.1 * held_out_error(touched)
 
 
-def test_a_model_of_squares_keeps_no_trust(clean: Motion) -> None:
+def test_a_model_of_the_square_loss_keeps_no_weights(clean: Motion) -> None:
     found = identify(clean, Settings(samples=40, evaluations=4))
-    assert found.model.trust is None
+    assert found.model.irls_weight is None
     assert "outliers" not in found.record
 
 
@@ -313,9 +302,9 @@ def test_a_robust_model_can_be_diagnosed(
     touched: Identification, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for name in ("COARSE", "FINE", "SHAPES"):
-        monkeypatch.setattr(tuning, name, 200)
-    monkeypatch.setattr(tuning, "ROWS", 400)
+        monkeypatch.setattr(hyperparameters, name, 200)
+    monkeypatch.setattr(hyperparameters, "ROWS", 400)
     known = {name: EFFECTS[name] for name in ("stribeck", "quadratic_drag")}
     found = diagnose(touched.model, pendulum.motion(20.0, seed=3), effects=known, steps=1)
     assert found.model is touched.model
-    assert isinstance(found.record()["verdict"], str)
+    assert isinstance(diagnosis_record(found, consequences(found))["verdict"], str)

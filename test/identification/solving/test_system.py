@@ -121,7 +121,7 @@ def test_left_out_rows_are_predicted_as_by_a_fit_without_them(
 def test_the_papers_relaxation_tends_to_the_exact_solution(
     size: int, columns: int, seed: int
 ) -> None:
-    """(42) with the kernel (43), read off by (45) and (46), comes as near as ρ is small."""
+    """The distance of (42) with the kernel (43) falls with ρ; see (45) and (46)."""
     problem = Problem.random(size, columns, seed)
     system = problem.system()
     ours = np.concatenate([system.weights, system.coefficients])
@@ -177,10 +177,10 @@ def test_a_matrix_that_is_not_finite_is_refused(value: float) -> None:
 
 
 @pytest.mark.parametrize(("scale", "tolerance"), [(1.0, 1e-9), (1e14, 1e-4)])
-def test_columns_of_some_rows_explain_beside_others_what_a_fit_says(
+def test_columns_of_some_rows_explain_beside_others_as_much_as_in_a_fit(
     scale: float, tolerance: float
 ) -> None:
-    """Also where the Gram matrix is so large beside the noise that it hardly has a factor."""
+    """They do so even if the noise is hardly large enough for a factor."""
     problem = Problem.random(40, 4, seed=3)
     low = replace(problem, gram=scale * problem.gram[:, :8] @ problem.gram[:, :8].T)
     rows = np.arange(0, 40, 2)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.kernels import CoupledKernel, Energy, Kernel, States
+from lagrangian_ff.kernels import CoupledKernel, Energy, Family, States
 from lagrangian_ff.kernels.constrained import FiveBar
 from lagrangian_ff.recording.motion import Motion
 
@@ -101,7 +101,7 @@ def test_the_tree_follows_the_cranks() -> None:
     assert g.shape == (len(t), 4, 2)
 
 
-def error_of(family: type[Kernel]) -> float:
+def error_of(family: Family) -> float:
     """Error on unseen motion after learning 20 s, relative to the torque's spread."""
     (_, u), (_, x) = motion(20.0, 10.0, 0), motion(10.0, 10.0, 1)
     kernel, learned, true = family.start(u), torque_with_multipliers(u), torque_with_multipliers(x)

@@ -1,0 +1,338 @@
+"""The results of a diagnosis, which every reader may import."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.identification import Model
+from lagrangian_ff.recording.motion import Motion
+
+
+class Verdict(str, Enum):
+    """The certainty of a finding; JSON holds its value."""
+
+    CONFIRMED = "confirmed"
+    AMBIGUOUS = "ambiguous"
+    SUGGESTED = "suggested"
+
+
+class Reason(Enum):
+    """The reason why a finding is only suggested."""
+
+    TOO_SHORT = "the motion held out is too short, or hardly shows the effect"
+    NOT_HELD_OUT = "it does not help on most of the motion held out"
+    OTHER_SIZE = "it has another size on the motion held out"
+    LARGE_REST = "a curve explains nearly as much on the joint"
+    ABSORBED = "the model may have this torque already"
+    IMPOSSIBLE = "no hardware has these parameters"
+    ONCE = "it happens once in a recording, and there is no second one"
+    NOT_AGAIN = "another recording does not show it"
+    OTHER_KIND = "another recording shows a change of another kind"
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A reason with its figures.
+
+    Attributes:
+        reason: for a program.
+        words: for a person.
+    """
+
+    reason: Reason
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class HoldOut:
+    """The judgement of a frozen effect on motion that was not used to find it.
+
+    Attributes:
+        expected: (G,) expected log Bayes factor in nats of each group of pieces, if it is as found.
+        gained: (G,) the log Bayes factor in nats of each group.
+        ratio: its size on this motion relative to that found, 1 if it is the same.
+        p_value: of Wilcoxon's signed-rank test of `gained`.
+        doubt: why it does not hold; None if it does.
+    """
+
+    expected: Floats
+    gained: Floats
+    ratio: float
+    p_value: float
+    doubt: Doubt | None
+
+    @property
+    def holds(self) -> bool:
+        """Return whether it helps on most of the motion, significantly and at the size found."""
+        return self.doubt is None
+
+    @property
+    def share(self) -> float:
+        """Return the share of groups in which it helps."""
+        return float(np.mean(self.gained > 0.0)) if len(self.gained) else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class PartialResidual:
+    """The partial residual: an effect's torque plus what the model leaves over, by bins.
+
+    Attributes:
+        coordinate, unit: in words.
+        x: (B,) mean of the coordinate.
+        residual, low, high: (B,) N·m, mean of the partial residual and the ends of a 90 % band.
+        effect: (B,) N·m, mean torque of the effect.
+    """
+
+    coordinate: str
+    unit: str
+    x: Floats
+    residual: Floats
+    low: Floats
+    high: Floats
+    effect: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """An effect that is missing.
+
+    Attributes:
+        effect: of the catalogue.
+        joint: the name of the joint whose torque it adds to.
+        cause: the name of the joint whose hardware it is, mostly the same.
+        shape: its nonlinear parameters, except those that each model searches for itself.
+        parameters: (P,) fitted together with all findings.
+        low, high: (P,) ends of their 90 % intervals.
+        log_bayes_factor: nats.
+        p_value: how often the null of the maximum over all candidates reaches it.
+        size: N·m, root mean square of its torque.
+        hold_out: the judgement on motion that was not used to find it.
+        rivals: names of effects that explain the data as well.
+        ruled_out: names of rivals that the hold-out motion ruled out.
+        doubt: why it is only suggested; None if it is more.
+        partial_residual: its torque as the data show it.
+    """
+
+    effect: Effect
+    joint: str
+    cause: str
+    shape: Mapping[str, float]
+    parameters: Floats
+    low: Floats
+    high: Floats
+    log_bayes_factor: float
+    p_value: float
+    size: float
+    hold_out: HoldOut
+    rivals: tuple[str, ...]
+    ruled_out: tuple[str, ...]
+    doubt: Doubt | None
+    partial_residual: PartialResidual
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict; ambiguous means that one of several effects is there."""
+        if self.doubt is not None:
+            return Verdict.SUGGESTED
+        return Verdict.AMBIGUOUS if self.rivals else Verdict.CONFIRMED
+
+    @property
+    def once(self) -> bool:
+        """Return whether it is an event of the recording, not a property of the arm."""
+        return self.effect.kind == "event"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A load taken up, or a contact.
+
+    Attributes:
+        since, until: s; infinite `until` means to the end.
+        share: variance of the added torque relative to that of the rigid-body torque.
+        log_bayes_factor: nats.
+        since_range, until_range: s, 90 % intervals of both moments.
+    """
+
+    since: float
+    until: float
+    share: float
+    log_bayes_factor: float
+    since_range: tuple[float, float] = (-np.inf, np.inf)
+    until_range: tuple[float, float] = (-np.inf, np.inf)
+
+    @property
+    def lasts(self) -> bool:
+        """Return whether it lasts to the end."""
+        return not np.isfinite(self.until)
+
+    @property
+    def effect(self) -> Effect:
+        """Return the effect of the catalogue that describes it."""
+        event = "lasting" if self.lasts else "passing"
+        return next(one for one in EFFECTS.values() if one.arm_event == event)
+
+    @property
+    def prior(self) -> tuple[float, float, float]:
+        """Return the change as `Problem` takes it."""
+        return self.since, self.until, self.share
+
+
+@dataclass(frozen=True)
+class TakenUp:
+    """A load that the arm took up on the way.
+
+    Attributes:
+        change: its moments and its evidence.
+        joints: those that feel it, the most affected first.
+        again: the load that the hold-out motion takes up; None if it takes up none.
+        doubt: why it is only suggested; None if it is confirmed.
+    """
+
+    change: Change
+    joints: tuple[str, ...]
+    again: Change | None
+    doubt: Doubt | None
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict."""
+        return Verdict.CONFIRMED if self.doubt is None else Verdict.SUGGESTED
+
+    @property
+    def shape(self) -> dict[str, float]:
+        """Return its moments, as the effect of the catalogue takes them."""
+        if self.change.lasts:
+            return {"t0": self.change.since}
+        return {"t0": self.change.since, "length": self.change.until - self.change.since}
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Return the 90 % intervals of `shape`."""
+        since, until = self.change.since_range, self.change.until_range
+        if self.change.lasts:
+            return {"t0": since}
+        return {"t0": since, "length": (max(until[0] - since[1], 0.0), until[1] - since[0])}
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """A torque that depends on a coordinate in a way that no known effect fits.
+
+    Attributes:
+        joint: its name.
+        coordinate: in words.
+        share: root mean square of this torque over that of the joint's torque.
+        log_bayes_factor: nats.
+    """
+
+    joint: str
+    coordinate: str
+    share: float
+    log_bayes_factor: float
+
+
+@dataclass(frozen=True)
+class NotObservable:
+    """An effect that this motion cannot show.
+
+    Attributes:
+        effect, joint: their names.
+        reason: why it cannot.
+        next_motion: the motion that would show it.
+    """
+
+    effect: str
+    joint: str
+    reason: str
+    next_motion: str
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A candidate before anything was found.
+
+    Attributes:
+        name: of the effect, or of a curve.
+        joint: its name.
+        log_bayes_factor: nats, at its best shape.
+        named: whether it is an effect of the catalogue.
+        stands_out: whether it exceeds the threshold of the null.
+    """
+
+    name: str
+    joint: str
+    log_bayes_factor: float
+    named: bool
+    stands_out: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The diagnosis of a model: what it lacks.
+
+    Attributes:
+        model: the diagnosed model.
+        motion: the searched motion.
+        held_out: the motion that findings were confirmed on.
+        separate: whether `held_out` is another recording, not the end of the same.
+        findings: effects, best first.
+        unexplained: torques that no effect fits.
+        taken_up: a load taken up on the way, if there was one.
+        not_observable: effects that this motion cannot show.
+        ranking: candidates before anything was found, best first.
+        threshold: nats that the maximum over all candidates exceeds by chance once in twenty times.
+        noise: (N,) N·m, standard deviation of each joint's unexplained torque.
+    """
+
+    model: Model
+    motion: Motion
+    held_out: Motion
+    separate: bool
+    findings: tuple[Finding, ...]
+    unexplained: tuple[Unexplained, ...]
+    taken_up: TakenUp | None
+    not_observable: tuple[NotObservable, ...]
+    ranking: tuple[Ranked, ...]
+    threshold: float
+    noise: Floats
+
+    @property
+    def confirmed(self) -> tuple[Finding, ...]:
+        """Return the findings that `apply` adds."""
+        return tuple(f for f in self.findings if f.verdict is Verdict.CONFIRMED)
+
+
+@dataclass(frozen=True, eq=False)
+class Consequence:
+    """The consequence of adding one finding to the model and the findings before it.
+
+    Attributes:
+        model: with the finding.
+        time: (B,) s since the beginning, start of each block.
+        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
+        whole_before, whole_after: N·m, over the whole motion.
+        every_before, every_after: N·m, over the whole motion and all joints.
+    """
+
+    model: Model
+    time: Floats
+    before: Floats
+    after: Floats
+    whole_before: float
+    whole_after: float
+    every_before: float
+    every_after: float
+
+
+Consequences = Mapping[Finding, Consequence]
+"""The consequence of each finding that could be added."""
+
+
+def sorted_findings(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Return the findings by verdict, the largest log Bayes factor first among equals."""
+    order = list(Verdict)
+    return tuple(sorted(findings, key=lambda f: (order.index(f.verdict), -f.log_bayes_factor)))

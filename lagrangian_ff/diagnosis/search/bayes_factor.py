@@ -1,0 +1,242 @@
+"""The log Bayes factor of a candidate, with noise that may be correlated in time.
+
+Let w be the whitened residual and Z the candidate's whitened columns, with what is known projected
+out. The prior of its parameters is a torque of 0.3 of the joint's spread. Its log Bayes factor is
+
+    ½ cᵀ (A + I)⁻¹ c − ½ log |A + I|,   A = ZᵀZ / f,   c = Zᵀw / f.
+
+The variance inflation f ≥ 1 tempers the likelihood: it is the variance of the sums over blocks of
+time, after the candidate is subtracted, relative to that of white noise. Samples that err alike
+thus count as few independent blocks, not as many samples.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.whitening import Whitened
+from lagrangian_ff.identification.problem import Nuisance, Problem
+from lagrangian_ff.kernels import threads
+
+Ints = NDArray[np.intp]
+
+PRIOR_SHARE = 0.3
+"""Standard deviation of an effect's torque a priori, relative to the joint's spread."""
+COLUMNS_AT_ONCE = 256
+MANY = 64
+"""Number of candidates above which a second thread saves time."""
+ROUNDS, POINTS = 3, 5
+"""Rounds in which a shape is refined, and values tried in each."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """A candidate compared with the residual.
+
+    Attributes:
+        candidate: the candidate.
+        log_bf: nats, tempered.
+        variance_inflation: f.
+        survival: the share of its whitened columns that remains after projection, 0 to 1.
+        coefficients: (P,) its parameters, in their units.
+        size: N·m, root mean square of its torque on the samples used.
+        blocks: (B, P) sums over blocks of scaled columns times residual.
+        information: (P, P) A without f.
+        likelihood: (B,) nats by block of the log likelihood ratio, not tempered.
+    """
+
+    candidate: Candidate
+    log_bf: float
+    variance_inflation: float
+    survival: float
+    coefficients: Floats
+    size: float
+    blocks: Floats
+    information: Floats
+    likelihood: Floats
+
+    @property
+    def once(self) -> bool:
+        """Return whether it is an event, which happens once, in a few blocks."""
+        return self.candidate.named and self.candidate.effect.kind == "event"
+
+
+def tempered_log_bf(
+    sums: Floats, information: Floats, variance_inflation: Floats | float
+) -> Floats:
+    """Return ½ cᵀ (A + I)⁻¹ c − ½ log |A + I|, (..., R) nats.
+
+    Args:
+        sums: (..., R, P) c times f.
+        information: (..., P, P) A times f.
+        variance_inflation: (...) f.
+    """
+    f = np.asarray(variance_inflation)[..., None, None]
+    matrix = np.eye(information.shape[-1]) + information / f
+    c = sums / f
+    squares = np.sum(c @ np.linalg.inv(matrix) * c, axis=-1)
+    return np.asarray(0.5 * squares - 0.5 * np.linalg.slogdet(matrix)[1][..., None])
+
+
+def expected(columns: Floats, spread: float) -> Floats:
+    """Return the prior standard deviation (P,) of the coefficients of columns (S, P).
+
+    It corresponds to a torque of 0.3 of the joint's spread, N·m; it is 0 where a column is zero.
+    """
+    rms = np.sqrt(np.mean(columns**2, axis=0))
+    return np.asarray(PRIOR_SHARE * spread / np.where(rms > 0.0, rms, np.inf))
+
+
+def scores(
+    whitened: Whitened, candidates: Sequence[Candidate], *, coarse: bool = False
+) -> list[Score]:
+    """Return the scores of candidates.
+
+    Args:
+        whitened: the motion.
+        candidates: in any order.
+        coarse: compute in single precision, for a first pass over many.
+
+    Returns:
+        Joint by joint, those of a joint in the order given.
+    """
+    parts = [[one for one in candidates if one.joint == joint] for joint in range(whitened.joints)]
+    parts = [mine for mine in parts if mine]
+    if len(candidates) < MANY:
+        return [score for mine in parts for score in _of_joint(whitened, mine, coarse)]
+    if len(parts) == 1:
+        whitened.response(parts[0][0].joint)  # once, for both threads
+        half = len(parts[0]) // 2
+        parts = [parts[0][:half], parts[0][half:]]
+    found = threads.side_by_side(lambda mine: _of_joint(whitened, mine, coarse), parts)
+    return [score for some in found for score in some]
+
+
+def _of_joint(whitened: Whitened, candidates: Sequence[Candidate], coarse: bool) -> list[Score]:
+    """Return the scores of candidates on one joint, in their order."""
+    columns = [one.columns(whitened.x) for one in candidates]
+    widths = np.array([one.shape[1] for one in columns])
+    held: dict[int, Score] = {}
+    for width in np.unique(widths).tolist():
+        places = np.flatnonzero(widths == width)
+        for first in range(0, len(places), max(1, COLUMNS_AT_ONCE // max(1, width))):
+            some = places[first : first + max(1, COLUMNS_AT_ONCE // max(1, width))].tolist()
+            raw = np.stack([columns[n] for n in some])
+            made = _scored(whitened, [candidates[n] for n in some], raw, coarse)
+            held.update(zip(some, made, strict=True))
+    return [held[n] for n in range(len(candidates))]
+
+
+def _scored(
+    whitened: Whitened, candidates: Sequence[Candidate], raw: Floats, coarse: bool
+) -> list[Score]:
+    """Return the scores of candidates on one joint with columns `raw` (C, S, P)."""
+    joint = candidates[0].joint
+    count, samples, width = raw.shape
+    flat = raw.transpose(1, 0, 2).reshape(samples, -1)
+    scale = expected(flat, float(whitened.spread[joint]))
+    white = whitened.whitened(flat * scale, joint, coarse=coarse).T
+    before = np.einsum("kn,kn->k", white, white)
+    span = whitened.explained.astype(white.dtype)
+    left = white - (white @ span) @ span.T
+    after = np.einsum("kn,kn->k", left, left)
+    # What remains is rounding where the known columns explain a column.
+    left[after <= (1e-7 if coarse else 1e-10) * np.maximum(before, 1e-300)] = 0.0
+    z, w = left.reshape(count, width, -1), whitened.residual.astype(white.dtype)
+    information = (z @ z.swapaxes(1, 2)).astype(np.float64)
+    blocks = _by_block(z * w, whitened)
+    sums = blocks.sum(axis=2)
+    found = np.linalg.solve(information + np.eye(width), sums[:, :, None])[:, :, 0]
+    fitted = (found.astype(z.dtype)[:, None, :] @ z)[:, 0]
+    likelihood = _by_block(fitted * (w - 0.5 * fitted), whitened)
+    z *= fitted[:, None]
+    rest = blocks - _by_block(z, whitened)
+    trace = np.trace(information, axis1=1, axis2=2)
+    scatter = np.sum(rest**2, axis=(1, 2)) / np.where(trace > 0.0, trace, np.inf)
+    variance_inflation = np.maximum(1.0, scatter)
+    log_bf = tempered_log_bf(sums[:, None, :], information, variance_inflation)[:, 0]
+    before, after = (
+        each.reshape(count, width).sum(axis=1, dtype=np.float64) for each in (before, after)
+    )
+    survival = np.sqrt(after / np.maximum(before, 1e-300))
+    parameters = found * scale.reshape(count, width)
+    size = np.sqrt(np.mean((raw @ parameters[:, :, None])[:, :, 0] ** 2, axis=1))
+    return [
+        Score(
+            candidate,
+            float(log_bf[n]),
+            float(variance_inflation[n]),
+            float(survival[n]),
+            parameters[n],
+            float(size[n]),
+            blocks[n].T,
+            information[n],
+            likelihood[n],
+        )
+        for n, candidate in enumerate(candidates)
+    ]
+
+
+def _by_block(values: Floats, whitened: Whitened) -> Floats:
+    """Return the sums (..., B) over blocks of time of values (..., S N)."""
+    return np.add.reduceat(values, whitened.starts, axis=-1).astype(np.float64)
+
+
+def refined(whitened: Whitened, best: Score) -> Score:
+    """Return the score at the continuous shapes of largest log Bayes factor, one by one."""
+    if not best.candidate.named:
+        return best
+    effect = best.candidate.effect
+    grid = effect.candidates(whitened.x, best.candidate.joint)
+    for shape in effect.shapes:
+        value = best.candidate.shape.get(shape.name, 0.0)
+        if shape.whole or not value > 0.0:
+            continue
+        tried_first = [one[shape.name] for one in grid if shape.name in one]
+        low, high = min(tried_first), max(tried_first)
+        if not high > low > 0.0:
+            continue
+        reach = (high / low) ** (1.0 / max(len(set(tried_first)) - 1, 1))
+        for _ in range(ROUNDS):
+            value = best.candidate.shape[shape.name]
+            around = np.clip(value * reach ** np.linspace(-0.75, 0.75, POINTS), low, high)
+            tried = [
+                replace(best.candidate, shape={**best.candidate.shape, shape.name: float(v)})
+                for v in around
+            ]
+            best = max([best, *scores(whitened, tried)], key=lambda score: score.log_bf)
+            reach = reach**0.5
+    return best
+
+
+def evidence_without(whitened: Whitened, chosen: Problem) -> float:
+    """Return the larger log evidence: with the hyperparameters as they are, or as `chosen`."""
+    return max(whitened.system.log_evidence, whitened.assuming(chosen).system.log_evidence)
+
+
+def log_bayes_factor_of(score: Score, whitened: Whitened, without: float) -> float:
+    """Return the log Bayes factor of a candidate, tempered as its score is.
+
+    Args:
+        score: of the candidate on `whitened`.
+        whitened: with the hyperparameters that suit the candidate, but without it.
+        without: the best log evidence that is reached without it.
+    """
+    joint, columns = score.candidate.joint, score.candidate.columns(whitened.x)
+    scale = expected(columns, float(whitened.spread[joint]))
+    # Scaled by the prior, so that parameters of any unit are comparable.
+    scaled = (columns * scale)[:, scale > 0.0]
+    nuisance = (Nuisance(joint, scaled), *whitened.problem.nuisance)
+    system = whitened.explaining(whitened.basis, nuisance).system
+    own = slice(whitened.basis.size, whitened.basis.size + scaled.shape[1])
+    # The restricted evidence has a flat prior: multiply by the prior's density at the estimate.
+    covariance = np.eye(scaled.shape[1]) + system.amplitude * system.covariance[own, own]
+    found = system.coefficients[own]
+    squares = found @ np.linalg.solve(covariance, found)
+    spread = np.linalg.slogdet(2.0 * np.pi * covariance)[1]
+    density = -0.5 * float(squares + spread)
+    return (system.log_evidence + density - without) / score.variance_inflation

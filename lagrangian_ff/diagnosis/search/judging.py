@@ -1,0 +1,250 @@
+"""Judge the candidates of one joint, with the noise that is left once the best is explained."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    Score,
+    evidence_without,
+    log_bayes_factor_of,
+    refined,
+    scores,
+)
+from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
+from lagrangian_ff.diagnosis.search.nonparametric import sinusoids
+from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
+from lagrangian_ff.diagnosis.whitening import Whitened, refit
+from lagrangian_ff.effects import Effect
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.problem import Nuisance, Problem
+from lagrangian_ff.kernels import threads
+
+REFINED = 8
+"""Effects whose shapes are refined, besides plain friction."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that was missing.
+
+    Attributes:
+        score: the best candidate, judged after the hyperparameters were refitted with it; its log
+            Bayes factor compares it with the best model without it.
+        rivals: effects that explain the data as well.
+        first_log_bf: its log Bayes factor before the refit.
+        p_value: how often the null reaches that, over all candidates.
+        free: the best nonparametric alternative on the same joint, if any helped.
+    """
+
+    score: Score
+    rivals: tuple[Score, ...]
+    first_log_bf: float
+    p_value: float
+    free: Score | None
+
+    @property
+    def named(self) -> bool:
+        """Return whether an effect of the catalogue explains it."""
+        return self.score.candidate.named
+
+
+def causes_of(basis: Basis) -> frozenset[tuple[str, int]]:
+    """Return the causes that a basis explains, as `Candidate.cause`."""
+    return frozenset((t.effect.name, t.effect.cause(t.joint, t.shape)) for t in basis.terms)
+
+
+def candidates_of(
+    whitened: Whitened, joints: Sequence[int] | range, effects: Mapping[str, Effect] | None
+) -> list[Candidate]:
+    """Return all candidates on some joints: effects, curves and sinusoids."""
+    x = whitened.x
+    residual = whitened.motion.tau - whitened.inputs.torque
+    waves = enumerate(sinusoids(whitened.motion.time, residual))
+    return [
+        *named(x, whitened.basis, joints, effects),
+        *nonparametric(x, joints),
+        *(Candidate(wave, joint) for joint, wave in waves if joint in joints),
+    ]
+
+
+def possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
+    """Return whether hardware could do this.
+
+    What the hardware of another joint causes must have been found on that joint first.
+    """
+    candidate = score.candidate
+    if not candidate.named:
+        return True
+    if candidate.cause == candidate.key:
+        return candidate.effect.possible(score.coefficients)
+    return candidate.cause in causes
+
+
+def judge(
+    whitened: Whitened,
+    first: Score,
+    best: Sequence[Score],
+    null: MaximumNull,
+    effects: Mapping[str, Effect] | None,
+) -> tuple[Step | None, Whitened]:
+    """Return the step on one joint, judged after a refit, and the motion whitened for it.
+
+    The best effect and the best curve are each judged with the noise that suits them: with the
+    noise of the other they would look worse than they are.
+
+    Args:
+        whitened: the motion, as it was searched.
+        first: the best candidate of the joint; or of all.
+        best: every candidate at its best shape.
+        null: of the maximum, for the p-value.
+        effects: that may be missing; None takes the catalogue.
+    """
+    limits = thresholds.USED
+    joint = first.candidate.joint
+    here = [score for score in best if score.candidate.joint == joint and score.log_bf > 0.0]
+    name = next((score for score in (first, *here) if score.candidate.named), None)
+    free = next((score for score in (first, *here) if not score.candidate.named), None)
+    leaders = [
+        score
+        for score in (name, free)
+        if score is not None and (score is first or score.log_bf > limits.near * first.log_bf)
+    ]
+    if not leaders:
+        return None, whitened
+    explained = [
+        (whitened.basis, whitened.problem.nuisance),
+        *(explained_with(whitened, one.candidate) for one in leaders),
+    ]
+    problem, *problems = threads.side_by_side(lambda one: refit(whitened, *one), explained)
+    # One factor at a time: that of the effect, which mostly wins, is made last.
+    without = evidence_without(whitened, problem)
+    views: list[_View] = []
+    for leader, problem in reversed(list(zip(leaders, problems, strict=True))):
+        refitted = None
+        view, refitted = _View.of(whitened, leader, problem, effects)
+        views.insert(0, view)
+    named_view = max(views, key=lambda view: view.total(view.name), default=None)
+    free_view = max(views, key=lambda view: view.total(view.free), default=None)
+    if named_view is None or free_view is None or refitted is None:
+        return None, whitened
+    chosen, curve = named_view.name, free_view.free
+    start = max(view.base for view in views if view.leader is first)
+    named_log_bf, free_log_bf = named_view.total(chosen) - start, free_view.total(curve) - start
+    plain = chosen is not None and chosen.candidate.effect.plain
+    share = limits.first_share if plain and bare(whitened, joint) else limits.name_share
+    if chosen is not None and (curve is None or named_log_bf > share * free_log_bf):
+        found, view = chosen, named_view
+    elif curve is not None:
+        found, view = curve, free_view
+    else:
+        return None, whitened
+    if view is not views[0]:
+        refitted = None
+        refitted = whitened.assuming(view.problem)
+    without = max(without, *(view.base for view in views))
+    log_bf = min(found.log_bf, log_bayes_factor_of(found, refitted, without))
+    if log_bf <= limits.floor:
+        return None, whitened
+    left = rivals(found, named_view.others) if found.candidate.named else ()
+    p_value = null.p_value(first.log_bf)
+    step = Step(replace(found, log_bf=log_bf), tuple(left), first.log_bf, p_value, curve)
+    return step, refitted
+
+
+@dataclass(frozen=True)
+class _View:
+    """One joint with the hyperparameters that suit one candidate.
+
+    Attributes:
+        leader: that candidate.
+        problem: with these hyperparameters.
+        base: log evidence of the problem without the candidate.
+        name, others: the best effect at its best shape, and the other effects.
+        free: the best curve.
+    """
+
+    leader: Score
+    problem: Problem
+    base: float
+    name: Score | None
+    others: tuple[Score, ...]
+    free: Score | None
+
+    @classmethod
+    def of(
+        cls,
+        whitened: Whitened,
+        leader: Score,
+        problem: Problem,
+        effects: Mapping[str, Effect] | None,
+    ) -> tuple["_View", Whitened]:
+        """Return the view, and the motion whitened for it."""
+        joint = leader.candidate.joint
+        refitted = whitened.assuming(problem)
+        candidates = candidates_of(refitted, [joint], effects)
+        causes = causes_of(refitted.basis)
+        found = [
+            score
+            for score in best_of_each(scores(refitted, candidates), causes)
+            if score.log_bf > 0.0 and possible(score, causes)
+        ]
+        # An event as leader was not compared with the null: only events may take its place.
+        best = [one for one in found if one.candidate.named and (one.once or not leader.once)]
+        best = [
+            refined(refitted, one)
+            for number, one in enumerate(best)
+            if number < REFINED or one.candidate.effect.plain
+        ]
+        names = _plain_first(
+            sorted(best, key=lambda one: -_penalised(refitted, one)), bare(refitted, joint)
+        )
+        free = next((one for one in found if not one.candidate.named), None)
+        refitted.forget()
+        base = refitted.system.log_evidence
+        name = names[0] if names else None
+        return cls(leader, problem, base, name, tuple(names[1:]), free), refitted
+
+    def total(self, score: Score | None) -> float:
+        """Return the log evidence with a candidate, which can be compared between views."""
+        return -np.inf if score is None else self.base + score.log_bf
+
+
+def bare(whitened: Whitened, joint: int) -> bool:
+    """Return whether the model has no friction on a joint."""
+    return not any(term.effect.plain for term in whitened.basis.terms if term.joint == joint)
+
+
+def _plain_first(names: list[Score], bare_joint: bool) -> list[Score]:
+    """Return the effects, plain friction first if it explains a large share of what the best does.
+
+    Where plain friction is missing altogether, one curve with a bend does better than Coulomb's or
+    viscous friction alone. The plain ones come first, one after the other; the bend follows only if
+    it is still needed.
+    """
+    share = thresholds.USED.first_share if bare_joint else thresholds.USED.plain_share
+    for score in names:
+        if score.candidate.effect.plain and score.log_bf > share * names[0].log_bf:
+            return [score, *(one for one in names if not _over_velocity(one.candidate.effect))]
+    return names
+
+
+def _over_velocity(effect: Effect) -> bool:
+    """Return whether an effect may pass for plain friction where that is missing."""
+    return effect.kind == "friction" or effect.coordinate == "velocity"
+
+
+def _penalised(whitened: Whitened, score: Score) -> float:
+    """Return the log Bayes factor less the log of the number of shapes tried."""
+    shapes = score.candidate.effect.candidates(whitened.x, score.candidate.joint)
+    return score.log_bf - float(np.log(max(len(shapes), 1)))
+
+
+def explained_with(whitened: Whitened, candidate: Candidate) -> tuple[Basis, tuple[Nuisance, ...]]:
+    """Return the basis and the nuisance columns with a candidate added."""
+    if candidate.named:
+        return Basis((*whitened.basis.terms, candidate.term())), whitened.problem.nuisance
+    columns = candidate.columns(whitened.x)
+    return whitened.basis, (*whitened.problem.nuisance, Nuisance(candidate.joint, columns))

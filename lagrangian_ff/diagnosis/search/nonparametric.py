@@ -1,0 +1,203 @@
+"""Nonparametric alternatives to the effects: splines over a coordinate, and sinusoids of time.
+
+An effect that is not in the catalogue makes a wrong effect look good. Where a spline over one
+coordinate explains clearly more than every effect does, the finding is that coordinate, without a
+name.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.sampling import usual_step
+
+KNOTS, PRODUCT_KNOTS = 9, 5
+BAND = (1.0, 10.0)
+"""Hz between which a sinusoid is searched: slower ones are the motion's own."""
+SHORTEST, PADDED = 200, 4
+
+
+@dataclass(frozen=True)
+class Spline:
+    """A piecewise linear torque over a coordinate, times the smoothed sign where it is friction.
+
+    Attributes:
+        name: for records.
+        coordinate: in words, after "depends on".
+        reads: returns the coordinate (M,) of the inputs, for a joint.
+        knots: (K,) where the curve may bend.
+        friction: whether it changes sign with the direction of motion.
+    """
+
+    name: str
+    coordinate: str
+    reads: Callable[[Inputs, int], Floats]
+    knots: tuple[float, ...]
+    friction: bool
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """Return hat functions (S, K) over the coordinate."""
+        out = _hats(self.reads(x, joint), self.knots)
+        return out * x.sign(joint)[:, None] if self.friction else out
+
+
+@dataclass(frozen=True)
+class SplineProduct:
+    """Friction over the positions of two joints, as of a hose or a cable.
+
+    Attributes:
+        name, coordinate: as of a spline.
+        other: the second joint.
+        knots: (K,) of each of the two.
+    """
+
+    name: str
+    coordinate: str
+    other: int
+    knots: tuple[tuple[float, ...], tuple[float, ...]]
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """Return products (S, K K) of hat functions, times the smoothed sign."""
+        mine, its = (
+            _hats(x.q[:, n], knots)
+            for n, knots in zip((joint, self.other), self.knots, strict=True)
+        )
+        both = mine[:, :, None] * its[:, None, :]
+        return np.asarray(both.reshape(len(x), -1) * x.sign(joint)[:, None])
+
+
+@dataclass(frozen=True)
+class Sinusoid:
+    """A torque that swings at one frequency, as of a floor, a pump or a controller.
+
+    Attributes:
+        name, coordinate: as of a spline.
+        frequency: Hz.
+    """
+
+    name: str
+    coordinate: str
+    frequency: float
+
+    def columns(self, x: Inputs, joint: int) -> Floats:
+        """Return cosine and sine (S, 2) of time; zero where time is not known."""
+        angle = 2.0 * np.pi * self.frequency * np.where(np.isfinite(x.time), x.time, 0.0)
+        waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return np.asarray(np.where(np.isfinite(x.time)[:, None], waves, 0.0))
+
+
+Alternative = Spline | SplineProduct | Sinusoid
+
+
+def _hats(values: Floats, knots: Sequence[float]) -> Floats:
+    """Return piecewise linear functions (S, K), each 1 at its knot and 0 at the others."""
+    bends = np.asarray(knots)
+    at = np.clip(values, bends[0], bends[-1])
+    place = np.clip(np.searchsorted(bends, at, side="right") - 1, 0, len(bends) - 2)
+    share = (at - bends[place]) / (bends[place + 1] - bends[place])
+    out = np.zeros((len(at), len(bends)))
+    rows = np.arange(len(at))
+    out[rows, place] = 1.0 - share
+    out[rows, place + 1] = share
+    return out
+
+
+def with_joint_names(words: str, joints: Sequence[str]) -> str:
+    """Return words about a coordinate with the names of joints instead of their numbers."""
+    return re.sub(r"\bjoint (\d+)\b", lambda match: joints[int(match.group(1))], words)
+
+
+def _of(kind: str, other: int | None = None) -> Callable[[Inputs, int], Floats]:
+    """Return the reader of a coordinate, of the joint itself or of another."""
+    return lambda x, joint: np.asarray(getattr(x, kind)[:, joint if other is None else other])
+
+
+def _time(x: Inputs, joint: int) -> Floats:
+    return np.minimum(x.time, 1e9)
+
+
+def _make(
+    name: str, words: str, reads: Callable[[Inputs, int], Floats], friction: bool
+) -> Callable[[Inputs, int], Iterator[Spline]]:
+    def make(x: Inputs, joint: int) -> Iterator[Spline]:
+        knots = _knots(reads(x, joint))
+        if len(knots) >= 3:
+            yield Spline(name, words, reads, knots, friction)
+
+    return make
+
+
+def _neighbours(
+    name: str, words: str, kind: str, friction: bool
+) -> Callable[[Inputs, int], Iterator[Spline]]:
+    def make(x: Inputs, joint: int) -> Iterator[Spline]:
+        for other in range(x.joints):
+            if other != joint:
+                label = words.replace("#", str(other))
+                yield from _make(f"{name} {other}", label, _of(kind, other), friction)(x, joint)
+
+    return make
+
+
+def _products(x: Inputs, joint: int) -> Iterator[SplineProduct]:
+    mine = _knots(x.q[:, joint], PRODUCT_KNOTS)
+    for other in range(x.joints):
+        its = _knots(x.q[:, other], PRODUCT_KNOTS)
+        if other != joint and len(mine) >= 3 and len(its) >= 3:
+            words = f"its position and that of joint {other}, changing sign with direction"
+            yield SplineProduct(
+                f"friction over its position and joint {other}", words, other, (mine, its)
+            )
+
+
+def _knots(values: Floats, count: int = KNOTS) -> tuple[float, ...]:
+    knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count)))
+    width = float(np.ptp(values))
+    keep = np.concatenate([[True], np.diff(knots) > 1e-6 * width]) if width > 0.0 else [True]
+    return tuple(float(v) for v in knots[keep])
+
+
+ALTERNATIVES: tuple[Callable[[Inputs, int], Iterator[Alternative]], ...] = (
+    _make("velocity", "velocity", _of("qd"), False),
+    _make("position", "position", _of("q"), False),
+    _make("acceleration", "acceleration", _of("qdd"), False),
+    _make("time", "time", _time, False),
+    _make("friction over position", "position, changing sign with direction", _of("q"), True),
+    _make("friction over time", "time, changing sign with direction", _time, True),
+    _make("friction over load", "load, changing sign with direction", _of("load"), True),
+    _make("friction over acceleration", "acceleration, changing sign with direction",
+          _of("qdd"), True),
+    _make("since reversal", "time since reversal, changing sign with direction",
+          Inputs.since_reversal, True),
+    _neighbours("velocity of joint", "velocity of joint #", "qd", False),
+    _neighbours("friction over position of joint",
+                "position of joint #, changing sign with direction", "q", True),
+    _products,
+)  # fmt: skip
+"""Every alternative but the sinusoids; a new one joins here."""
+
+
+def sinusoids(time: Floats, residual: Floats) -> list[Sinusoid]:
+    """Return a sinusoid for each joint, at the frequency where its residual swings most.
+
+    Args:
+        time: (M,) s, evenly spaced.
+        residual: (M, N) N·m.
+    """
+    step = usual_step(time)
+    if not 0.0 < step < np.inf or len(time) < SHORTEST:
+        return []
+    window = np.hanning(len(time))[:, None]
+    size = PADDED * len(time)
+    power = np.abs(np.fft.rfft((residual - residual.mean(axis=0)) * window, size, axis=0)) ** 2
+    frequency = np.fft.rfftfreq(size, step)
+    band = (frequency >= BAND[0]) & (frequency <= min(BAND[1], 0.4 / step))
+    found = []
+    for joint in range(residual.shape[1]):
+        best = float(frequency[band][np.argmax(power[band, joint])])
+        found.append(Sinusoid(f"tone of {best:.2f} Hz", f"time, swinging at {best:.2f} Hz", best))
+    return found

@@ -1,0 +1,107 @@
+"""Every threshold of a diagnosis, in one place, with the reason for its value."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """The least or most that a claim needs. A log Bayes factor (log BF) is in nats.
+
+    Attributes:
+        floor: least log BF of any claim. A form that is not quite the true one leaves about as
+            much, whatever the null says.
+        event_floor: the same for an event: random signs of blocks cannot separate it from an
+            outlier.
+        level: largest p-value, over all candidates and on the hold-out motion.
+        promising: log BF of the best effect above which it is mentioned although the null reaches
+            it.
+        least_size: share of a joint's torque below which an effect is not worth a name.
+        remainder: share of the log BF of another effect on the joint that may be a flaw of its
+            form.
+        name_share: share of the log BF of the best curve that an effect must reach to be named.
+        plain_share, first_share: share of the best log BF that plain friction must reach, where
+            the model has some on the joint and where it has none.
+        bare_factor: ratio to the best log BF that a change of the arm must exceed where plain
+            friction is missing: a second Lagrangian takes up much of it.
+        near: an effect or a curve is refitted if at first it reaches this share of the best log
+            BF.
+        rival_nats, rival_deviations: nats, and standard deviations of the difference by blocks
+            (Vuong 1989), by which a rival must fall behind to be ruled out.
+        rival_share: share of the best log BF below which nothing is a rival.
+        same_cause: share of the best log BF that a cause found on another joint must reach.
+        piece: s of the pieces that hold-out motion is cut into.
+        group_nats: log BF expected of a group of these pieces: less is noise, more makes the
+            groups too few.
+        fewest_groups, groups, most_groups: number of groups. With more of them, they would be as
+            short as the residual is correlated.
+        held_out_share: share of these groups in which an effect must help.
+        size_ratio: range of the effect's size on hold-out motion relative to that found.
+        large_rest: a finding is only suggested where curves on the joint reach this share of its
+            log BF.
+        shortest: s of motion that a search or a confirmation needs.
+        held_back: share of a single recording, from its end, that confirms what the rest suggests.
+        change_floor: least log BF of a change of the arm: a second Lagrangian is a large freedom.
+        change_promising: log BF on few samples above which a change is examined on all.
+        change_beyond_chance, change_again: least ratio of the log BF of a change to that with
+            shuffled blocks, in the search and on hold-out motion.
+        change_motion: s of motion below which no change is searched.
+        change_margin: s of motion needed before and after a moment of change.
+        change_shortest: s that a change lasts at least, and that remain after its end.
+        felt: share of a joint's torque above which the joint counts as feeling a load.
+        unit_floor: nats of log evidence that other units of effort need to be believed.
+        learned: share of a parameter's prior variance; with more left, the motion says nothing of
+            the parameter.
+        alike: nats within which another change of the robot's bodies explains as much.
+        observable_size: share of a joint's torque at which a motion should show an effect.
+        still: rad within which a joint stands still.
+        covered_least: share of torques inside 90 % intervals below which a long motion shows that
+            something is wrong: eight models of simulated arms that had not changed had at least
+            0.71 on every joint.
+        covered_deviations: standard deviations, one second counted as one sample, by which a short
+            motion may fall below 90 %.
+    """
+
+    floor: float = 20.0
+    event_floor: float = 25.0
+    level: float = 0.05
+    promising: float = 60.0
+    least_size: float = 0.005
+    remainder: float = 0.03
+    name_share: float = 0.7
+    plain_share: float = 0.6
+    first_share: float = 0.2
+    bare_factor: float = 3.0
+    near: float = 0.2
+    rival_nats: float = 4.0
+    rival_deviations: float = 2.0
+    rival_share: float = 0.25
+    same_cause: float = 0.7
+    piece: float = 0.5
+    group_nats: tuple[float, float] = (2.0, 4.0)
+    fewest_groups: int = 5
+    groups: int = 6
+    most_groups: int = 8
+    held_out_share: float = 0.75
+    size_ratio: tuple[float, float] = (0.5, 1.6)
+    large_rest: float = 0.5
+    shortest: float = 6.0
+    held_back: float = 1.0 / 3.0
+    change_floor: float = 100.0
+    change_promising: float = 3.0
+    change_beyond_chance: float = 4.0
+    change_again: float = 2.0
+    change_motion: float = 15.0
+    change_margin: float = 3.0
+    change_shortest: float = 1.0
+    felt: float = 0.02
+    unit_floor: float = 100.0
+    learned: float = 0.5
+    alike: float = 3.0
+    observable_size: float = 0.1
+    still: float = 1e-3
+    covered_least: float = 0.65
+    covered_deviations: float = 3.0
+
+
+USED = Thresholds()
+"""The thresholds in use; read as `thresholds.USED`, so that another set can take their place."""

@@ -1,0 +1,266 @@
+"""Fit hyperparameters and the shapes of friction by evidence, on few samples first."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from threadpoolctl import threadpool_limits
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.choosing.evidence import (
+    Logarithms,
+    maximise_evidence,
+    quiet,
+)
+from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
+from lagrangian_ff.identification.problem import Nuisance, Problem, Scaling
+from lagrangian_ff.identification.samples import Samples, evenly
+from lagrangian_ff.identification.solving.posterior import exact
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
+from lagrangian_ff.identification.solving.system import System
+from lagrangian_ff.identification.spec import sliding_of
+from lagrangian_ff.kernels import States
+from lagrangian_ff.kernels.structured.chain import Chain
+from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.recording.motion import Motion
+
+ROWS = 4800
+"""Torques (samples times joints) that are whitened; factoring takes about a second."""
+COARSE, FINE, SHAPES = 120, 240, 400
+"""Numbers of samples. On the fewest alone, a flexible prior takes the noise for dynamics."""
+BLOCK_SECONDS = 2.0
+STAGES = ((60, 20), (COARSE, 6), (FINE, 2))
+"""Samples that the evidence is maximised on, and the largest number of steps."""
+AGAIN = 2
+"""Largest number of steps of a refit."""
+LEAST_NOISE = 1e-7
+"""Least noise relative to the prior variance; with less, many samples have no factor."""
+FAILED = 1e12
+SIGN_SPEEDS = np.geomspace(0.002, 0.3, 28)  # rad/s
+START_NOISE = 1e-2
+"""Variance of the noise relative to the prior's, before the fit."""
+
+
+def fit(
+    motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = silent,
+    sliding: Floats | None = None,
+) -> Whitened:  # fmt: skip
+    """Return a motion whitened, with all hyperparameters fitted by evidence.
+
+    Args:
+        motion: measured, at 100 Hz or so.
+        inputs: the same motion with the model's load and torque.
+        basis: the effects already in the model; the widths of their Coulomb steps are refitted.
+        progress: receives the share done, 0 to 1.
+        sliding: (N,) 1 for a joint that slides; None if all turn.
+    """
+    index = evenly(len(motion), FINE)
+    states = States(inputs.q[index], inputs.qd[index], inputs.qdd[index])
+    problem = _started(_few(motion, inputs, FINE), motion.tau, states, basis, sliding)
+    prior = _about(problem)
+    with threadpool_limits(1):
+        begin = 0.0
+        for (count, steps), end in zip(STAGES, (0.1, 0.3, 0.5), strict=True):
+            problem = problem.of(_few(motion, inputs, count))
+            problem = _maximised(problem, prior, steps, part(progress, begin, end))
+            begin = end
+        problem = _sign_speeds(motion, inputs, problem)
+        inputs = replace(inputs, sign_speed=problem.basis.sign_speed(inputs.joints))
+        problem = problem.of(_few(motion, inputs, FINE))
+        problem = _maximised(problem, prior, AGAIN, part(progress, 0.5, 0.7))
+        problem = _sign_speeds(motion, inputs, problem)
+        inputs = replace(inputs, sign_speed=problem.basis.sign_speed(inputs.joints))
+        problem = _with_gains(problem.of(_few(motion, inputs, COARSE)))
+    progress(0.8, "factoring")
+    whitened = _whitened(motion, inputs, problem)
+    inputs = whitened.inputs_of(motion)
+    whitened = replace(whitened, inputs=inputs)
+    if any(term.effect.uses for term in problem.basis.terms):
+        whitened = _whitened(motion, inputs, problem, whitened.system)
+    progress(0.9, "predicting the load")
+    samples = replace(whitened.problem.samples, x=whitened.inputs_left_out())
+    progress(1.0, "predicting the load")
+    return replace(whitened, problem=whitened.problem.of(samples))
+
+
+def refit(
+    whitened: Whitened,
+    basis: Basis,
+    nuisance: tuple[Nuisance, ...] = (),
+    change: tuple[float, float, float] | None = None,
+    progress: Progress = silent,
+) -> Problem:
+    """Return the problem with hyperparameters refitted while more is explained.
+
+    Args:
+        whitened: a motion.
+        basis, nuisance: the effects and the columns that are explained.
+        change: instead of that of the problem; None keeps that one.
+        progress: receives the share done, 0 to 1.
+    """
+    change = change or whitened.problem.change
+    whole = replace(whitened.problem, basis=basis, nuisance=nuisance, change=change)
+    problem = whole.thinned(FINE)
+    samples = problem.samples
+    sliding = sliding_of(problem.kernel, whitened.joints)
+    start = _started(samples, samples.tau, samples.states, basis, sliding)
+    with threadpool_limits(1):
+        return _maximised(problem, _about(start), AGAIN, progress)
+
+
+def _started(
+    samples: Samples, tau: Floats, states: States, basis: Basis, sliding: Floats | None
+) -> Problem:
+    """Return the problem before the fit.
+
+    Args:
+        samples: of the problem.
+        tau: (M, N) N·m and states: (M, N) give the scales.
+        basis: the effects already in the model.
+        sliding: (N,) 1 for a joint that slides; None if all turn.
+    """
+    spread = np.std(tau, axis=0)
+    unit = spread.max(initial=0.0) or 1.0
+    share = np.maximum(spread / unit, 1e-4) ** 2
+    kernel = Chain.start(states)
+    if sliding is not None:
+        kernel = kernel.replace(prismatic=sliding)
+    noise = START_NOISE * share * kernel.variance(states).mean()
+    scaling = Scaling(np.full(tau.shape[1], unit), np.ones(tau.shape[1]))
+    return Problem(samples, kernel, noise, scaling, basis)
+
+
+def _about(problem: Problem) -> HyperPrior:
+    """Return the hyperprior centred on the hyperparameters of a problem."""
+    return HyperPrior(Logarithms(problem, shapes=False).of(problem))
+
+
+def _few(motion: Motion, inputs: Inputs, count: int) -> Samples:
+    """Return some samples of a motion, averaged as all of them are."""
+    window = window_of(evenly(len(motion), ROWS // len(motion.joints)), motion)
+    x = inputs.take(evenly(len(motion), count), window)
+    return Samples(x, x.mean(motion.tau))
+
+
+def _whitened(
+    motion: Motion, inputs: Inputs, problem: Problem, like: System | None = None
+) -> Whitened:
+    index = evenly(len(motion), ROWS // len(motion.joints))
+    block = motion.blocks(BLOCK_SECONDS)[index]
+    return whiten(motion, index, block, inputs, problem, like=like)
+
+
+def _maximised(problem: Problem, prior: HyperPrior, steps: int, progress: Progress) -> Problem:
+    """Return the problem with the hyperparameters of largest evidence; unchanged if that fails."""
+    try:
+        return maximise_evidence(
+            problem, steps, prior, progress, shapes=False, least_noise=LEAST_NOISE
+        ).problem
+    except NotPositiveDefiniteError:
+        return problem
+
+
+def _with_gains(problem: Problem) -> Problem:
+    """Return the problem with units of effort that differ between joints, if strongly evident."""
+    evidence = _by_gain(problem)
+    start = problem.unit / problem.unit[0]
+    first = evidence(start)
+    best, gain = first, start
+    steps = np.full(len(gain), 0.25)
+    for _ in range(3):
+        for joint in range(1, len(gain)):
+            for sign in (1.0, -1.0):
+                tried = gain.copy()
+                tried[joint] *= np.exp(sign * steps[joint])
+                value = evidence(tried)
+                if value > best:
+                    best, gain = value, tried
+                    break
+            else:
+                steps[joint] *= 0.4
+    if best - first <= thresholds.USED.unit_floor:
+        return problem
+    return replace(problem, scaling=Scaling(problem.unit[0] * gain, problem.scaling.noise))
+
+
+def _by_gain(problem: Problem) -> Callable[[Floats], float]:
+    """Return the log evidence in N·m as a function of the units (N,) relative to the first joint's.
+
+    The units change no Gram matrix.
+    """
+    if quiet(problem, LEAST_NOISE):
+        return lambda gain: -FAILED
+    try:
+        system = exact(problem).system
+    except NotPositiveDefiniteError:
+        return lambda gain: -FAILED
+    joints = len(problem.unit)
+    apart = (system.target.reshape(-1, joints, 1) * np.eye(joints)).reshape(-1, joints)
+    white = solve_triangular(system.upper, apart, trans=1, check_finite=False)
+
+    def evidence(gain: Floats) -> float:
+        unit = problem.unit[0] * gain
+        scale = problem.unit / unit
+        scaled = replace(
+            system,
+            white_design=system.white_design * scale[problem.basis.joints],
+            white_target=white @ scale,
+        )
+        return scaled.log_evidence - len(problem.samples) * float(np.sum(np.log(unit)))
+
+    return evidence
+
+
+def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:
+    """Return the problem with the width of each joint's Coulomb step fitted.
+
+    A wrong width looks like a bump at low speed.
+    """
+    places = [
+        (number, place.start)
+        for number, (term, place) in enumerate(problem.basis.slices())
+        if term.effect.sign_width
+    ]
+    if not places:
+        return problem
+    samples = _few(motion, inputs, SHAPES)
+    x = samples.x
+    system = exact(problem.of(samples)).system
+    white = system.white_design.copy()
+    terms = list(problem.basis.terms)
+    for number, column in places:
+        term = terms[number]
+        tried = np.zeros((len(samples), x.joints, len(SIGN_SPEEDS)))
+        unit = problem.unit[term.joint]
+        for k, speed in enumerate(SIGN_SPEEDS):
+            tried[:, term.joint, k] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
+        flat = tried.reshape(-1, len(SIGN_SPEEDS))
+        z = solve_triangular(system.upper, flat, trans=1, check_finite=False)
+        span, _ = np.linalg.qr(np.delete(white, column, axis=1))
+        left = system.white_target - span @ (span.T @ system.white_target)
+        z -= span @ (span.T @ z)
+        fall = (z.T @ left) ** 2 / np.maximum(np.sum(z * z, axis=0), 1e-300)
+        speed = float(np.exp(_peak(np.log(SIGN_SPEEDS), fall)))
+        terms[number] = Term(term.effect, term.joint, {**term.shape, term.effect.sign_width: speed})
+        chosen = np.zeros((len(samples), x.joints))
+        chosen[:, term.joint] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
+        white[:, column] = solve_triangular(
+            system.upper, chosen.ravel(), trans=1, check_finite=False
+        )
+    return replace(problem, basis=Basis(tuple(terms)))
+
+
+def _peak(at: Floats, values: Floats) -> float:
+    """Return where a parabola through the largest of evenly spaced values peaks."""
+    k = int(np.argmax(values))
+    if not 0 < k < len(values) - 1:
+        return float(at[k])
+    before, here, after = values[k - 1 : k + 2]
+    bend = before - 2.0 * here + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return float(at[k] + shift * (at[1] - at[0]))

@@ -1,0 +1,377 @@
+"""The whitened residual that candidates are compared with.
+
+Let y be the torques of S samples, G the Gram matrix of the rigid-body prior plus the noise, U its
+upper Cholesky factor and Φ the columns of everything already explained. The residual U⁻ᵀ(y − Φ b),
+divided by the amplitude, is white if nothing is missing. The prior whitens, so that a small effect
+stands out although the rigid-body part is unknown.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.problem import Nuisance, Problem, within
+from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.solving.posterior import exact
+from lagrangian_ff.identification.solving.solution import LeftOut
+from lagrangian_ff.identification.solving.system import System
+from lagrangian_ff.kernels import States, threads
+from lagrangian_ff.kernels.structured.chain import Chain
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import usual_step
+
+MANY = 64
+"""Number of columns of a joint above which its response saves time."""
+ROWS_AT_ONCE = 480
+AVERAGED = 0.07  # s, over which samples are averaged at most
+TANGENT = 0.03
+"""Relative step of the derivative with respect to a shape."""
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """A whitened motion.
+
+    Attributes:
+        motion: the whole motion.
+        index: (S,) the samples used.
+        block: (S,) the block of time of each.
+        inputs: the whole motion as effects read it.
+        problem: of the samples used: a serial arm of unknown masses with white noise on every
+            joint, the effects already in the model with free parameters, and nuisance columns.
+        system: the factored system.
+        residual: (S N,) whitened, of variance one if nothing is missing.
+        explained: (S N, B) orthonormal whitened columns of everything explained.
+    """
+
+    motion: Motion
+    index: Ints
+    block: Ints
+    inputs: Inputs
+    problem: Problem
+    system: System
+    residual: Floats
+    explained: Floats
+
+    @property
+    def x(self) -> Inputs:
+        """Return the samples used, as effects read them."""
+        return self.problem.samples.x
+
+    @property
+    def basis(self) -> Basis:
+        """Return the effects already in the model."""
+        return self.problem.basis
+
+    @property
+    def joints(self) -> int:
+        """Return the number of joints N."""
+        return len(self.motion.joints)
+
+    @property
+    def amplitude(self) -> float:
+        """Return one standard deviation of the whitened residual, in units of the prior."""
+        return float(np.sqrt(self.system.amplitude))
+
+    @property
+    def noise(self) -> Floats:
+        """Return the standard deviation (N,) N·m of each joint's unexplained torque."""
+        deviation = np.sqrt(self.problem.variances) * self.amplitude
+        return np.asarray(deviation * self.problem.unit)
+
+    @property
+    def spread(self) -> Floats:
+        """Return the standard deviation (N,) N·m of each joint's torque."""
+        return np.asarray(np.std(self.motion.tau, axis=0))
+
+    @cached_property
+    def starts(self) -> Ints:
+        """Return the first row (B,) of each block among the S N whitened rows."""
+        rows = np.repeat(self.block, self.joints)
+        return np.asarray(np.flatnonzero(np.diff(rows, prepend=-1)), dtype=np.int64)
+
+    @cached_property
+    def _responses(self) -> dict[int, Floats]:
+        return {}
+
+    def response(self, joint: int) -> Floats:
+        """Return the whitened unit torques (S, S N) of one joint; zero before each sample.
+
+        With them, many columns of a joint cost a third of a triangular solve each. The responses
+        of two joints are kept, for two threads.
+        """
+        found = self._responses.get(joint)
+        if found is None:
+            found = _response(self.system.upper, self.joints, joint)
+            for oldest in list(self._responses)[:-1]:
+                self._responses.pop(oldest, None)
+            self._responses[joint] = found
+        return found
+
+    def forget(self) -> None:
+        """Free the memory that `response` keeps."""
+        self._responses.clear()
+
+    def assuming(self, other: Problem) -> "Whitened":
+        """Return the same motion with the kernel, noise, units and change of another problem.
+
+        The factor is reused if they are the same objects.
+        """
+        mine = self.problem
+        names = ("kernel", "noise", "scaling", "change")
+        same = all(getattr(mine, name) is getattr(other, name) for name in names)
+        assumed = {name: getattr(other, name) for name in names}
+        return self._again(replace(mine, **assumed), self.system if same else None)
+
+    def explaining(self, basis: Basis, nuisance: tuple[Nuisance, ...]) -> "Whitened":
+        """Return the same motion with other effects and columns explained, with the same factor."""
+        return self._again(replace(self.problem, basis=basis, nuisance=nuisance), self.system)
+
+    def _again(self, problem: Problem, like: System | None) -> "Whitened":
+        parts = self.motion, self.index, self.block, self.inputs
+        return whiten(*parts, problem, self.x, like)
+
+    def whitened(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
+        """Return columns of one joint's torque whitened, (S N, K), without projection.
+
+        Args:
+            columns: (S, K) N·m.
+            joint: the joint.
+            coarse: whether many columns at once come in single precision, which is twice as fast
+                and exact enough to choose by.
+        """
+        samples, count = columns.shape
+        scaled = np.asarray(columns.T) / (self.problem.unit[joint] * self.amplitude)
+        if count >= MANY or joint in self._responses:
+            return _multiplied(scaled, self.response(joint), coarse=coarse)
+        full = np.zeros((count, samples, self.joints))
+        full[:, :, joint] = scaled
+        flat = full.reshape(count, -1).T
+        return np.asarray(
+            solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
+        )
+
+    def project(self, whitened: Floats) -> Floats:
+        """Return whitened columns (S N, K) with everything explained projected out."""
+        return np.asarray(whitened - self.explained @ (self.explained.T @ whitened))
+
+    def inputs_of(self, motion: Motion) -> Inputs:
+        """Return any motion of these joints as effects read it, with load and torque predicted.
+
+        The load goes through the gear: it excludes the rotors' inertia and includes constant
+        torques, which are gravity over a part of the range.
+        """
+        x = States.of(motion.q, motion.qd, motion.qdd)
+        speed = self.basis.sign_speed(self.joints)
+        inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
+        load, torque = self._predicted(
+            inputs, self.system.weights, self.system.coefficients[: self.basis.size]
+        )
+        return replace(inputs, load=load, torque=torque, rotor=self._rotor)
+
+    @property
+    def _rotor(self) -> Floats:
+        return rotor(self.problem, self.system.weights.reshape(len(self.index), self.joints))
+
+    def inputs_left_out(self) -> Inputs:
+        """Return the samples used, and the motion behind them, with the load cross-validated.
+
+        The load at each moment is predicted without the block of that moment: a load fitted to the
+        torque that it is to explain would contain the answer.
+        """
+        _, place = np.unique(self.block, return_inverse=True)
+        ends = np.flatnonzero(np.diff(place, prepend=-1, append=-1)) * self.joints
+        left = _left_out(self.system, ends.tolist())
+        weights = self.system.weights_without(left)
+        between = 0.5 * (self.index[1:] + self.index[:-1])
+        nearest = place[np.searchsorted(between, np.arange(len(self.inputs)))]
+        load, torque = np.zeros((2, *self.inputs.q.shape))
+
+        def predict(number: int) -> None:
+            here = np.flatnonzero(nearest == number)
+            coefficients = self.system.coefficients + left[number].change
+            load[here], torque[here] = self._predicted(
+                self.inputs.take(here), weights[:, number], coefficients[: self.basis.size]
+            )
+
+        threads.side_by_side(predict, range(len(left)))
+        whole = replace(self.inputs, load=load, torque=torque, rotor=self._rotor)
+        return whole.take(self.index, self.x.window)
+
+    def _predicted(self, x: Inputs, weights: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+        """Return load and whole torque, (M, N) N·m each, for weights (S N,) and coefficients."""
+        by_joint = weights.reshape(len(self.index), self.joints)
+        load = rigid_torque(self.problem, x, by_joint)
+        load += self.basis.constant(self.joints, coefficients)
+        rotors = x.qdd * rotor(self.problem, by_joint)
+        x = replace(x, load=load, torque=load)
+        return load, load + rotors + self.basis.beside_load(x, coefficients)
+
+
+def window_of(index: Ints, motion: Motion) -> int:
+    """Return the number of samples averaged about each of those used: at most all between them.
+
+    Averaging lowers the noise. Over more than `AVERAGED` s it would damp vibrations of some Hz too.
+    """
+    if len(index) < 2:
+        return 1
+    step = usual_step(motion.time)
+    most = min(float(np.median(np.diff(index))), AVERAGED / step)
+    return max(1, 2 * int((most + 1e-6 - 1.0) // 2) + 1)
+
+
+def whiten(
+    motion: Motion,
+    index: Ints,
+    block: Ints,
+    inputs: Inputs,
+    assumed: Problem,
+    x: Inputs | None = None,
+    like: System | None = None,
+) -> Whitened:
+    """Return a motion factored and whitened, with the tangents of the basis' shapes explained too.
+
+    Args:
+        motion, index, block, inputs: see `Whitened`.
+        assumed: the problem; its samples are replaced.
+        x: the samples used; None takes them from the inputs.
+        like: a system of the same samples, kernel and noise, whose factor is reused.
+
+    Raises:
+        NotPositiveDefiniteError: the noise is too small for the arithmetic.
+    """
+    x = x or inputs.take(index, window_of(index, motion))
+    problem = assumed.of(Samples(x, x.mean(motion.tau)))
+    tangents = (*problem.nuisance, *_tangents(problem.basis, x))
+    system = exact(replace(problem, nuisance=tangents), like=like).system
+    explained, triangle = np.linalg.qr(system.white_design)
+    weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
+    explained = explained[:, ~weak]
+    white = system.white_target - explained @ (explained.T @ system.white_target)
+    residual = white / np.sqrt(system.amplitude)
+    return Whitened(motion, index, block, inputs, problem, system, residual, explained)
+
+
+def rigid_torque(problem: Problem, x: Inputs, weights: Floats) -> Floats:
+    """Return the rigid-body torque (M, N) N·m without the rotors, for weights (S, N)."""
+    kernel = chain_of(problem).replace(rotor=np.zeros(x.joints))
+    at, centres = States(x.q, x.qd, x.qdd), problem.samples
+    torque = kernel.learned(centres.states, weights).torque(at)
+    if problem.change is not None:
+        inside = weights * within(problem.change, centres.x)[:, None]
+        added = kernel.learned(centres.states, inside).torque(at)
+        torque += problem.change[2] * added * within(problem.change, x)[:, None]
+    return np.asarray(torque * problem.unit)
+
+
+def rotor(problem: Problem, weights: Floats) -> Floats:
+    """Return the rotors' inertia (N,) kg·m², for weights (S, N)."""
+    kernel = chain_of(problem)
+    own = kernel.rotor * kernel.inertia**2
+    return np.asarray(own * np.sum(problem.samples.x.qdd * weights, axis=0) * problem.unit)
+
+
+def chain_of(problem: Problem) -> Chain:
+    """Return the kernel of a serial arm."""
+    assert isinstance(problem.kernel, Chain)
+    return problem.kernel
+
+
+def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
+    """Return `System.left_out` for contiguous blocks of rows that `ends` delimits.
+
+    Only the rows of U⁻¹ of one block are in memory at a time.
+    """
+    white = solve_triangular(system.upper, system.white_design, check_finite=False)
+
+    def without(rows: tuple[int, int]) -> LeftOut:
+        first, last = rows
+        half = _inverse_rows(system.upper, first, last)
+        mine = white[first:last]
+        projected = half @ half.T - mine @ system.covariance @ mine.T
+        residual = np.linalg.solve(projected, system.weights[first:last])
+        change = -system.covariance @ (mine.T @ residual)
+        return LeftOut(np.arange(first, last), residual, change)
+
+    system.covariance  # noqa: B018  computed once, before the threads read it
+    return threads.side_by_side(without, pairwise(ends))
+
+
+def _inverse_rows(upper: Floats, first: int, last: int) -> Floats:
+    """Return rows of U⁻¹ (R, n - first), from where they are not zero."""
+    size = len(upper) - first
+    out = np.zeros((last - first, size))
+    own = np.triu(upper[first:last, first:last])
+    out[:, : last - first] = solve_triangular(own, np.eye(len(own)), check_finite=False)
+    for begin in range(last - first, size, ROWS_AT_ONCE):
+        here = slice(begin, min(begin + ROWS_AT_ONCE, size))
+        there = slice(first + here.start, first + here.stop)
+        across = -out[:, :begin] @ upper[first : first + begin, there]
+        corner = upper[there, there]
+        out[:, here] = solve_triangular(corner, across.T, trans=1, check_finite=False).T
+    return out
+
+
+def _response(upper: Floats, joints: int, joint: int) -> Floats:
+    """Return the rows (S, S N) of U⁻¹ of one joint, block by block, skipping zeros."""
+    size = len(upper)
+    out = np.zeros((size // joints, size))
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, min(first + ROWS_AT_ONCE, size))
+        for before in range(0, first, ROWS_AT_ONCE):
+            there = slice(before, before + ROWS_AT_ONCE)
+            known = slice(0, _samples(there.stop, joints))
+            out[known, here] -= out[known, there] @ upper[there, here]
+        known = slice(0, _samples(here.stop, joints))
+        own = np.arange(joint, size, joints)
+        own = own[(own >= here.start) & (own < here.stop)]
+        out[own // joints, own] = 1.0
+        corner = upper[here, here]
+        out[known, here] = solve_triangular(
+            corner, out[known, here].T, trans=1, check_finite=False
+        ).T
+    return out
+
+
+def _multiplied(columns: Floats, response: Floats, *, coarse: bool) -> Floats:
+    """Return the columns (K, S) whitened, (S N, K), skipping zeros of the response."""
+    kind = np.float32 if coarse else np.float64
+    samples, size = response.shape
+    given: Floats = np.ascontiguousarray(columns, dtype=kind)
+    out = np.empty((len(columns), size), dtype=kind)
+    for first in range(0, size, ROWS_AT_ONCE):
+        here = slice(first, first + ROWS_AT_ONCE)
+        known = slice(0, _samples(min(here.stop, size), size // samples))
+        part: Floats = np.asarray(response[known, here], dtype=kind)
+        out[:, here] = given[:, known] @ part
+    return out.T
+
+
+def _samples(rows: int, joints: int) -> int:
+    """Return the number of samples that the first `rows` rows belong to."""
+    return -(-rows // joints)
+
+
+def _tangents(basis: Basis, x: Inputs) -> list[Nuisance]:
+    """Return the derivatives of the columns by the shapes: to first order, the shapes' errors."""
+    found = []
+    for term in basis.terms:
+        if len(term.effect.parameters) != 1:
+            continue
+        for shape in term.effect.shapes:
+            if shape.whole or not term.shape.get(shape.name, 0.0) > 0.0:
+                continue
+            value = term.shape[shape.name]
+            up, down = (
+                replace(term, shape={**term.shape, shape.name: value * factor})
+                for factor in (1.0 + TANGENT, 1.0 - TANGENT)
+            )
+            found.append(Nuisance(term.joint, (up.columns(x) - down.columns(x)) / TANGENT))
+    return found

@@ -1,0 +1,246 @@
+"""The frame of every node: clean start and end, parameters, and its state on /diagnostics."""
+
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterImmutableException,
+)
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+from threadpoolctl import threadpool_limits
+
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.common.status import Level, Status
+
+BAD_PARAMETER = (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterImmutableException,
+)
+
+
+class ClosingNode(Node):
+    """A node that can leave the machine in a safe state."""
+
+    def close(self) -> None:
+        """Publish last zeros and save what must be saved; the context is still valid."""
+
+
+def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> int:
+    """Run the node until SIGINT or SIGTERM and return the exit code.
+
+    rclpy's own signal handlers invalidate the context before last messages can be sent, and
+    `ros2 launch` delivers SIGINT twice. So the handlers are ours: they set a flag and wake the
+    executor, and during the ending both signals are ignored. An exception that escapes a
+    callback is logged and the node goes on.
+    """
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    except rclpy_implementation.RCLError as error:
+        print(f"the ROS arguments cannot be used: {error}", file=sys.stderr)
+        return 2
+    # The paced threads share the interpreter with the executor; the default of 5 ms would
+    # cost them two periods at 500 Hz.
+    sys.setswitchinterval(0.0005)
+    # Threads of the linear algebra spin while they wait, and would take the core of a paced loop.
+    threadpool_limits(1)
+    stop = threading.Event()
+    executor = SingleThreadedExecutor()
+
+    def end(signal_number: int, frame: object) -> None:
+        stop.set()
+        executor.wake()
+
+    signal.signal(signal.SIGINT, end)
+    signal.signal(signal.SIGTERM, end)
+    node: ClosingNode | None = None
+    code = 0
+    try:
+        node = make_node()
+        executor.add_node(node)
+        while not stop.is_set():
+            try:
+                executor.spin_once(timeout_sec=0.1)
+            except Exception:
+                node.get_logger().error(
+                    f"a callback failed and was skipped:\n{traceback.format_exc()}",
+                    throttle_duration_sec=1.0,
+                )
+    except (UserError, *BAD_PARAMETER) as error:
+        print(f"error: {error}", file=sys.stderr, flush=True)
+        code = 2
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        if node is not None:
+            node.close()
+            executor.remove_node(node)
+            node.destroy_node()
+        executor.shutdown(timeout_sec=0.0)
+        rclpy.try_shutdown()
+    return code
+
+
+class Parameters:
+    """The declared parameters of a node; a value that is not allowed is refused with a reason."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._choices: dict[str, tuple[str, ...]] = {}
+        self._declaring = False
+        node.add_on_set_parameters_callback(self._check)
+
+    def watch(self, changed: Callable[[], None]) -> None:
+        """Call `changed` now, and whenever parameters were set at run time."""
+
+        def after(parameters: list[Parameter]) -> None:
+            if not self._declaring:
+                changed()
+
+        self._node.add_post_set_parameters_callback(after)
+        changed()
+
+    def declare(
+        self, name: str, default: Any, description: str, *, low: float | None = None,
+        high: float | None = None, choices: Sequence[str] = (), read_only: bool = False,
+    ) -> Any:  # fmt: skip
+        """Declare a parameter and return its value.
+
+        Args:
+            name: snake_case, nested with dots.
+            default: its type is the type of the parameter.
+            description: what it does, with the unit.
+            low: smallest value; needs `high`.
+            high: largest value; needs `low`.
+            choices: the only texts allowed.
+            read_only: can be set at the start only.
+
+        Raises:
+            InvalidParameterValueException, InvalidParameterTypeException: of rclpy; the value
+                given at the start is not allowed. `run` prints it.
+        """
+        if self._node.has_parameter(name):
+            return self.value(name)
+        descriptor = ParameterDescriptor(description=description, read_only=read_only)
+        if low is not None and high is not None:
+            if isinstance(default, int):
+                descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
+            else:
+                descriptor.floating_point_range = [
+                    FloatingPointRange(from_value=float(low), to_value=float(high))
+                ]
+        if choices:
+            descriptor.additional_constraints = f"one of: {', '.join(choices)}"
+            # YAML reads an unquoted `true` as a boolean; it still names the choice.
+            descriptor.dynamic_typing = "true" in choices
+            self._choices[name] = tuple(choices)
+        self._declaring = True
+        try:
+            return self._plain(name, self._node.declare_parameter(name, default, descriptor).value)
+        finally:
+            self._declaring = False
+
+    def declare_effort(self, joints: Sequence[str]) -> None:
+        """Declare the conversion from effort to N·m of each joint."""
+        for joint in joints:
+            for name, default, description in (
+                ("effort_scale", 1.0, "N·m per unit of effort"),
+                ("effort_offset", 0.0, "N·m added after scaling"),
+            ):
+                self.declare(f"{name}.{joint}", default, description, low=-1e6, high=1e6)
+
+    def value(self, name: str) -> Any:
+        """Return the present value."""
+        return self._plain(name, self._node.get_parameter(name).value)
+
+    def strings(self, name: str) -> tuple[str, ...]:
+        """Return the present value of a list of texts, without empty ones.
+
+        ROS does not know the type of an empty list, so [""] stands for it.
+        """
+        return tuple(text for text in self.value(name) if text)
+
+    def _plain(self, name: str, value: Any) -> Any:
+        return str(value).lower() if name in self._choices else value
+
+    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
+        for parameter in parameters:
+            allowed = self._choices.get(parameter.name)
+            value = self._plain(parameter.name, parameter.value)
+            if allowed is not None and value not in allowed:
+                return SetParametersResult(
+                    successful=False,
+                    reason=f"{parameter.name} is {value!r}; expected one of {', '.join(allowed)}",
+                )
+        return SetParametersResult(successful=True)
+
+
+class Diagnostics:
+    """Publishes the status of every part of a node once a second.
+
+    An exception in one part becomes its status and does not silence the others. The timer runs on
+    the steady clock, so that it also runs while simulated time stands still.
+
+    Args:
+        node: its name without the leading slash starts every status name.
+        hardware_id: the machine that the state is about.
+        parts: by name, called in order; each returns its status, several statuses by name, or
+            None for housekeeping.
+    """
+
+    def __init__(
+        self, node: Node, hardware_id: str,
+        parts: Mapping[str, Callable[[], Status | Mapping[str, Status] | None]],
+    ) -> None:  # fmt: skip
+        self._node = node
+        self._name = node.get_fully_qualified_name().lstrip("/")
+        self._hardware_id, self._parts = hardware_id, parts
+        self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._timer = node.create_timer(
+            1.0, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    def publish(self) -> None:
+        """Publish the present state now."""
+        statuses: dict[str, Status] = {}
+        for part, ask in self._parts.items():
+            try:
+                found = ask()
+            except (UserError, *BAD_PARAMETER) as error:
+                found = Status(Level.ERROR, str(error))
+            except Exception as error:
+                self._node.get_logger().error(
+                    f"{part}: {traceback.format_exc()}", throttle_duration_sec=60.0
+                )
+                found = Status(Level.ERROR, f"{type(error).__name__}: {error}")
+            statuses |= {part: found} if isinstance(found, Status) else found or {}
+        message = DiagnosticArray()
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.status = [self._message(part, status) for part, status in statuses.items()]
+        self._publisher.publish(message)
+
+    def _message(self, part: str, status: Status) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=bytes([Level(status.level)]), name=f"{self._name}: {part}",
+            message=status.message, hardware_id=self._hardware_id,
+            values=[KeyValue(key=key, value=text) for key, text in status.texts().items()],
+        )  # fmt: skip

@@ -1,0 +1,73 @@
+"""The parts that the launch files share: arguments, and a node beside a robot."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from launch import LaunchDescription  # type: ignore[attr-defined]  # hidden by our folder launch
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+PACKAGE = "lagrangian_ff"
+
+Arguments = Mapping[str, tuple[object, str]]
+"""Default value and description of each launch argument."""
+
+
+def config(name: str) -> PathJoinSubstitution:
+    """Return the path of a parameter file of the package."""
+    return PathJoinSubstitution([FindPackageShare(PACKAGE), "config", name])
+
+
+def describe(
+    arguments: Arguments, nodes: Callable[[Mapping[str, str]], list[Node]]
+) -> LaunchDescription:
+    """Return a launch description; `nodes` makes the nodes for the values of the arguments."""
+
+    def make(context: Any) -> list[Node]:
+        return nodes({name: LaunchConfiguration(name).perform(context) for name in arguments})
+
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in arguments.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=make)])
+
+
+def chosen(given: Mapping[str, str], *names: str) -> dict[str, str]:
+    """Return the arguments that were given; an empty one leaves what the parameter file says."""
+    return {name: given[name] for name in names if given[name]}
+
+
+def describe_beside_robot(
+    executable: str, parameters_description: str, paths: Mapping[str, str], does: str
+) -> LaunchDescription:
+    """Return the launch description of one node that reads the joint states of a robot.
+
+    Args:
+        executable: name of the node and of its parameter file.
+        parameters_description: of the argument params_file.
+        paths: descriptions of the arguments that set a parameter of their name.
+        does: what the node does with joint states, a verb.
+    """
+
+    def nodes(given: Mapping[str, str]) -> list[Node]:
+        time = {"use_sim_time": given["use_sim_time"].lower() == "true"}
+        return [
+            Node(
+                package=PACKAGE, executable=executable, name=executable,
+                namespace=given["namespace"], output="screen",
+                parameters=[given["params_file"], {**time, **chosen(given, *paths)}],
+                remappings=[("joint_states", given["joint_states"])],
+            )
+        ]  # fmt: skip
+
+    arguments: Arguments = {
+        "params_file": (config(f"{executable}.yaml"), parameters_description),
+        "namespace": ("", "namespace of the robot"),
+        "use_sim_time": ("false", "whether the node takes its time from /clock"),
+        "joint_states": ("joint_states", f"topic of the joint states to {does}"),
+        **{name: ("", f"{text}; empty = what params_file says") for name, text in paths.items()},
+    }
+    return describe(arguments, nodes)

@@ -1,0 +1,123 @@
+"""The process that does a job, seen from the node and from inside.
+
+A process, because compiled code that holds the interpreter would delay the recording, and because
+the node survives whatever happens to it. `python -m lagrangian_ff.nodes.recorder.worker JOB`,
+with a pickled job in hexadecimal digits, writes one JSON object a line: {"progress", "label"}
+while it works, {"result"} or {"error"} at the end. It ends when its standard input does, so that
+it does not outlive a killed node.
+"""
+
+import json
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import traceback
+from dataclasses import dataclass
+from typing import Any
+
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.recorder.jobs.base import Job
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The end of a job: its record, or None and the error in words."""
+
+    record: dict[str, Any] | None
+    error: str = ""
+
+
+class Worker:
+    """A process that does a job; the program `command` gets the job as its last argument.
+
+    Attributes:
+        job: the request.
+        fraction: share done, 0 to 1.
+        label: what it does now.
+    """
+
+    def __init__(
+        self, job: Job, command: tuple[str, ...] = (sys.executable, "-m", __name__)
+    ) -> None:
+        self.job = job
+        self.fraction = 0.0
+        self.label = "starting"
+        self._outcome: Outcome | None = None
+        # A new session: the Ctrl-C that ends the node must not reach the process first.
+        self._process = subprocess.Popen(
+            [*command, pickle.dumps(job).hex()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            text=True, start_new_session=True,
+        )  # fmt: skip
+        self._thread = threading.Thread(target=self._listen, name="worker", daemon=True)
+        self._thread.start()
+
+    def outcome(self) -> Outcome | None:
+        """Return how the job ended, None before its end."""
+        return None if self._thread.is_alive() else self._outcome
+
+    def cancel(self) -> None:
+        """End the process now."""
+        self._process.terminate()
+        try:
+            self._process.wait(timeout=1.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._thread.join(timeout=1.0)
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        assert self._process.stdin is not None
+        outcome: Outcome | None = None
+        for line in self._process.stdout:
+            try:
+                event = json.loads(line)
+            except ValueError:
+                continue  # a library that prints
+            if not isinstance(event, dict):
+                continue  # a number that it prints
+            if "progress" in event:
+                self.fraction, self.label = float(event["progress"]), str(event["label"])
+            elif "result" in event:
+                outcome = Outcome(event["result"])
+            elif "error" in event:
+                outcome = Outcome(None, str(event["error"]))
+        code = self._process.wait()
+        self._process.stdin.close()
+        self._process.stdout.close()
+        self._outcome = outcome or Outcome(
+            None, f"the process ended without a result (exit code {code})"
+        )
+
+
+def main() -> int:
+    """Do the job on the command line and return the exit code."""
+    os.nice(5)  # recording and control come first
+    threading.Thread(target=_end_with_the_node, daemon=True).start()
+    try:
+        job: Job = pickle.loads(bytes.fromhex(sys.argv[1]))
+        record = job.work(lambda share, label: _write({"progress": share, "label": label}))
+    except (UserError, OSError) as error:
+        _write({"error": str(error)})
+        return 2
+    except Exception as error:
+        traceback.print_exc()
+        _write({"error": f"unexpected {type(error).__name__}: {error}"})
+        return 1
+    _write({"result": record})
+    return 0
+
+
+def _write(event: dict[str, Any]) -> None:
+    print(json.dumps(event), flush=True)
+
+
+def _end_with_the_node() -> None:
+    sys.stdin.read()
+    os._exit(3)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

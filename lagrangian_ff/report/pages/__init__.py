@@ -1,1 +1,0 @@
-"""The pages, one file each: a title that says the verdict, and the sections listed once."""

@@ -1,1 +1,0 @@
-"""What studies on trajectories of rising speed share: the motions, and how models are learned."""

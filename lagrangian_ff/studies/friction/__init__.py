@@ -1,1 +1,0 @@
-"""Fig. 3: learning inverse dynamics under friction and noise."""

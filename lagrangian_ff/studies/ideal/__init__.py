@@ -1,1 +1,0 @@
-"""Fig. 2: learning the inverse dynamics of ideal rigid-body robots."""

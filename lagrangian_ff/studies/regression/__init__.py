@@ -1,1 +1,0 @@
-"""Learning torques from independent samples: as the paper does, and as this package does."""

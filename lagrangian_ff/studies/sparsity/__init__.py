@@ -1,1 +1,0 @@
-"""Section V: how few centres do, and what they save."""

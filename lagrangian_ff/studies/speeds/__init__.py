@@ -1,1 +1,0 @@
-"""Torque error over speed: Fig. 5 of the paper."""

@@ -1,1 +1,0 @@
-"""Tracking error over speed with precomputed torque: Fig. 6 of the paper."""

@@ -1,0 +1,165 @@
+"""Workers that do cases: this process, processes of this machine, or a Dask cluster."""
+
+import signal
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from threadpoolctl import threadpool_limits
+
+from lagrangian_ff import __version__
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.kernels import threads
+from lagrangian_ff.studies.study import Case, Line
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Workers = Callable[[Sequence[Case]], Iterable[Line]]
+"""Does cases and yields their lines as they come, in any order."""
+
+KILLS = 3
+"""How often a process of this machine may be killed before the study gives up."""
+CONNECT_SECONDS = 10.0
+WORKERS_SECONDS = 30.0
+
+
+def attempt(case: Case) -> Line:
+    """Do a case, on one thread: cases fill the processors, not their parts.
+
+    Returns:
+        Its line. A case that breaks down is a finding about what was studied, not the end of the
+        study: the line's `failed` says why.
+    """
+    began = time.monotonic()
+    with threads.limited(1), threadpool_limits(1):
+        try:
+            found = dict(case.run())
+        except Exception as error:
+            found = {"failed": f"{type(error).__name__}: {error}"}
+    return {"case": case.name, "seconds": round(time.monotonic() - began, 2), **found}
+
+
+def here(cases: Sequence[Case]) -> Iterator[Line]:
+    """Do cases in this process, one after the other."""
+    yield from map(attempt, cases)
+
+
+def processes(jobs: int | None = None) -> Workers:
+    """Return workers that are processes of this machine, of one thread each.
+
+    The case of a process that is killed, as for want of memory, is tried again.
+
+    Args:
+        jobs: how many processes; None is one for every processor.
+
+    Raises:
+        UserError: fewer than one.
+    """
+    import joblib
+
+    many = joblib.cpu_count() if jobs is None else jobs
+    if many < 1:
+        raise UserError(f"jobs is {many}, expected at least 1")
+    if many == 1:
+        return here
+
+    def done(cases: Sequence[Case]) -> Iterator[Line]:
+        from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+        left = {case.name: case for case in cases}
+        for tries in range(KILLS + 1):
+            work = joblib.Parallel(n_jobs=many, return_as="generator_unordered", batch_size=1)
+            try:
+                for line in work(joblib.delayed(_quietly)(case) for case in list(left.values())):
+                    del left[line["case"]]
+                    yield line
+                return
+            except TerminatedWorkerError as error:
+                if tries == KILLS:
+                    raise UserError(
+                        f"processes of the study were killed {KILLS + 1} times, perhaps for want "
+                        "of memory: use fewer --jobs. What was done is kept"
+                    ) from error
+
+    return done
+
+
+def _quietly(case: Case) -> Line:
+    """Do a case, and leave Ctrl-C to the process that started this one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return attempt(case)
+
+
+def cluster(address: str) -> Workers:
+    """Return the workers of a Dask scheduler at an address such as `tcp://host:8786`.
+
+    The case of a worker that dies is tried again on another worker.
+
+    Raises:
+        UserError: the package distributed is not installed.
+    """
+    try:
+        from distributed import as_completed
+    except ImportError as error:
+        raise UserError(
+            "--scheduler needs Dask: pip install -e '.[cluster]' in the source folder, here and on "
+            "the workers"
+        ) from error
+
+    def done(cases: Sequence[Case]) -> Iterator[Line]:
+        with _connected(address) as client:
+            futures = {client.submit(attempt, case, pure=False): case for case in cases}
+            for future in as_completed(list(futures)):
+                case = futures.pop(future)
+                if future.status == "finished":
+                    yield future.result()
+                else:
+                    error = future.exception()
+                    yield {"case": case.name, "failed": f"{type(error).__name__}: {error}"}
+
+    return done
+
+
+def _connected(address: str) -> "Client":
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=CONNECT_SECONDS)
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"no Dask scheduler answers at {address} within {CONNECT_SECONDS:g} s: start one with "
+            "`dask scheduler`, and workers with `dask worker ADDRESS --nthreads 1`"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=WORKERS_SECONDS)
+    except TimeoutError as error:
+        client.close()
+        raise UserError(
+            f"the Dask scheduler at {address} has no workers: start some with "
+            f"`dask worker {address} --nthreads 1`"
+        ) from error
+    _require_same_version(client, address)
+    return client
+
+
+def _require_same_version(client: "Client", address: str) -> None:
+    """Raise `UserError` where a worker has another version, whose results may differ."""
+    try:
+        found = client.run(_installed)
+    except ModuleNotFoundError as error:
+        client.close()
+        raise UserError(
+            f"a worker of {address} has no {error.name}: install lagrangian_ff {__version__} there"
+        ) from error
+    other = {worker: version for worker, version in found.items() if version != __version__}
+    if other:
+        client.close()
+        worker, version = next(iter(other.items()))
+        raise UserError(
+            f"the worker {worker} has lagrangian_ff {version}, expected {__version__} as here"
+        )
+
+
+def _installed() -> str:
+    return __version__

@@ -1,0 +1,96 @@
+"""A refitted log Bayes factor compares a candidate with the best model without it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import two_rods
+from scipy.stats import multivariate_normal
+from whitened_examples import begun, dense, quickly, whitened_of
+
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    PRIOR_SHARE,
+    evidence_without,
+    log_bayes_factor_of,
+    scores,
+)
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.whitening import Whitened, refit
+from lagrangian_ff.diagnosis.whitening.whitened import chain_of
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.problem import Nuisance
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _small() -> Iterator[None]:
+    with quickly(1000):
+        yield
+
+
+@pytest.fixture(scope="module")
+def clean() -> Whitened:
+    """Return the whitened of a motion in which nothing is hidden."""
+    return whitened_of(two_rods.motion(1, 30.0))
+
+
+def with_prior(whitened: Whitened, **changed: np.ndarray) -> Whitened:
+    """Return the motion whitened with another kernel or other noise."""
+    problem = whitened.problem
+    noise = changed.pop("noise", problem.noise)
+    kernel = problem.kernel.replace(**changed) if changed else problem.kernel
+    return whitened.assuming(replace(problem, kernel=kernel, noise=noise))
+
+
+def without(whitened: Whitened) -> float:
+    """Return the best log evidence that is reached without a candidate."""
+    return evidence_without(whitened, refit(whitened, whitened.basis, whitened.problem.nuisance))
+
+
+def test_it_is_a_difference_of_log_evidence(clean: Whitened) -> None:
+    """Against the definition, with dense matrices, on a few samples and without a basis."""
+    small = begun(clean, 40)
+    candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
+    (score,) = scores(small, [candidate])
+    columns = candidate.columns(small.x)
+    amplitude = small.explaining(small.basis, (Nuisance(1, columns),)).system.amplitude
+    scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2, axis=0))
+    full = np.zeros((40, 2, columns.shape[1]))
+    full[:, 1] = columns * scale / small.problem.unit[1]
+    flat = full.reshape(80, -1)
+    gram, y = dense(small)
+    expected = multivariate_normal.logpdf(y, cov=amplitude * gram + flat @ flat.T)
+    untempered = log_bayes_factor_of(score, small, 0.0) * score.variance_inflation
+    assert untempered == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_candidate_that_takes_the_place_of_gravity_is_rejected(clean: Whitened) -> None:
+    poor = with_prior(clean, potential=1e-4 * chain_of(clean.problem).potential)
+    (score,) = scores(poor, [Candidate(EFFECTS["ripple"], 0, {"order": 1.0})])
+    assert score.log_bf > thresholds.USED.floor
+    assert log_bayes_factor_of(score, poor, without(poor)) < 0.0
+
+
+def test_noise_that_was_fitted_too_large_favours_no_candidate(clean: Whitened) -> None:
+    noisy = with_prior(clean, noise=30.0 * clean.problem.noise)
+    (score,) = scores(clean, [Candidate(EFFECTS["drift"], 1)])
+    assert log_bayes_factor_of(score, clean, noisy.system.log_evidence) > 100.0
+    assert log_bayes_factor_of(score, clean, without(noisy)) < 20.0
+
+
+def test_what_is_there_keeps_its_log_bayes_factor() -> None:
+    whitened = whitened_of(two_rods.motion(1, 30.0, two_rods.stick))
+    (score,) = scores(whitened, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
+    assert log_bayes_factor_of(score, whitened, without(whitened)) > 100.0
+
+
+def test_a_parameter_that_the_motion_never_asks_for_does_no_harm(clean: Whitened) -> None:
+    seen = replace(clean.x, qd=np.abs(clean.x.qd))
+    whole = None if seen.whole is None else replace(seen.whole, qd=np.abs(seen.whole.qd))
+    samples = replace(clean.problem.samples, x=replace(seen, whole=whole))
+    forth = replace(clean, problem=clean.problem.of(samples))
+    candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
+    assert (candidate.columns(forth.x) == 0.0).all(axis=0).any()
+    (score,) = scores(forth, [candidate])
+    assert np.isfinite(log_bayes_factor_of(score, forth, without(forth)))

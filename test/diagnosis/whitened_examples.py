@@ -1,0 +1,68 @@
+"""Whitened motions of the two rods and of others, and their dense matrices, for small tests."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import two_rods
+from numpy.typing import NDArray
+
+from lagrangian_ff.diagnosis.whitening import Whitened, fit, hyperparameters, whiten
+from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
+Stages = tuple[tuple[int, int], ...]
+
+SHORT: Stages = ((60, 10), (120, 3), (240, 1))
+
+
+@contextmanager
+def quickly(rows: int, stages: Stages | None = None) -> Iterator[None]:
+    """Whiten few torques, and maximise their evidence in few steps where `stages` say so."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hyperparameters, "ROWS", rows)
+        if stages is not None:
+            patch.setattr(hyperparameters, "STAGES", stages)
+        yield
+
+
+def friction(width: float = two_rods.WIDTH) -> Basis:
+    """Return viscous and Coulomb friction, its step `width` rad/s, and an offset of both joints."""
+    return Basis(
+        tuple(
+            Term(EFFECTS[name], joint, {"v0": width} if name == "coulomb" else {})
+            for joint in range(2)
+            for name in ("viscous", "coulomb", "offset")
+        )
+    )
+
+
+def inputs(motion: Motion) -> Inputs:
+    """Return the inputs that effects are evaluated on."""
+    return Inputs.of(States.of(motion.q, motion.qd, motion.qdd), motion.time, motion.segment)
+
+
+def whitened_of(motion: Motion, basis: Basis | None = None) -> Whitened:
+    """Return a motion whitened and fitted; without a basis it has plain friction."""
+    return fit(motion, inputs(motion), friction() if basis is None else basis)
+
+
+def begun(whitened: Whitened, count: int) -> Whitened:
+    """Return its first samples alone, without a basis."""
+    index, block = whitened.index[:count], whitened.block[:count]
+    problem = replace(whitened.problem, basis=Basis(()), nuisance=())
+    return whiten(whitened.motion, index, block, whitened.inputs, problem)
+
+
+def dense(whitened: Whitened) -> tuple[Floats, Floats]:
+    """Return the Gram matrix (n, n) with noise, and the torques (n,), normalised."""
+    problem = whitened.problem
+    lower = problem.gram(tuple(range(whitened.joints)))
+    noise = np.tile(problem.variances, len(problem.samples))
+    gram = np.tril(lower) + np.tril(lower, -1).T + np.diag(noise)
+    return gram, (problem.samples.tau / problem.unit).ravel()

@@ -1,0 +1,117 @@
+"""Joint states reach the disk as they came, whatever comes between them."""
+
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder
+from lagrangian_ff.recording import BagWriter, load
+from lagrangian_ff.recording.joint_state import JointStateEncoder
+
+START = 1_700_000_000_000_000_000
+
+
+class Source:
+    """Stands for a subscription."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: list[tuple[bytes, int]] = []
+        self.warnings: list[str] = []
+
+    def send(self, *messages: bytes) -> None:
+        with self._lock:
+            self._waiting += [(message, START + i) for i, message in enumerate(messages)]
+
+    def take(self) -> Iterator[tuple[bytes, int]]:
+        with self._lock:
+            waiting, self._waiting = self._waiting, []
+        yield from waiting
+
+    def warn(self, kind: str, text: str) -> None:
+        self.warnings.append(kind)
+
+
+@pytest.fixture
+def source() -> Source:
+    return Source()
+
+
+@pytest.fixture
+def recorder(source: Source) -> Iterator[BagRecorder]:
+    recorder = BagRecorder(source.take, source.warn)
+    yield recorder
+    recorder.stop()
+
+
+def states(count: int, effort: bool = True, position: float = 0.5) -> list[bytes]:
+    stamps = START + 2_000_000 * np.arange(count, dtype=np.int64)
+    table = np.full((count, 2), position)
+    return JointStateEncoder(("a", "b"), effort=effort).encode(stamps, table, table, table)
+
+
+def test_what_comes_between_open_and_close_is_in_the_bag(
+    source: Source, recorder: BagRecorder, tmp_path: Path
+) -> None:
+    source.send(*states(5))
+    recorder.open(tmp_path / "bag", "joint_states")
+    source.send(*states(100))
+    recorder.close_bag()
+    source.send(*states(7))
+    tally = recorder.tally
+    assert str(tally) == "100 samples, 0.20 s, 500.0 Hz"
+    assert tally.joints == ("a", "b")
+    recording = load(tmp_path / "bag")
+    assert len(recording) == 100
+    np.testing.assert_allclose(np.diff(recording.time), 0.002, atol=1e-9)
+
+
+def test_bad_messages_are_told_apart(source: Source, recorder: BagRecorder, tmp_path: Path) -> None:
+    recorder.open(tmp_path / "bag", "joint_states")
+    source.send(b"", b"junk", *states(3), *states(1, position=np.nan), *states(2, effort=False))
+    recorder.close_bag()
+    assert source.warnings == [
+        "not a joint state", "not a joint state", "unusable joint state", "no effort",
+    ]  # fmt: skip
+    assert recorder.tally.samples == 6
+    assert recorder.received == 6
+
+
+def test_an_existing_bag_is_not_overwritten(
+    source: Source, recorder: BagRecorder, tmp_path: Path
+) -> None:
+    (tmp_path / "bag").mkdir()
+    with pytest.raises(RecordingError, match="exists already"):
+        recorder.open(tmp_path / "bag", "joint_states")
+
+
+def test_a_full_disk_ends_the_recording_and_is_reported(
+    source: Source, recorder: BagRecorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    recorder.open(tmp_path / "bag", "joint_states")
+
+    def full(*arguments: object) -> None:
+        raise RecordingError("bag: cannot be written: no space left")
+
+    monkeypatch.setattr(BagWriter, "append_raw", full)
+    source.send(*states(3))
+    recorder.close_bag()
+    assert "no space left" in recorder.failure
+    assert source.warnings == ["recording ended"]
+    assert recorder.tally.samples == 0
+
+
+def test_it_writes_without_being_asked(
+    source: Source, recorder: BagRecorder, tmp_path: Path
+) -> None:
+    recorder.open(tmp_path / "bag", "joint_states")
+    source.send(*states(3))
+    deadline = time.monotonic() + 10.0
+    while recorder.tally.samples < 3 and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert len(load(tmp_path / "bag")) == 3, "on disk before the bag is closed"

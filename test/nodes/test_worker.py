@@ -1,0 +1,66 @@
+"""A job in its process: the protocol, and every way in which it can end."""
+
+import sys
+import time
+
+import pytest
+
+from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.worker import Outcome, Worker
+
+JOB = Identify(output="model.npz", bags=("nowhere",), joints=("a",), effort_scale={"a": 2.0})
+
+
+def finished(worker: Worker) -> Outcome:
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        outcome = worker.outcome()
+        if outcome is not None:
+            return outcome
+        time.sleep(0.01)
+    raise AssertionError("the process does not end")
+
+
+def program(text: str) -> tuple[str, ...]:
+    return (sys.executable, "-c", text)
+
+
+def test_progress_and_result_come_back() -> None:
+    text = """
+import json, pickle, sys
+job = pickle.loads(bytes.fromhex(sys.argv[1]))
+print("a library that prints")
+print(3)
+print(json.dumps({"progress": 0.25, "label": "reading"}))
+print(json.dumps({"result": {"service": job.service, "scale": job.effort_scale}}))
+"""
+    worker = Worker(JOB, program(text))
+    assert finished(worker) == Outcome({"service": "identify", "scale": {"a": 2.0}})
+    assert (worker.fraction, worker.label) == (0.25, "reading")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("""print('{"error": "too short"}')""", "too short"),
+        ("import sys; sys.exit(7)", "ended without a result (exit code 7)"),
+        ("import os; os.abort()", "ended without a result"),
+    ],
+)
+def test_every_end_without_a_result_is_an_error_in_words(text: str, expected: str) -> None:
+    outcome = finished(Worker(JOB, program(text)))
+    assert outcome.record is None
+    assert expected in outcome.error
+
+
+def test_it_can_be_cancelled() -> None:
+    worker = Worker(JOB, program("import time; time.sleep(600)"))
+    assert worker.outcome() is None
+    worker.cancel()
+    assert finished(worker).record is None
+
+
+def test_the_process_does_the_job_of_the_request() -> None:
+    outcome = finished(Worker(JOB))
+    assert outcome.record is None
+    assert "nowhere: no such file" in outcome.error

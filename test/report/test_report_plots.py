@@ -1,0 +1,134 @@
+"""Interactive figures: valid for plotly, true to the record, safe inside a page."""
+
+import base64
+import gzip
+import json
+import re
+from typing import Any
+
+import plotly.graph_objects as go
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from page_examples import SCRIPT, bins, changed, compared, diagnosed, finding
+
+from lagrangian_ff.report.colours import AFTER, BAD, faded
+from lagrangian_ff.report.plot import Plot, embed
+from lagrangian_ff.report.sections.changed import changes_plot
+from lagrangian_ff.report.sections.findings import before_after_plot, signature_plot
+from lagrangian_ff.report.sections.history import fall_plot, joints_fall_plot
+from lagrangian_ff.report.sections.joints import orders_plot, residual_plot, torque_plot
+from lagrangian_ff.report.sections.ranking import ranking_plot
+from lagrangian_ff.report.sections.regions import blocks_plot, dependence_plot
+
+
+def sure() -> dict[str, Any]:
+    """Torques over time with intervals."""
+    series: dict[str, Any] = compared()["series"]
+    for values in series["joints"].values():
+        values["reach"] = [0.5 + 0.01 * k for k in range(len(series["time"]))]
+    return series
+
+
+def plots() -> dict[str, Plot]:
+    """One of each."""
+    record, found = compared(), finding("stribeck", "confirmed")
+    return {
+        "torque": torque_plot(record["series"], "elbow"),
+        "torque with interval": torque_plot(sure(), "elbow"),
+        "residual": residual_plot(bins("elbow", "velocity")),
+        "directions": residual_plot(bins("elbow", "direction", (-1.0, 1.0))),
+        "dependence": dependence_plot(record["bins"]),
+        "blocks": blocks_plot(record),
+        "orders": orders_plot(record["spectra"][0]),
+        "signature": signature_plot(found["signature"], "stribeck"),
+        "before and after": before_after_plot(found["blocks"]),
+        "ranking": ranking_plot(diagnosed()["ranking"]),
+        "fall": fall_plot(["as it was", "+ stribeck on elbow"], [2.0, 1.0]),
+        "changes": changes_plot([changed("payload")], ["shoulder", "elbow"]),
+        "joints": joints_fall_plot(["identified", "+ a"], {"elbow": [2.0, 1.0]}),
+    }
+
+
+def read(piece: str) -> dict[str, Any]:
+    """What the browser reads of an embedded figure."""
+    found = re.search(r'<script type="text/plain">(.*?)</script>', piece)
+    assert found is not None
+    return dict(json.loads(gzip.decompress(base64.b64decode(found[1]))))
+
+
+@pytest.mark.parametrize("name", plots())
+def test_plotly_takes_every_figure(name: str) -> None:
+    """plotly checks names and values of everything against its schema."""
+    plot = read(embed(plots()[name], name))
+    figure = go.Figure(plot)
+    assert len(figure.data) == len(plot["data"]) > 0
+    assert figure.layout.height == plots()[name].height
+
+
+def test_the_residual_is_measured_less_predicted_and_broken_at_a_gap() -> None:
+    measured, predicted, left = torque_plot(compared()["series"], "elbow").data
+    assert measured["y"].count(None) == predicted["y"].count(None) == left["y"].count(None) == 1
+    pairs = zip(measured["y"], predicted["y"], left["y"], strict=True)
+    assert all(m is None or r == pytest.approx(m - p) for m, p, r in pairs)
+
+
+def test_intervals_lie_behind_the_lines_and_are_switched_together() -> None:
+    series = sure()
+    around, zero, *lines = torque_plot(series, "elbow").data
+    assert [one["name"] for one in lines] == ["measured", "predicted", "measured − predicted"]
+    assert around["name"] == "90 % interval"
+    assert around["showlegend"]
+    assert not zero["showlegend"]
+    assert around["legendgroup"] == zero["legendgroup"]
+    assert (zero["yaxis"], around["fill"]) == ("y2", "toself")
+    # Each stretch goes there along the upper end, back along the lower one, and then breaks.
+    values, half = series["joints"]["elbow"], len(series["time"]) // 2
+    upper, lower = ([p + s * r for p, r in zip(values["predicted"], values["reach"], strict=True)]
+                    for s in (1.0, -1.0))  # fmt: skip
+    first = upper[:half] + lower[:half][::-1]
+    second = upper[half:] + lower[half:][::-1]
+    assert around["y"] == [*first, None, *second]
+    assert around["x"].index(None) == zero["x"].index(None) == 2 * half
+    assert max(y for y in zero["y"] if y is not None) == values["reach"][-1]
+
+
+def test_bins_are_drawn_where_they_are() -> None:
+    entry = bins("elbow", "velocity")
+    _, curve, bars = residual_plot(entry).data
+    assert curve["y"] == entry["mean"]
+    edges = [x - 0.5 * w for x, w in zip(bars["x"], bars["width"], strict=True)]
+    assert edges == pytest.approx(entry["low"])
+    assert bars["y"] == pytest.approx([100.0 * share for share in entry["share_of_error"]])
+
+
+def test_a_block_that_got_worse_is_not_drawn_as_better() -> None:
+    after = before_after_plot(finding("stribeck", "confirmed")["blocks"]).data[-1]
+    assert after["marker"]["color"] == [AFTER, BAD]
+
+
+def test_the_strongest_candidate_is_on_top() -> None:
+    plot = ranking_plot(diagnosed()["ranking"])
+    assert plot.data[0]["y"][0] == "stribeck on elbow"
+    assert plot.layout["yaxis"]["autorange"] == "reversed"
+
+
+def test_a_spectrums_lines_are_named() -> None:
+    assert [one["text"] for one in orders_plot(compared()["spectra"][0]).layout["annotations"]] == [
+        "20"
+    ]
+
+
+@given(st.floats(allow_nan=True, allow_infinity=True), st.text())
+def test_any_number_and_text_goes_through_the_page(value: float, text: str) -> None:
+    piece = embed(Plot([{"x": [value], "name": text + SCRIPT}]), "alternative")
+    trace = read(piece)["data"][0]
+    assert trace["name"] == text + SCRIPT
+    if value != value or abs(value) == float("inf"):
+        assert trace["x"] == [None]
+    else:
+        assert trace["x"][0] == pytest.approx(value, rel=1e-4, abs=1e-300)
+
+
+def test_colours_fade() -> None:
+    assert faded("#c2410c", 0.5) == "rgba(194,65,12,0.5)"

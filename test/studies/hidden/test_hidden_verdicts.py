@@ -1,0 +1,85 @@
+"""The judge of a diagnosis, case by case."""
+
+from typing import Any
+
+import pytest
+
+from lagrangian_ff.studies.hidden.verdicts import Outcome, Truth, judge
+
+
+def found(effect: str, *joints: str, verdict: str = "confirmed", like: tuple[str, ...] = ()) -> Any:
+    return {"effect": effect, "joints": joints, "verdict": verdict, "ambiguous_with": list(like)}
+
+
+RIPPLE = Truth(("ripple",), ("joint_2",))
+DRAG = Truth(("quadratic_drag",), ("joint_4",))
+STRANGE = Truth((), ("joint_2",))
+RIGHT = found("ripple", "joint_2")
+CLASS = found("gear_mesh", "joint_2", like=("ripple",))
+ELSEWHERE = found("ripple", "joint_3")
+EITHER = found("ripple", "joint_2", verdict="ambiguous with gear_mesh", like=("gear_mesh",))
+OR_ELSE = found("drift", "joint_2", verdict="ambiguous with offset", like=("offset",))
+OTHER = found("stribeck", "joint_2")
+HINT = found("ripple", "joint_2", verdict="suggested")
+
+
+@pytest.mark.parametrize(
+    ("truths", "findings", "outcome"),
+    [
+        ([RIPPLE], [RIGHT], "right"),
+        ([RIPPLE], [CLASS], "class"),
+        ([RIPPLE], [CLASS, RIGHT], "right"),
+        ([RIPPLE], [RIGHT, CLASS], "right"),
+        ([RIPPLE], [EITHER], "class"),
+        ([RIPPLE], [EITHER, RIGHT], "right"),
+        ([RIPPLE], [OR_ELSE], "wrong"),
+        ([], [OR_ELSE], "wrong"),
+        ([STRANGE], [EITHER], "wrong"),
+        ([RIPPLE], [ELSEWHERE], "wrong"),
+        ([RIPPLE], [OTHER], "wrong"),
+        ([RIPPLE], [OTHER, RIGHT], "right"),
+        ([RIPPLE], [HINT], "nothing"),
+        ([RIPPLE], [], "nothing"),
+        ([], [], "nothing"),
+        ([], [HINT], "nothing"),
+        ([], [RIGHT], "wrong"),
+        ([STRANGE], [], "nothing"),
+        ([STRANGE], [RIGHT], "wrong"),
+        ([STRANGE], [HINT], "nothing"),
+        ([RIPPLE, DRAG], [RIGHT, found("quadratic_drag", "joint_4")], "right"),
+        ([RIPPLE, DRAG], [CLASS, found("quadratic_drag", "joint_4")], "class"),
+        ([RIPPLE, DRAG], [RIGHT], "part"),
+        ([RIPPLE, DRAG], [RIGHT, OTHER], "wrong"),
+        ([RIPPLE, DRAG], [], "nothing"),
+    ],
+)
+def test_outcomes(truths: list[Truth], findings: list[Any], outcome: str) -> None:
+    assert judge(truths, findings).outcome.value == outcome
+
+
+def test_false_claims_are_named_even_beside_a_right_one() -> None:
+    judged = judge([RIPPLE], [RIGHT, OTHER])
+    assert judged.outcome is Outcome.RIGHT
+    assert judged.false == ("stribeck on joint_2",)
+    assert judge([], [OR_ELSE]).false == ("drift or offset on joint_2",)
+
+
+def test_a_suggested_truth_is_listed_unless_it_is_also_claimed() -> None:
+    assert judge([RIPPLE, DRAG], [HINT]).suggested == (0,)
+    assert judge([RIPPLE], [HINT, RIGHT]).suggested == ()
+    assert judge([RIPPLE], [OTHER, HINT]).suggested == (0,)
+
+
+def test_an_effect_of_several_joints_may_be_found_on_any() -> None:
+    payload = Truth(("payload",), ("joint_1", "joint_2", "joint_3"))
+    assert judge([payload], [found("payload", "joint_3")]).outcome is Outcome.RIGHT
+    assert judge([payload], [found("payload", "joint_2", "joint_6")]).outcome is Outcome.RIGHT
+    assert judge([payload], [found("payload", "joint_6")]).outcome is Outcome.WRONG
+
+
+def test_what_is_felt_elsewhere_counts_where_its_cause_is() -> None:
+    """A soft gear shakes its neighbours: naming it there is right, blaming theirs is not."""
+    truth = [Truth(("elasticity",), ("joint_2",))]
+    felt = found("elasticity", "joint_3")
+    assert judge(truth, [{**felt, "caused_by": "joint_2"}]).outcome is Outcome.RIGHT
+    assert judge(truth, [{**felt, "caused_by": "joint_3"}]).outcome is Outcome.WRONG
