@@ -156,12 +156,6 @@ class Problem:
         """Return the problem with the same assumptions of other samples."""
         return replace(self, samples=samples)
 
-    def like(self, other: "Problem") -> "Problem":
-        """Return the problem of these samples with the hyperparameters of another."""
-        return replace(
-            self, kernel=other.kernel, noise=other.noise, scaling=other.scaling, basis=other.basis
-        )
-
     def take(self, index: Ints) -> "Problem":
         """Return the problem of some of the samples."""
         nuisance = tuple(Nuisance(one.joint, one.columns[index]) for one in self.nuisance)

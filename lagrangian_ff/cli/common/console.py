@@ -1,4 +1,4 @@
-"""What a command shows: text and tables on standard output, progress of long work beside it."""
+"""Text, tables and progress bars of a command."""
 
 import shutil
 import sys

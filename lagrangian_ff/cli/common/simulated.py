@@ -1,4 +1,4 @@
-"""What `simulate` gives the arm: a motion, a feedforward torque, and hidden effects."""
+"""Motion, feedforward torque and hidden effects of the simulated arm."""
 
 from argparse import Namespace
 from collections.abc import Callable, Sequence

@@ -120,7 +120,7 @@ class LoadedModel:
 
 @dataclass(frozen=True)
 class OutOfRange:
-    """How much of a motion lies outside what a model was identified on, and where.
+    """The share of a motion outside the range a model was identified on, by joint.
 
     Attributes:
         share: of the samples, 0 to 1.

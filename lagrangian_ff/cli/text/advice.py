@@ -1,4 +1,4 @@
-"""What the result of an identification means and what to do next, in one small rule each."""
+"""Advice on the result of an identification: one small rule each."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How far a model is off and where: the table of errors, what it means, and the regions."""
+"""The errors of a model in text: the table, its meaning, and the regions."""
 
 import math
 from collections.abc import Mapping

@@ -112,8 +112,6 @@ def judge(
         for score in (name, free)
         if score is not None and (score is first or score.log_bf > limits.near * first.log_bf)
     ]
-    if not leaders:
-        return None, whitened
     explained = [
         (whitened.basis, whitened.problem.nuisance),
         *(explained_with(whitened, one.candidate) for one in leaders),

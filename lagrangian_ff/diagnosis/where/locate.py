@@ -1,4 +1,4 @@
-"""Where a model fails, for one comparison."""
+"""Localisation of the error in one comparison."""
 
 from dataclasses import dataclass
 
