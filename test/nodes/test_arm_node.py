@@ -133,7 +133,7 @@ def clocked(bench: Bench) -> Process:
 def test_an_arm_with_its_own_clock_publishes_it_and_stops_at_its_end(
     bench: Bench, clocked: Process
 ) -> None:
-    states = bench.collect(JointState, "clocked/joint_states")
+    states = bench.collect(JointState, "clocked/joint_states", RELIABLE)
     clock = bench.collect(Clock, "/clock")
     bench.until(lambda: len(states) > 100 and clock, "joint states and the clock")
     last = clock[-1][1].clock
@@ -155,8 +155,8 @@ def test_an_arm_with_its_own_clock_publishes_it_and_stops_at_its_end(
 
 
 def test_each_joint_state_is_answered_before_the_next_tick(bench: Bench, clocked: Process) -> None:
-    states = bench.collect(JointState, "clocked/joint_states")
-    references = bench.collect(JointState, "clocked/arm/reference_state")
+    states = bench.collect(JointState, "clocked/joint_states", RELIABLE)
+    references = bench.collect(JointState, "clocked/arm/reference_state", RELIABLE)
     commands = bench.publisher(Float64MultiArray, "clocked/arm/commands", RELIABLE)
     bench.until(lambda: states and references, "joint states")
     answers: dict[int, float] = {}
