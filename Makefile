@@ -22,7 +22,7 @@ ifdef ROS_DISTRO
 unexport PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH
 endif
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
-# Containers often forbid bytecode: each of hundreds of processes would compile NumPy and SciPy anew.
+# Containers often forbid bytecode: each of hundreds of processes would compile NumPy and SciPy again.
 unexport PYTHONDONTWRITEBYTECODE
 export RMW_IMPLEMENTATION = rmw_fastrtps_cpp
 

@@ -25,7 +25,7 @@ class BuildLoops(build_ext):
         super().run()
 
     def build_extension(self, ext: Extension) -> None:
-        """Compile one library in a folder of its own: all have the same sources."""
+        """Compile one library in a separate folder: all have the same sources."""
         own = copy(self)
         own.compiler, own.build_temp = copy(self.compiler), f"{self.build_temp}/{ext.name}"
         super(BuildLoops, own).build_extension(ext)
@@ -65,10 +65,7 @@ EXTRAS = {
     # ROS 2 for a machine that has none. An extra and not a requirement: where ROS is installed from
     # its own packages, pip must neither look for it nor put a second copy beside it, and reading,
     # identifying and diagnosing recordings needs no ROS at all.
-    "ros": [
-        "ros-jazzy-rclpy[fastrtps] ==7.1.6",
-        "ros-jazzy-common-interfaces ==5.3.6",
-    ],
+    "ros": ["ros-jazzy-rclpy[fastrtps] ==7.1.6", "ros-jazzy-common-interfaces ==5.3.6"],
     # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
     # ros-jazzy-pinocchio.
     "urdf": ["pin >=2.7, <5"],
@@ -120,6 +117,6 @@ setup(
             "feedforward = lagrangian_ff.nodes.feedforward:main",
             "monitor = lagrangian_ff.nodes.monitor:main",
             "arm = lagrangian_ff.nodes.arm:main",
-        ],
+        ]
     },
 )

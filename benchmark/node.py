@@ -79,12 +79,7 @@ def make_model(file: Path, name: str) -> Floats:
 
 def node_command(file: Path) -> list[str]:
     """How the node is started."""
-    values = {
-        "model_file": file,
-        "rate": RATE,
-        "joint_state_timeout": 0.0,
-        "ramp_time": 0.001,
-    }
+    values = {"model_file": file, "rate": RATE, "joint_state_timeout": 0.0, "ramp_time": 0.001}
     given = [part for name, value in values.items() for part in ("-p", f"{name}:={value}")]
     return [sys.executable, "-m", "lagrangian_ff.nodes.feedforward", "--ros-args", *given]
 

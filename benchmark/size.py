@@ -1,7 +1,7 @@
 """A fit of `vrbfs+fri` on landmarks for recordings of growing length, hyperparameters given.
 
 Prints, for 6 joints, the processor's time per sample and the peak memory of each length, each in a
-process of its own, and the ratio of the longest's time per sample to the shortest's; bound: 1.3,
+separate process, and the ratio of the longest's time per sample to the shortest's; bound: 1.3,
 which is to say that time is linear in the samples. And, for who waits for it, what `lagrangian_ff
 identify` takes with --bag for a bag of the longest length; promised for 1e6 samples is 2 GB.
 """
@@ -38,7 +38,7 @@ def motion(samples: int, joints: int) -> tuple[Floats, Floats, Floats, Floats, F
 
 
 def fit_one(samples: int, joints: int, landmarks: int) -> float:
-    """Seconds of a whole fit on so many samples, without what is compiled at first."""
+    """Return the seconds of a whole fit on these samples, without what is compiled at first."""
     from lagrangian_ff.effects import Inputs
     from lagrangian_ff.identification.problem import Problem, Scaling
     from lagrangian_ff.identification.samples import Samples, evenly
@@ -91,7 +91,7 @@ def gigabytes(used: resource.struct_rusage) -> float:
 
 
 def main() -> None:
-    """Measure every length in a process of its own."""
+    """Measure every length in a separate process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--joints", type=int, default=6)
     parser.add_argument("--landmarks", type=int, default=100)

@@ -1,7 +1,7 @@
 """How much processor time short commands take, against a bare `python -c "import numpy"`.
 
 Looks at a made-up minute of 6 joints at 500 Hz, at a small model of it, and at the catalogue.
-Prints seconds of processor time of each command as a process of its own, the least of several runs,
+Prints seconds of processor time of each command as a separate process, the least of several runs,
 and its ratio to importing NumPy in the same round, with its bound; and the same of importing the
 nodes.
 """
@@ -71,7 +71,7 @@ def make(place: Path) -> None:
 
 
 def seconds(arguments: Sequence[str]) -> float:
-    """Processor time of a Python of its own, from start to end."""
+    """Return the processor time of a separate Python, from start to end."""
     silent = [(os.POSIX_SPAWN_OPEN, fd, os.devnull, os.O_WRONLY, 0) for fd in (1, 2)]
     child = os.posix_spawn(
         sys.executable, [sys.executable, *arguments], os.environ, file_actions=silent

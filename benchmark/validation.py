@@ -4,7 +4,7 @@ Prints the ratio to one fit of validating one setting of hyperparameters, bound 
 ten values of the noise at the same kernel, bound 6. What one must do at least: factor (one fit),
 invert the factor (as many operations again), and form and solve the blocks left out, a fifth of the
 matrix each (0.7 of a factorisation). The noise stands in the factor, so that ten values need ten
-factors: beyond the bound, and docs/speed.md tells why no other way is shorter.
+factors: beyond the bound, and docs/speed.md says why no other way is shorter.
 """
 
 import argparse

@@ -2,18 +2,23 @@
 
 import json
 import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, ClassVar, Protocol, TypeVar
+
+Json = Mapping[str, Any]
+
+
+class _Dataclass(Protocol):
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+
+Made = TypeVar("Made", bound=_Dataclass)
 
 
 def to_json(record: Mapping[str, object]) -> str:
     """Return a record as text; numbers that are not finite become null."""
     return json.dumps(finite(record), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def why_of(finding: Mapping[str, Any]) -> dict[str, object]:
-    """Return what the history of a model keeps of the finding for which an effect was added."""
-    return {name: finding[name] for name in ("why", "verdict", "evidence_gain", "p_value")}
 
 
 def finite(value: Any) -> Any:
@@ -25,3 +30,41 @@ def finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def by_name(value: _Dataclass) -> dict[str, Any]:
+    """Return the fields of a result by name, as JSON holds them; parts with a `record` give it."""
+    return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "record"):
+        return value.record()
+    if is_dataclass(value) and not isinstance(value, type):
+        return by_name(value)
+    if isinstance(value, Mapping):
+        return {name: _plain(one) for name, one in value.items()}
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+
+
+def given(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields that are not None."""
+    return {name: value for name, value in record.items() if value is not None}
+
+
+def read(kind: type[Made], record: Json, **how: Callable[[Any], Any]) -> Made:
+    """Return a result from its JSON; what is missing or null has its default.
+
+    Args:
+        kind: of the result.
+        record: may hold other fields, too.
+        how: by name, the readers of the fields that JSON does not hold as they are.
+    """
+    names = {field.name for field in fields(kind)}
+    held = {name: value for name, value in given(record).items() if name in names}
+    return kind(**{name: how[name](v) if name in how else v for name, v in held.items()})
+
+
+def each(kind: type[Made]) -> Callable[[Mapping[str, Json]], dict[str, Made]]:
+    """Return the reader of results by name."""
+    return lambda records: {name: read(kind, record) for name, record in records.items()}

@@ -1,10 +1,10 @@
-"""Names, sentences and findings as people say them."""
+"""Names and sentences as people say them."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Sequence
 
-PLAIN = ("confirmed", "suggested")
-"""Verdicts that name no other effect."""
+GRADES = ((0.01, "very good"), (0.05, "good"), (0.2, "fair"), (0.5, "poor"))
+"""The nmse up to which each word holds; above the last it is `bad`."""
 MANY = 3
 """An arm with fewer joints than this has them all named; else they are `every joint`."""
 
@@ -27,22 +27,11 @@ def which(joints: Sequence[str], every: Sequence[str]) -> str:
     return f"every joint but {others[0]}" if others else "every joint"
 
 
-def where(found: Mapping[str, Any], every: Sequence[str] = ()) -> str:
-    """Return where a finding acts, and in whose gear if that is another joint's.
-
-    Args:
-        found: its record, with `joints`, and `caused_by` if that is known.
-        every: all joints of the arm.
-    """
-    said = which(found["joints"], every)
-    cause = found.get("caused_by")
-    return f"{said} (gear of {cause})" if cause and cause not in found["joints"] else said
-
-
-def standing(found: Mapping[str, Any]) -> str:
-    """Return the verdict on a finding in one word: confirmed, suggested or ambiguous."""
-    verdict = str(found["verdict"])
-    return "ambiguous" if found.get("ambiguous_with") and verdict not in PLAIN else verdict
+def grade(nmse: float | None) -> str:
+    """Return an nmse as a word."""
+    if nmse is None or not math.isfinite(nmse):
+        return "not judged: its torque did not vary"
+    return next((word for limit, word in GRADES if nmse <= limit), "bad")
 
 
 def spoken(name: str) -> str:

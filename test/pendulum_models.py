@@ -57,14 +57,11 @@ def fitted(
     start = Problem.started(spec, samples, scaling).with_relative_noise(np.array([noise]))
     blueprint = Blueprint(
         name=spec.basic,
-        kernel=start.kernel,
-        noise=start.noise,
-        scaling=scaling,
-        basis=Basis((*start.basis.terms, *further)),
+        prior=replace(start.prior, basis=Basis((*start.basis.terms, *further))),
         data=data,
         trained=trained,
         index=centres,
         seen=seen,
         settings=wanted,
     )
-    return build(blueprint, inputs, {})
+    return build(blueprint, inputs)

@@ -6,7 +6,7 @@ Run by the Makefile with the Python to build on; needs nothing but that Python::
 
 What was installed is written to a stamp inside the environment, last of all. A run that finds the
 stamp in order returns at once; one that finds the traces of an interrupted installation starts the
-environment anew, since pip takes a half-copied package for an installed one.
+environment again, since pip takes a half-copied package for an installed one.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ def check_simulator(python: Path) -> None:
 
 
 class Progress:
-    """One line that tells what pip is at and for how long; on a pipe, a line for each stage."""
+    """One line with what pip does and for how long; on a pipe, a line for each stage."""
 
     stages = (
         ("Collecting", "downloading"),
@@ -208,7 +208,7 @@ class Environment:
             ours = self.directory.parent == ROOT and self.directory.name.startswith(".venv")
             if not ours and not (self.directory / "pyvenv.cfg").exists():
                 raise SetupError(f"{self.directory} is in the way: no virtual environment.")
-            say(f"{self.directory.name} is incomplete or was made for another place: made anew")
+            say(f"{self.directory.name} is incomplete or was made for another place: made again")
             if self.directory.is_dir() and not self.directory.is_symlink():
                 shutil.rmtree(self.directory)
             else:
@@ -299,7 +299,7 @@ def main() -> int:
             print(f"\n{error}", file=sys.stderr)
             return 2
         except KeyboardInterrupt:
-            print("\nInterrupted; the next run starts the environment anew.", file=sys.stderr)
+            print("\nInterrupted; the next run starts the environment again.", file=sys.stderr)
             return 130
     return 0
 

@@ -1,12 +1,12 @@
 """The arm: a reference and a feedforward go in, joint states come out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.arm.description import HOME, JOINTS, Load, limits
+from lagrangian_ff.arm.description import HOME, JOINTS, Loads, limits, require_within
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Attached, Gear, Plant
@@ -43,11 +43,8 @@ class Arm:
         attached: loads that replace `loads` at a later time.
 
     Attributes:
-        torques: (4, 6) N·m, the four below.
-        motor_torque: (6,) N·m of the motors through the gears, mean of the last tick.
-        effect_torque: (6,) N·m that friction and effects took of it, mean of the last tick.
-        added_torque: (6,) N·m of it that went to the effects besides friction.
-        load_torque: (6,) N·m that went into the links, mean of the last tick.
+        torques: (4, 6) N·m, means of the last tick: of the motors through the gears; of that what
+            friction and effects took; the effects besides friction; what went into the links.
         saturated: (6,) whether the torque asked for was cut at the limit in the last tick.
     """
 
@@ -58,7 +55,7 @@ class Arm:
         parameters: ArmParameters | None = None,
         *,
         seed: int = 0,
-        loads: Mapping[str, float | Load] | None = None,
+        loads: Loads = None,
         effects: Sequence[JointEffect] = (),
         sensors: Sequence[SensorEffect] = (),
         gears: Sequence[Gear] = (),
@@ -81,15 +78,10 @@ class Arm:
             ArmError: q is not finite or outside the limits; names the joint.
         """
         q = self._checked("start position", q)
-        low, high = limits().lower, limits().upper
-        for n in np.flatnonzero((q < low) | (q > high)):
-            raise ArmError(
-                f"start position of {JOINTS[n]} is {q[n]:.4f} rad, outside its limits "
-                f"{low[n]:.3f} to {high[n]:.3f} rad"
-            )
+        require_within("start position", q)
         self._ticks = 0
         self._feedback = np.zeros(len(JOINTS))
-        self._keep_torques(np.zeros((4, len(JOINTS))))
+        self.torques = np.zeros((4, len(JOINTS)))
         self.saturated = np.zeros(len(JOINTS), dtype=bool)
         self.plant.reset(q)
         for part in (self._current, self._position, self._sensors):
@@ -130,14 +122,9 @@ class Arm:
         for _ in range(self._substeps):
             plant.step(self._current.step(command, plant.rotor_velocity))
             sums += plant.torques
-        sums /= self._substeps
-        self._keep_torques(sums)
+        self.torques = sums / self._substeps
         self._ticks += 1
         return sample
-
-    def _keep_torques(self, torques: Floats) -> None:
-        self.torques = torques
-        self.motor_torque, self.effect_torque, self.added_torque, self.load_torque = torques
 
     def _checked(self, what: str, values: Floats) -> Floats:
         array = np.asarray(values, dtype=np.float64)

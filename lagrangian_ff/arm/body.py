@@ -2,13 +2,13 @@
 
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 
 import numpy as np
 import pybullet
 
-from lagrangian_ff.arm.description import JOINTS, LINKS, URDF, Load, on_links, robot_description
+from lagrangian_ff.arm.description import JOINTS, LINKS, URDF, Loads, on_links, robot_description
 from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
@@ -30,9 +30,7 @@ class Body(AbstractContextManager["Body"]):
         ArmError: a load on no link of the arm.
     """
 
-    def __init__(
-        self, loads: Mapping[str, float | Load] | None = None, *, dt: float = 1e-3
-    ) -> None:
+    def __init__(self, loads: Loads = None, *, dt: float = 1e-3) -> None:
         on_links(loads)
         self.client = pybullet.connect(pybullet.DIRECT)
         self._args = {"physicsClientId": self.client}
@@ -49,16 +47,12 @@ class Body(AbstractContextManager["Body"]):
             pybullet.changeDynamics(
                 self.id, link, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0, **self._args
             )
-        pybullet.setJointMotorControlArray(
-            self.id,
-            self.index,
-            pybullet.VELOCITY_CONTROL,
-            forces=[0.0] * len(self.index),
-            **self._args,
-        )
         self._rest = [0.0] * len(self.index)
+        pybullet.setJointMotorControlArray(
+            self.id, self.index, pybullet.VELOCITY_CONTROL, forces=self._rest, **self._args
+        )
 
-    def _load(self, loads: Mapping[str, float | Load] | None) -> int:
+    def _load(self, loads: Loads) -> int:
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         if not loads:
             return int(pybullet.loadURDF(str(URDF), useFixedBase=True, flags=flags, **self._args))
@@ -129,10 +123,8 @@ class Body(AbstractContextManager["Body"]):
         energy = 0.0
         for link in range(pybullet.getNumJoints(self.id, **self._args)):
             mass = pybullet.getDynamicsInfo(self.id, link, **self._args)[0]
-            centre = pybullet.getLinkState(self.id, link, computeForwardKinematics=1, **self._args)[
-                0
-            ]
-            energy += mass * GRAVITY * centre[2]
+            state = pybullet.getLinkState(self.id, link, computeForwardKinematics=1, **self._args)
+            energy += mass * GRAVITY * state[0][2]
         return energy
 
     def close(self) -> None:
@@ -160,22 +152,20 @@ class Surroundings(AbstractContextManager["Surroundings"]):
         margin: m, nearer is a contact.
     """
 
-    def __init__(
-        self, loads: Mapping[str, float | Load] | None = None, *, margin: float = 0.0
-    ) -> None:
+    def __init__(self, loads: Loads = None, *, margin: float = 0.0) -> None:
         self._margin = margin
         self._body = Body(loads)
         self._args = {"physicsClientId": self._body.client}
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, **self._args)
         self._floor = pybullet.createMultiBody(0, plane, **self._args)
+        self._names = {-1: "base_link"}
+        for k in range(pybullet.getNumJoints(self._body.id, **self._args)):
+            self._names[k] = pybullet.getJointInfo(self._body.id, k, **self._args)[12].decode()
         self._pairs, self._low = self._candidates()
 
     def _candidates(self) -> tuple[list[tuple[int, int]], list[int]]:
         order = {"base_link": 0} | {name: n for n, name in enumerate(LINKS, start=1)}
-        links = [(-1, 0)]
-        for k in range(pybullet.getNumJoints(self._body.id, **self._args)):
-            name = pybullet.getJointInfo(self._body.id, k, **self._args)[12].decode()
-            links.append((k, order[name.removeprefix("load_on_")]))
+        links = [(k, order[name.removeprefix("load_on_")]) for k, name in self._names.items()]
         pairs = [
             (a, b) for a, rank_a in links for b, rank_b in links if rank_b - rank_a > 1 and a != b
         ]
@@ -188,16 +178,11 @@ class Surroundings(AbstractContextManager["Surroundings"]):
         self._body.set_state(q, np.zeros_like(q))
         for a, b in self._pairs:
             if pybullet.getClosestPoints(body, body, self._margin, a, b, **args):
-                return f"{self._name(a)} and {self._name(b)}"
+                return f"{self._names[a]} and {self._names[b]}"
         for link in self._low:
             if pybullet.getClosestPoints(body, floor, self._margin, link, **args):
-                return f"{self._name(link)} and the floor"
+                return f"{self._names[link]} and the floor"
         return None
-
-    def _name(self, link: int) -> str:
-        if link < 0:
-            return "base_link"
-        return str(pybullet.getJointInfo(self._body.id, link, **self._args)[12].decode())
 
     def close(self) -> None:
         """End the world."""
@@ -207,9 +192,7 @@ class Surroundings(AbstractContextManager["Surroundings"]):
         self.close()
 
 
-def check_clearance(
-    trajectory: Trajectory, loads: Mapping[str, float | Load] | None = None
-) -> None:
+def check_clearance(trajectory: Trajectory, loads: Loads = None) -> None:
     """Require that the arm can follow a trajectory without touching itself or the floor.
 
     Args:

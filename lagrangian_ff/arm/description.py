@@ -47,6 +47,9 @@ class Load:
         return float((3.0 * self.mass / (4.0 * np.pi * STEEL)) ** (1.0 / 3.0))
 
 
+Loads = Mapping[str, float | Load] | None
+"""kg, or a Load, by joint or link; None for none."""
+
 PAPER_LOADS: Mapping[str, float | Load] = {"joint_1": 2.5, "joint_2": 1.0}
 """kg on the links the first two joints move (section IV-B and Fig. 7 of the paper)."""
 
@@ -76,7 +79,21 @@ def limits() -> Limits:
     return Limits(*table)
 
 
-def on_links(loads: Mapping[str, float | Load] | None) -> dict[str, Load]:
+def require_within(what: str, q: Floats) -> None:
+    """Require that a pose (6,) rad is within the limits.
+
+    Raises:
+        ArmError: it is not; says what it is a pose of, and names the first joint.
+    """
+    low, high = limits().lower, limits().upper
+    for n in np.flatnonzero(~((q >= low) & (q <= high))):
+        raise ArmError(
+            f"{what} of {JOINTS[n]} is {q[n]:.4f} rad, outside its limits {low[n]:.3f} to "
+            f"{high[n]:.3f} rad"
+        )
+
+
+def on_links(loads: Loads) -> dict[str, Load]:
     """Return the loads by link: a joint's name stands for the link it moves, a number for kg.
 
     Raises:
@@ -100,7 +117,7 @@ def on_links(loads: Mapping[str, float | Load] | None) -> dict[str, Load]:
     return placed
 
 
-def robot_description(loads: Mapping[str, float | Load] | None = None) -> str:
+def robot_description(loads: Loads = None) -> str:
     """Return the URDF of the arm, each load a ball fixed to its link.
 
     Args:

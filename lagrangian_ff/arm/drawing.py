@@ -1,6 +1,6 @@
 """A picture of the arm, drawn by PyBullet's software renderer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from matplotlib import image
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.description import Load
+from lagrangian_ff.arm.description import Loads
 from lagrangian_ff.arrays import Floats
 
 Mesh = tuple[Floats, Floats, NDArray[np.int64]]
@@ -27,11 +27,7 @@ CHAMFER = 0.0035  # m
 
 
 def picture(
-    path: str | Path,
-    *,
-    q: Sequence[float] | Floats = POSE,
-    size: int = 720,
-    loads: Mapping[str, float | Load] | None = None,
+    path: str | Path, *, q: Sequence[float] | Floats = POSE, size: int = 720, loads: Loads = None
 ) -> None:
     """Draw the arm into a PNG file.
 
@@ -84,14 +80,14 @@ def _replace_by_fine_meshes(body: Body) -> None:
         _, link, kind, size, _, place, turn, colour = shape[:8]
         position, orientation = _frame(body, link)
         where = pybullet.multiplyTransforms(position, orientation, place, turn)
-        _show(body, _mesh(kind, size), colour, where)
+        _show(body, mesh(kind, size), colour, where)
     pybullet.removeBody(body.id, **args)
-    disc = _mesh(pybullet.GEOM_CYLINDER, (0.01, FLOOR_RADIUS))
+    disc = mesh(pybullet.GEOM_CYLINDER, (0.01, FLOOR_RADIUS))
     _show(body, disc, FLOOR_COLOUR, ((0.0, 0.0, -0.005), (0.0, 0.0, 0.0, 1.0)))
 
 
-def _show(body: Body, mesh: Mesh, colour: Sequence[float], where: Pose) -> None:
-    vertices, normals, triangles = mesh
+def _show(body: Body, shape: Mesh, colour: Sequence[float], where: Pose) -> None:
+    vertices, normals, triangles = shape
     visual = pybullet.createVisualShape(
         pybullet.GEOM_MESH,
         vertices=vertices.tolist(),
@@ -112,7 +108,8 @@ def _frame(body: Body, link: int) -> tuple[Sequence[float], Sequence[float]]:
     return state[4], state[5]
 
 
-def _mesh(kind: int, size: Sequence[float]) -> Mesh:
+def mesh(kind: int, size: Sequence[float]) -> Mesh:
+    """Return vertices (V, 3) and normals (V, 3), m, and triangles of a shape of PyBullet."""
     if kind == pybullet.GEOM_BOX:
         return _box(np.asarray(size))
     if kind == pybullet.GEOM_SPHERE:

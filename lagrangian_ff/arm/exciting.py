@@ -65,7 +65,8 @@ def exciting_trajectory(
                 times = _times(vias, duration or DURATION)
                 trajectory = _sampled(times, vias)
                 if duration is None:
-                    ratio = _mean_norm(trajectory) / (MEAN_NORM * speed)
+                    norm = float(np.linalg.norm(trajectory.qd, axis=1).mean())
+                    ratio = norm / (MEAN_NORM * speed)
                     times = _times(vias, float(np.clip(DURATION * ratio, SHORTEST, LONGEST)))
                     trajectory = _sampled(times, vias)
                 failures = _failures(trajectory, plants, surroundings)
@@ -119,10 +120,6 @@ def _sampled(times: Floats, vias: Floats) -> Trajectory:
     spline = scipy.interpolate.make_interp_spline(times, vias, k=5, bc_type=(rest, rest))
     time = np.arange(round(times[-1] / GRID) + 1) * GRID
     return Trajectory(time, spline(time), spline(time, 1), spline(time, 2))
-
-
-def _mean_norm(trajectory: Trajectory) -> float:
-    return float(np.linalg.norm(trajectory.qd, axis=1).mean())
 
 
 def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroundings) -> Floats:

@@ -1,13 +1,14 @@
 """The plant: links by PyBullet; rotors, gears, friction and joint effects that PyBullet lacks."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from struct import Struct
 from typing import NamedTuple
 
 import numpy as np
 
 from lagrangian_ff.arm.body import Body
-from lagrangian_ff.arm.description import JOINTS, Load, limits
+from lagrangian_ff.arm.description import JOINTS, Load, Loads, limits
 from lagrangian_ff.arm.joint_effect import Friction, JointEffect, JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arrays import Floats
@@ -115,7 +116,7 @@ class Plant:
     def __init__(
         self,
         parameters: ArmParameters | None = None,
-        loads: Mapping[str, float | Load] | None = None,
+        loads: Loads = None,
         effects: Sequence[JointEffect] = (),
         attached: Attached | None = None,
         gears: Sequence[Gear] = (),
@@ -203,7 +204,8 @@ class Plant:
         Args:
             motor: (6,) N·m through the gears.
         """
-        self._take_up()
+        if self.time >= self._attached_at:
+            self._body = self._bodies[-1]
         (a, b, c, d, e, f), bias = self._body.dynamics(self.q.tolist(), self.qd.tolist())
         # Making arrays of them would take ten times as long.
         _GIVEN.pack_into(self._given, 0, *a, *b, *c, *d, *e, *f, *bias, *motor.tolist())
@@ -216,7 +218,10 @@ class Plant:
         self.time += self.dt
         self._read()
         if self._effects:
-            self._advance_effects(motor)
+            rotor = self._rotor_q, self._rotor_qd
+            moment = JointMoment(self.time, self.dt, *rotor, motor, self.load_torque)
+            for effect in self._effects:
+                effect.advance(moment)
 
     def _step_with_effects(self, motor: Floats) -> None:
         """Evaluate the effects at every guess of the velocity."""
@@ -235,11 +240,6 @@ class Plant:
                 break
         self._move(self._address, 1)
 
-    def _take_up(self) -> None:
-        """Change to the body with the attached loads at their time."""
-        if self.time >= self._attached_at:
-            self._body = self._bodies[-1]
-
     def _stop(self) -> None:
         """Let PyBullet, which has stops, move the links in this step."""
         body, numbers = self.body, self._numbers
@@ -248,13 +248,6 @@ class Plant:
         rigid = numbers["stiffness"] == 0.0
         numbers["rotor_q"][rigid] = numbers["q"][rigid]
         numbers["rotor_qd"][rigid] = numbers["qd"][rigid]
-
-    def _advance_effects(self, motor: Floats) -> None:
-        """Advance the states of the effects."""
-        q, qd = self._rotor_q, self._rotor_qd
-        moment = JointMoment(self.time, self.dt, q, qd, motor, self.load_torque)
-        for effect in self._effects:
-            effect.advance(moment)
 
     def energy(self) -> float:
         """Return the energy, J, of links, rotors and springs at the present state."""
@@ -311,12 +304,9 @@ def true_torque(
     qdd: Floats,
     *,
     parameters: ArmParameters | None = None,
-    loads: Mapping[str, float | Load] | None = None,
+    loads: Loads = None,
     friction: bool = True,
 ) -> Floats:
     """Return the plant's own inverse dynamics, the ideal feedforward; see Plant.true_torque."""
-    plant = Plant(parameters, loads)
-    try:
+    with closing(Plant(parameters, loads)) as plant:
         return plant.true_torque(q, qd, qdd, friction=friction)
-    finally:
-        plant.close()

@@ -1,6 +1,7 @@
 """Drive the simulated arm along a trajectory, faster than real time, and record it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.arm.arm import Arm
 from lagrangian_ff.arm.body import check_clearance
-from lagrangian_ff.arm.description import JOINTS, Load
+from lagrangian_ff.arm.description import JOINTS, Loads
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Attached, Gear
@@ -47,8 +48,8 @@ class Run:
     reference: Trajectory
     feedforward: Floats
     position: Floats
-    velocity: Floats
     encoder: Floats
+    velocity: Floats
     motor_torque: Floats
     effect_torque: Floats
     added_torque: Floats
@@ -66,7 +67,7 @@ def simulate(
     feedforward: Feedforward = None,
     *,
     parameters: ArmParameters | None = None,
-    loads: Mapping[str, float | Load] | None = None,
+    loads: Loads = None,
     effects: Sequence[JointEffect] = (),
     sensors: Sequence[SensorEffect] = (),
     gears: Sequence[Gear] = (),
@@ -101,16 +102,12 @@ def simulate(
         gears=gears,
         attached=attached,
     )
-    try:
+    with closing(arm):
         torque = _torque(feedforward, trajectory, reference, arm)
         return _drive(arm, reference, torque, progress)
-    finally:
-        arm.close()
 
 
-def _on_ticks(
-    trajectory: Trajectory, parameters: ArmParameters, loads: Mapping[str, float | Load] | None
-) -> Trajectory:
+def _on_ticks(trajectory: Trajectory, parameters: ArmParameters, loads: Loads) -> Trajectory:
     unknown = [name for name in trajectory.joints if name not in JOINTS]
     if unknown:
         raise ArmError(
@@ -175,24 +172,15 @@ def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) 
     for k in range(count):
         motion[:, k] = arm.plant.motion
         sample = arm.step(reference.q[k], reference.qd[k], torque[k])
-        measured[0, k], measured[1, k], measured[2, k] = sample[1:]
+        measured[:, k] = sample[1:]
         torques[:, k] = arm.torques
         saturated[k] = arm.saturated
         if k % report == 0:
             progress(k / count, "driving the arm")
     progress(1.0, "driving the arm")
-    state = measured[0], measured[1], measured[2]
-    recording = Recording(JOINTS, reference.time, *state, source="simulated arm")
-    return Run(
-        recording=recording,
-        reference=reference,
-        feedforward=torque,
-        position=motion[0],
-        velocity=motion[2],
-        encoder=motion[1],
-        motor_torque=torques[0],
-        effect_torque=torques[1],
-        added_torque=torques[2],
-        load_torque=torques[3],
-        saturated=saturated,
-    )
+    q, qd, effort = measured
+    recording = Recording(JOINTS, reference.time, q, qd, effort, source="simulated arm")
+    position, encoder, velocity = motion
+    motor, lost, added, load = torques
+    known = position, encoder, velocity, motor, lost, added, load
+    return Run(recording, reference, torque, *known, saturated)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from lagrangian_ff.arm.description import JOINTS, limits
+from lagrangian_ff.arm.description import JOINTS, limits, require_within
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
 
@@ -135,20 +135,6 @@ class Trajectory:
         columns = [np.interp(at, self.time, column) for column in self.effort.T]
         return np.stack(columns, axis=-1)
 
-    def resample(self, rate: float) -> "Trajectory":
-        """Return the same motion with points at `rate` Hz from its start, and its last point.
-
-        Exact if every old point is a new one too; otherwise the error is of sixth order in the
-        spacing around the old points that are not.
-        """
-        count = int(np.floor(self.duration * rate + 1e-9)) + 1
-        time = self.time[0] + np.arange(count) / rate
-        if self.time[-1] - time[-1] > 1e-9:
-            time = np.append(time, self.time[-1])
-        q, qd, qdd = self.sample(np.minimum(time, self.time[-1]))
-        effort = None if self.effort is None else self.effort_at(time)
-        return Trajectory(time, q, qd, qdd, self.joints, effort, self.notes)
-
     def select(self, joints: Sequence[str]) -> "Trajectory":
         """Return the trajectory of these joints, in this order.
 
@@ -199,16 +185,11 @@ def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> 
     q = np.array([start, goal], dtype=np.float64)
     if q.shape != (2, len(JOINTS)):
         raise ArmError(f"move: expected {len(JOINTS)} joints at both ends, got {q.shape}")
-    bounds = limits()
-    for end, row in zip(("start", "goal"), q, strict=True):
-        for n in np.flatnonzero(~((row >= bounds.lower) & (row <= bounds.upper))):
-            raise ArmError(
-                f"move: {end} of {JOINTS[n]} is {row[n]:.4f} rad, outside its limits "
-                f"{bounds.lower[n]:.3f} to {bounds.upper[n]:.3f} rad"
-            )
+    require_within("move: start", q[0])
+    require_within("move: goal", q[1])
     distance = np.abs(q[1] - q[0])
     # A rest-to-rest quintic peaks at 15/8 of its mean velocity.
-    duration = max(1.0, float(np.max(15.0 / 8.0 * distance / (0.4 * bounds.velocity))))
+    duration = max(1.0, float(np.max(15.0 / 8.0 * distance / (0.4 * limits().velocity))))
     still = np.zeros_like(q)
     return Trajectory(np.array([0.0, duration]), q, still, still)
 

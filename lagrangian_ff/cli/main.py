@@ -7,7 +7,7 @@ import shutil
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from lagrangian_ff import __version__
 from lagrangian_ff.cli.commands import COMMANDS
@@ -52,6 +52,9 @@ class Layout(argparse.RawDescriptionHelpFormatter):
 class Parser(argparse.ArgumentParser):
     """argparse with our layout of help, and errors that say where to read on."""
 
+    def __init__(self, **how: Any) -> None:
+        super().__init__(formatter_class=Layout, allow_abbrev=False, **how)
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong, how the command is used, and end with exit code 2."""
         self.print_usage(sys.stderr)
@@ -92,20 +95,19 @@ class CommandParser(Parser):
 
 def build_parser() -> Parser:
     """Return the parser; a parsed command has `run`, which takes the parsed arguments."""
-    parser = Parser(
-        prog="lagrangian_ff", description=DESCRIPTION, epilog=EPILOG, formatter_class=Layout,
-        allow_abbrev=False,
-    )  # fmt: skip
+    parser = Parser(prog="lagrangian_ff", description=DESCRIPTION, epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"lagrangian_ff {__version__}")
     subparsers = parser.add_subparsers(
         title="commands", metavar="COMMAND", required=True, parser_class=CommandParser
     )
     for command in COMMANDS:
         sub = subparsers.add_parser(
-            command.NAME, help=command.SUMMARY, description=command.DESCRIPTION,
-            usage=f"{parser.prog} {command.NAME} {command.USAGE}", epilog=command.EPILOG,
-            formatter_class=Layout, allow_abbrev=False,
-        )  # fmt: skip
+            command.NAME,
+            help=command.SUMMARY,
+            description=command.DESCRIPTION,
+            usage=f"{parser.prog} {command.NAME} {command.USAGE}",
+            epilog=command.EPILOG,
+        )
         command.add_arguments(sub)
         sub.set_defaults(run=command.run)
     return parser

@@ -58,9 +58,12 @@ class Conductor:
         self.node.destroy_node()
 
     def until(
-        self, condition: Callable[[], T], what: str, patience: float = PATIENCE,
+        self,
+        condition: Callable[[], T],
+        what: str,
+        patience: float = PATIENCE,
         meanwhile: Callable[[], None] = lambda: None,
-    ) -> T:  # fmt: skip
+    ) -> T:
         """Take messages until the condition holds; return its value.
 
         Raises:

@@ -12,6 +12,7 @@ from lagrangian_ff import __version__
 from lagrangian_ff.demo.folder import Folder
 from lagrangian_ff.demo.options import Options
 from lagrangian_ff.diagnosis import Comparison
+from lagrangian_ff.identification.records import Identified
 from lagrangian_ff.numbers import mrad, percent, typeset
 from lagrangian_ff.report import Tracking
 
@@ -45,7 +46,7 @@ class Findings:
         tracking: by trajectory and run.
         others: processors that other programs took while the arm was fed with torque.
         speed: times real time that the arm's clock went, by trajectory and run.
-        identification: the record of the model.
+        identification: of the model.
         comparison: of the model with the motion it never saw; None before.
         seconds: of each stage.
         memory: the most that each process held, bytes.
@@ -56,7 +57,7 @@ class Findings:
     tracking: dict[str, dict[str, Tracking]] = field(default_factory=dict)
     speed: dict[str, dict[str, float]] = field(default_factory=dict)
     others: float = 0.0
-    identification: dict[str, Any] = field(default_factory=dict)
+    identification: Identified = field(default_factory=Identified)
     comparison: Comparison | None = None
     seconds: dict[str, float] = field(default_factory=dict)
     memory: dict[str, int] = field(default_factory=dict)
@@ -118,7 +119,9 @@ class Findings:
         assert self.comparison is not None
         options = {**asdict(self.options), "output": str(self.options.output)}
         return {
-            "version": __version__, "options": options, "reached": self.good,
+            "version": __version__,
+            "options": options,
+            "reached": self.good,
             "tracking": {
                 name: {
                     "runs": {
@@ -127,16 +130,22 @@ class Findings:
                     },
                     "ratio": self.ratio(name),
                     "ratio_without_friction": self.ratio(name, "without_friction"),
-                    "ratio_bound": self.ratio(name, "bound"), "target": TARGETS[name],
-                    "reached": self.reached(name), "ordered": self.ordered(name),
+                    "ratio_bound": self.ratio(name, "bound"),
+                    "target": TARGETS[name],
+                    "reached": self.reached(name),
+                    "ordered": self.ordered(name),
                 }
                 for name, found in self.tracking.items()
             },
-            "torque": self.comparison.record(), "identification": self.identification,
+            "torque": self.comparison.record(),
+            "identification": self.identification.record(),
             "seconds": {name: round(took, 2) for name, took in self.seconds.items()},
-            "memory": self.memory, "stream": self.stream, "clock_speed": self.clock,
-            "processors_of_others": self.others, "busy": self.busy,
-        }  # fmt: skip
+            "memory": self.memory,
+            "stream": self.stream,
+            "clock_speed": self.clock,
+            "processors_of_others": self.others,
+            "busy": self.busy,
+        }
 
 
 def print_findings(findings: Findings, folder: Folder, console: Console) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.identification.settings import Settings
 
 THROUGH = ("stream", "trajectory")
 
@@ -33,7 +34,7 @@ class Options:
     seed: int = 0
     duration: float = 24.0
     unseen_duration: float = 16.0
-    model: str = "auto+fri"
+    model: str = Settings.model
     samples: int = 1000
     train: float = 1.0
     through: str = "stream"
@@ -42,9 +43,13 @@ class Options:
 
     def __post_init__(self) -> None:
         for name, low, high in (
-            ("duration", 8.0, 600.0), ("unseen_duration", 4.0, 600.0), ("train", 0.05, 1.0),
-            ("samples", 10, 5000), ("speed", 1, 10), ("clock_speed", 0.1, 100.0),
-        ):  # fmt: skip
+            ("duration", 8.0, 600.0),
+            ("unseen_duration", 4.0, 600.0),
+            ("train", 0.05, 1.0),
+            ("samples", 10, 5000),
+            ("speed", 1, 10),
+            ("clock_speed", 0.1, 100.0),
+        ):
             value = getattr(self, name)
             if not low <= value <= high:
                 raise UserError(f"{name} is {value}, expected {low:g} to {high:g}")
@@ -55,6 +60,9 @@ class Options:
 
 
 QUICK: dict[str, Any] = {
-    "duration": 8.0, "unseen_duration": 5.0, "samples": 300, "model": "chain+fri",
-}  # fmt: skip
+    "duration": 8.0,
+    "unseen_duration": 5.0,
+    "samples": 300,
+    "model": "chain+fri",
+}
 """Short motions, to see everything work in a minute."""

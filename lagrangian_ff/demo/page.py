@@ -100,7 +100,7 @@ def _ratio_card(findings: Findings, name: str) -> html.Card:
 
 
 def _story(findings: Findings, pictures: Pictures) -> Section:
-    options, record = findings.options, findings.identification
+    options, found = findings.options, findings.identification
     learned = (
         "all of it"
         if options.train == 1.0
@@ -111,10 +111,10 @@ def _story(findings: Findings, pictures: Pictures) -> Section:
             f"The arm moved for {options.duration:.0f} s through its workspace under its position "
             "controller alone. The node identify recorded joint_states at 500 Hz to a bag: "
             "position, velocity, and the effort its current sensors saw.",
-            f"identify learned {options.model} from {learned}: {record['samples']} samples, "
-            f"{record['seconds']:.0f} s of computing."
+            f"identify learned {options.model} from {learned}: {found.samples} samples, "
+            f"{found.seconds:.0f} s of computing."
             + (
-                f" It chose {record['model']}: chain is a kernel on the Lagrangian of a serial "
+                f" It chose {found.model}: chain is a kernel on the Lagrangian of a serial "
                 "arm, pushed through the Euler-Lagrange equations; fri is viscous and Coulomb "
                 "friction with an offset."
                 if options.model == "auto+fri"
@@ -142,22 +142,18 @@ def _through(through: str) -> str:
 
 
 def _unseen(findings: Findings, pictures: Pictures) -> Section:
-    return tracking_section(
-        findings.runs("unseen"), pictures["tracking_unseen"],
-        "Tracking a motion the model never saw",
-        "What counts in use: the model must get right what it was not shown.", strong=2,
-    )  # fmt: skip
+    lead = "What counts in use: the model must get right what it was not shown."
+    title, picture = "Tracking a motion the model never saw", pictures["tracking_unseen"]
+    return tracking_section(findings.runs("unseen"), picture, title, lead, strong=2)
 
 
 def _training(findings: Findings, pictures: Pictures) -> Section:
-    return tracking_section(
-        findings.runs("training"),
-        pictures["tracking_training"],
-        "Tracking the motion it learned from",
+    lead = (
         "A motion that is repeated, as in production. The run without feedforward is the one that "
-        "was recorded.",
-        strong=2,
+        "was recorded."
     )
+    title, picture = "Tracking the motion it learned from", pictures["tracking_training"]
+    return tracking_section(findings.runs("training"), picture, title, lead, strong=2)
 
 
 def _torque(findings: Findings, pictures: Pictures) -> Section:
@@ -174,7 +170,7 @@ def _torque(findings: Findings, pictures: Pictures) -> Section:
 def _effects(findings: Findings, pictures: Pictures) -> Section:
     true = ArmParameters()
     return effects_section(
-        findings.identification,
+        findings.identification.effects,
         truth={
             ("viscous", "B"): true.viscous,
             ("coulomb", "F_c"): true.coulomb,
@@ -187,10 +183,10 @@ def _effects(findings: Findings, pictures: Pictures) -> Section:
 
 
 def _numbers(findings: Findings, pictures: Pictures) -> Section:
-    record = findings.identification
+    chosen = findings.identification.hyperparameters
     tables = (
         ("option", _options(findings)),
-        ("chosen by identify", {n: _value(v) for n, v in record["hyperparameters"].items()}),
+        ("chosen by identify", {n: ", ".join(map(typeset, v)) for n, v in chosen.items()}),
         ("stage [s]", {name: f"{took:.1f}" for name, took in findings.seconds.items()}),
         (
             "most memory held [MB]",
@@ -214,18 +210,16 @@ def _numbers(findings: Findings, pictures: Pictures) -> Section:
 def _options(findings: Findings) -> dict[str, str]:
     options = findings.options
     return {
-        "speed": str(options.speed), "seed": str(options.seed),
-        "duration": f"{options.duration:g} s", "unseen duration": f"{options.unseen_duration:g} s",
-        "model": options.model, "samples": str(options.samples),
-        "clock speed": f"{options.clock_speed:g}", "train": f"{options.train:g}",
+        "speed": str(options.speed),
+        "seed": str(options.seed),
+        "duration": f"{options.duration:g} s",
+        "unseen duration": f"{options.unseen_duration:g} s",
+        "model": options.model,
+        "samples": str(options.samples),
+        "clock speed": f"{options.clock_speed:g}",
+        "train": f"{options.train:g}",
         "through": options.through,
-    }  # fmt: skip
-
-
-def _value(value: object) -> str:
-    if isinstance(value, list):
-        return ", ".join(typeset(float(one)) for one in value)
-    return typeset(float(value)) if isinstance(value, (int, float)) else str(value)
+    }
 
 
 SECTIONS = (_verdict, _story, _unseen, _training, _torque, _effects, _numbers)

@@ -34,9 +34,14 @@ class NodeProcess:
     """
 
     def __init__(
-        self, name: str, log: Path, *, parameters: Mapping[str, object], remap: Mapping[str, str],
+        self,
+        name: str,
+        log: Path,
+        *,
+        parameters: Mapping[str, object],
+        remap: Mapping[str, str],
         environment: Mapping[str, str],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.name = log.stem
         self.log = log
         arguments = ["--ros-args"]
@@ -48,10 +53,14 @@ class NodeProcess:
         command = [sys.executable, "-m", f"lagrangian_ff.nodes.{name}", *arguments]
         with log.open("wb") as file:
             self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
-                env=dict(environment), start_new_session=True,
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=file,
+                stderr=subprocess.STDOUT,
+                env=dict(environment),
+                start_new_session=True,
                 preexec_fn=_end_with_parent if _PRCTL else None,
-            )  # fmt: skip
+            )
         self.peak = 0
 
     @property
@@ -114,9 +123,13 @@ class Nodes(contextlib.AbstractContextManager["Nodes"]):
         self._peaks: dict[str, int] = {}
 
     def start(
-        self, executable: str, *, parameters: Mapping[str, object] | None = None,
-        remap: Mapping[str, str] | None = None, log: str | None = None,
-    ) -> NodeProcess:  # fmt: skip
+        self,
+        executable: str,
+        *,
+        parameters: Mapping[str, object] | None = None,
+        remap: Mapping[str, str] | None = None,
+        log: str | None = None,
+    ) -> NodeProcess:
         """Start a node; return at once."""
         file, given = self._logs / f"{log or executable}.log", parameters or {}
         process = NodeProcess(

@@ -124,18 +124,24 @@ class Scenario:
         self._nodes.start(
             "arm",
             parameters={
-                "feedforward_source": "none", "seed": options.seed,
-                "clock_speed": options.clock_speed, "clock_until": arm_link.BEFORE, **OWN_CLOCK,
+                "feedforward_source": "none",
+                "seed": options.seed,
+                "clock_speed": options.clock_speed,
+                "clock_until": arm_link.BEFORE,
+                **OWN_CLOCK,
             },
-        )  # fmt: skip
+        )
         self._nodes.start(
             "identify",
             parameters={
-                "model": options.model, "train": options.train, "samples": options.samples,
+                "model": options.model,
+                "train": options.train,
+                "samples": options.samples,
                 "output_directory": str(folder.recording.absolute()),
-                "model_file": str(folder.model.absolute()), **RELIABLE_STATES,
+                "model_file": str(folder.model.absolute()),
+                **RELIABLE_STATES,
             },
-        )  # fmt: skip
+        )
 
     def _start_feedforward(self) -> None:
         """Start the node, which sleeps until there is a model."""
@@ -228,35 +234,27 @@ class Scenario:
         return drive
 
     def _run(
-        self,
-        name: str,
-        run: str,
-        send: Callable[[], arm_link.Drive],
-        report: Progress,
-        tries: int = TRIES,
+        self, name: str, run: str, send: Callable[[], arm_link.Drive], report: Progress
     ) -> arm_link.Track:
         """Drive the arm once, again if joint states were lost; return the joint states.
 
         Raises:
             LostRunError: none of the tries was whole.
         """
-        drive = send()
-        try:
-            self._wait(drive, report)
-            found, measured = drive.result(run)
-        except LostRunError:
-            if tries == 1:
-                raise
-            return self._run(name, run, send, report, tries - 1)
+        longest = max(self._options.duration, self._options.unseen_duration)
+        patience = longest / SLOWEST_CLOCK + 60.0
+        for left in reversed(range(TRIES)):
+            drive = send()
+            show = partial(_show, drive, report)
+            try:
+                self._conductor.until(drive.over, "the end of the motion", patience, show)
+                found, measured = drive.result(run)
+                break
+            except LostRunError:
+                if not left:
+                    raise
         self.findings.keep(name, run, found, drive.speed)
         return measured
-
-    def _wait(self, drive: arm_link.Drive, report: Progress) -> None:
-        longest = max(self._options.duration, self._options.unseen_duration)
-        self._conductor.until(
-            drive.over, "the end of the motion", patience=longest / SLOWEST_CLOCK + 60.0,
-            meanwhile=lambda: report(drive.fraction, ""),
-        )  # fmt: skip
 
     def _settle(self) -> None:
         """Let the last joint states arrive everywhere while the arm's clock stands still."""
@@ -269,10 +267,14 @@ class Scenario:
             model = Model.load(self._folder.model)
             recording = arm_link.recording_of(self._unseen, "the motion never seen")
             write_bag(self._folder.unseen, recording)
-            self.findings.identification = dict(model.record)
+            self.findings.identification = model.identified
             self.findings.comparison = compare(model, condition(recording), intervals=True)
             for name, found in zip(self._motions, bound(), strict=True):
                 self.findings.keep(name, "bound", found)
+
+
+def _show(drive: arm_link.Drive, report: Progress) -> None:
+    report(drive.fraction, "")
 
 
 def _surroundings(domain: int) -> dict[str, str]:

@@ -30,12 +30,12 @@ class Stages:
             doing: for people.
         """
         began = time.monotonic()
-        bar = Progress(
-            TextColumn("  {task.description}"), BarColumn(bar_width=28),
-            TextColumn("{task.fields[label]}"), TimeElapsedColumn(), TimeRemainingColumn(),
-            console=self._console, transient=True, disable=not self._console.is_terminal,
-        )  # fmt: skip
-        if not self._console.is_terminal:
+        quiet = not self._console.is_terminal
+        doing_now, label = TextColumn("  {task.description}"), TextColumn("{task.fields[label]}")
+        times = TimeElapsedColumn(), TimeRemainingColumn()
+        columns = doing_now, BarColumn(bar_width=28), label, *times
+        bar = Progress(*columns, console=self._console, transient=True, disable=quiet)
+        if quiet:
             self._console.print(f"  … {doing}", highlight=False, soft_wrap=True)
         with bar:
             task = bar.add_task(doing, total=1.0, label="")

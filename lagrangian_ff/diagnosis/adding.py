@@ -1,18 +1,14 @@
 """Adding effects to a model: one by name, or what a diagnosis confirmed; and the consequences."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.compare import compare
-from lagrangian_ff.diagnosis.results import (
-    Consequence,
-    Consequences,
-    Diagnosis,
-    Finding,
-    Verdict,
-)
+from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding
+from lagrangian_ff.diagnosis.sentences import reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError
 from lagrangian_ff.identification import Model, extend
@@ -59,55 +55,54 @@ def history(model: Model) -> dict[str, object]:
     return {"model": model.name, "steps": [dict(step) for step in model.steps]}
 
 
-def apply(
-    diagnosis: Diagnosis,
-    made: Consequences | None = None,
-    progress: Progress = silent,
-) -> Model:
+def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     """Return the model with all confirmed findings, added one by one, each with its reason.
 
     Only confirmed findings are added; without any the result is the same model. A load or a
     contact belongs to the recording, not to the arm, and is not added.
 
     Args:
-        diagnosis: the diagnosis.
-        made: the result of `consequences`, whose models are not fitted again.
+        diagnosis: with its consequences no model is fitted again.
         progress: receives the share done, 0 to 1.
     """
     model = diagnosis.model
     lasting = [one for one in diagnosis.confirmed if not one.once]
-    if made and len(lasting) == len(diagnosis.confirmed):
-        ready = [one for one in lasting if one in made]
-        model = made[ready[-1]].model if ready else model
-        lasting = [one for one in lasting if one not in ready]
+    if diagnosis.tried and len(lasting) == len(diagnosis.confirmed):
+        model = diagnosis.tried[-1][1].model
+        lasting = [one for one in lasting if one.consequence is None]
     for one in lasting:
         why = for_history(one, diagnosis)
-        model = add(model, one.effect.name, one.joint, one.shape, why, progress)
+        try:
+            model = add(model, one.effect.name, one.joint, one.shape, why, progress)
+        except ModelError:  # one before it has made it superfluous
+            continue
     return model
 
 
-def consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Consequences:
-    """Return the consequence of each finding, added to the model and the confirmed ones before it.
+def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diagnosis:
+    """Return the diagnosis with what each finding does to the error.
 
-    Findings that are not confirmed are tried, and left out again.
+    Each is added to the model and the confirmed ones before it. Findings that are not confirmed are
+    tried, and left out again.
     """
     model, motion = diagnosis.model, diagnosis.held_out
     error = compare(model, motion).residual
-    made: dict[Finding, Consequence] = {}
-    chosen: Sequence[Finding] = diagnosis.findings[:MOST]
-    for number, finding in enumerate(chosen):
-        progress(number / len(chosen), f"adding {finding.effect.name} to see the error fall")
+    tried = list(diagnosis.findings)
+    count = min(len(tried), MOST)
+    for number, finding in enumerate(diagnosis.findings[:MOST]):
+        progress(number / count, f"adding {finding.effect.name} to see the error fall")
         try:
             why = for_history(finding, diagnosis)
             larger = extend(model, finding.effect, finding.joint, finding.shape, why).model
         except ModelError:
             continue
         new = compare(larger, motion).residual
-        made[finding] = _between(larger, motion, finding.joint, error, new)
-        if finding.verdict is Verdict.CONFIRMED:
+        made = _between(larger, motion, finding.joint, error, new)
+        tried[number] = replace(finding, consequence=made)
+        if finding.confirmed:
             model, error = larger, new
     progress(1.0, "adding what was found")
-    return made
+    return replace(diagnosis, findings=tuple(tried))
 
 
 def _between(
@@ -136,28 +131,6 @@ def _between(
         rms(before),
         rms(after),
     )
-
-
-def reason(finding: Finding, diagnosis: Diagnosis) -> str:
-    """Return what speaks for a finding, and against it if it is not confirmed; empty for an event.
-
-    Args:
-        finding: of the diagnosis.
-        diagnosis: the diagnosis.
-    """
-    if finding.once:
-        return ""
-    where = "another recording" if diagnosis.separate else "the end of it, held back"
-    text = (
-        f"{finding.effect.meaning}; it gains {finding.log_bayes_factor:.0f} nats of evidence, "
-        f"and with frozen coefficients it helps in {finding.hold_out.share:.0%} of {where}"
-    )
-    if finding.verdict is Verdict.CONFIRMED:
-        return text
-    rivals = f"it may be {' or '.join(finding.rivals)} too" if finding.rivals else ""
-    words = finding.doubt.words if finding.doubt else ""
-    doubt = "; ".join(one for one in (words, rivals) if one)
-    return f"{text}; no more than {finding.verdict.value}: {doubt}"
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

@@ -5,7 +5,7 @@ once, linear in physical parameters. Each change is a candidate from a boundary 
 a log Bayes factor as effects of single joints do (see `search.bayes_factor`).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, tempered_log_bf
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.kernels.rigid import Robot
 from lagrangian_ff.kernels.rigid.known import Known
 
@@ -28,14 +29,14 @@ class BodyChange:
     Attributes:
         what: `payload`, `tilted base`, or `mass of` the link that a joint moves.
         log_bayes_factor: nats, tempered.
-        parameters: by name the change, its standard deviation, and the unit.
+        parameters: by how much each changed.
         torque: (S, N) N·m that it adds, at the samples of the whitened motion.
         rivals: other changes that explain as much.
     """
 
     what: str
     log_bayes_factor: float
-    parameters: dict[str, tuple[float, float, str]]
+    parameters: Mapping[str, Estimate]
     torque: Floats
     rivals: tuple[str, ...] = ()
 
@@ -122,7 +123,11 @@ def _judged(whitened: Whitened, candidate: _Candidate, boundary: float) -> BodyC
     }
     if candidate.what == PAYLOAD:
         parameters = _centre(parameters)
-    return BodyChange(candidate.what, log_bf, parameters, scaled @ fitted)
+    estimates = {
+        name: Estimate(value, value - 1.645 * deviation, value + 1.645 * deviation, unit)
+        for name, (value, deviation, unit) in parameters.items()
+    }
+    return BodyChange(candidate.what, log_bf, estimates, scaled @ fitted)
 
 
 def _centre(parameters: dict[str, tuple[float, float, str]]) -> dict[str, tuple[float, float, str]]:

@@ -13,6 +13,8 @@ from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
+OUTSIDE = 0.05
+"""Excess over the identified range, in parts of it, from which a state counts as outside."""
 MOST = 1500
 """Samples with an interval unless all are asked for: as many as a page draws."""
 
@@ -87,6 +89,18 @@ class Comparison:
         """Return measured minus predicted torque, (M, N) N·m."""
         return self.motion.tau - self.predicted
 
+    @property
+    def warning(self) -> str:
+        """Return a sentence if the model is too sure; empty if not, or without intervals."""
+        return "" if self.interval is None else self.interval.words()
+
+    @property
+    def shown(self) -> Ints:
+        """Return the samples that a page draws: those with an interval, else evenly spaced ones."""
+        if self.interval is not None:
+            return self.interval.at
+        return np.arange(0, len(self.motion), max(1, -(-len(self.motion) // MOST)))
+
     def record(self) -> dict[str, object]:
         """Return the comparison for JSON."""
         return {
@@ -99,21 +113,16 @@ class Comparison:
 
 
 def compare(
-    model: Model,
-    motion: Motion,
-    margin: float = 0.05,
-    progress: Progress = silent,
-    *,
-    intervals: bool = False,
+    model: Model, motion: Motion, progress: Progress = silent, *, intervals: bool = False
 ) -> Comparison:
     """Return the comparison of a model with a motion.
 
     Args:
         model: the model.
         motion: measured; may hold more joints than the model, in any order.
-        margin: excess over the identified range that still counts as inside, relative to it.
         progress: receives the share done, 0 to 1.
-        intervals: whether to add intervals, at as many samples as a page draws.
+        intervals: whether to add intervals at the samples that a page draws, if the model's file
+            holds its quick uncertainty.
 
     Raises:
         ModelError: the motion lacks a joint of the model; names both lists.
@@ -125,66 +134,38 @@ def compare(
     )
     predicted = model.torque(inputs)
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
-    return Comparison(
+    found = Comparison(
         motion,
         predicted,
         Score.of(model.joints, motion.tau, predicted),
-        float(np.mean(np.any(excess > margin, axis=1))),
-        quick_interval(model, motion, predicted) if intervals else None,
-        inputs.load,
+        float(np.mean(np.any(excess > OUTSIDE, axis=1))),
+        load=inputs.load,
     )
+    if not intervals or not len(motion) or quick_factor(model) is None:
+        return found
+    return with_intervals(model, found, at=found.shown)
 
 
-def with_intervals(model: Model, comparison: Comparison, progress: Progress = silent) -> Comparison:
-    """Return the same comparison with the interval of every sample.
+def with_intervals(
+    model: Model, comparison: Comparison, progress: Progress = silent, at: Ints | None = None
+) -> Comparison:
+    """Return the comparison with 90 % intervals, from the model's quick uncertainty.
 
     Args:
         model: the compared model.
         comparison: of the model with a motion.
         progress: receives the share done, 0 to 1.
-
-    Raises:
-        ModelError: see `interval`.
-    """
-    found = interval(model, comparison.motion, comparison.predicted, progress=progress)
-    return replace(comparison, interval=found)
-
-
-def every(motion: Motion) -> Ints:
-    """Return evenly spaced positions of at most `MOST` samples of a motion."""
-    return np.arange(0, len(motion), max(1, -(-len(motion) // MOST)))
-
-
-def interval(
-    model: Model,
-    motion: Motion,
-    predicted: Floats,
-    at: Ints | None = None,
-    progress: Progress = silent,
-) -> Interval:
-    """Return the 90 % intervals along a motion, from the model's quick uncertainty.
-
-    Args:
-        model: the model.
-        motion: measured, its joints in the model's order.
-        predicted: (M, N) N·m.
-        at: (S,) the samples; None takes all.
-        progress: receives the share done, 0 to 1.
+        at: (S,) the samples with an interval; None takes all.
 
     Raises:
         ModelError: the model's file is older than its calibration, and it cannot be calibrated now.
     """
+    motion = comparison.motion
     at = np.arange(len(motion)) if at is None else at
     states = motion.q, motion.qd, motion.qdd
     certain = model.quick_uncertainty
     reach = certain.reach(*states, LEVEL, progress, time=motion.time, segment=motion.segment, at=at)
-    inside = np.abs(motion.tau[at] - predicted[at]) <= reach
+    inside = np.abs(comparison.residual[at]) <= reach
     seconds = int(motion.blocks(1.0)[-1]) + 1
-    return Interval(model.joints, at, reach, inside.mean(axis=0), seconds)
-
-
-def quick_interval(model: Model, motion: Motion, predicted: Floats) -> Interval | None:
-    """Return the intervals at a few samples; None if the model's file has no quick uncertainty."""
-    if quick_factor(model) is None or not len(motion):
-        return None
-    return interval(model, motion, predicted, every(motion))
+    found = Interval(model.joints, at, reach, inside.mean(axis=0), seconds)
+    return replace(comparison, interval=found)

@@ -27,6 +27,7 @@ from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.build import seconds
+from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
@@ -61,7 +62,12 @@ def diagnose(
         cut = round((1.0 - thresholds.USED.held_back) * len(first))
         first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
     for one in (first, unseen):
-        _require_long(one)
+        if (length := seconds(one)) < thresholds.USED.shortest:
+            raise RecordingError(
+                f"{one.source}: {length:.1f} s of motion to judge by, expected at least "
+                f"{thresholds.USED.shortest:g} s: not observable here; record half a minute or "
+                "more in which every joint moves through its range at several speeds"
+            )
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
     # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
@@ -101,16 +107,6 @@ def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
     return concatenate([decimated(m.select(model.joints)) for m in motions])
 
 
-def _require_long(motion: Motion) -> None:
-    length = seconds(motion)
-    if length < thresholds.USED.shortest:
-        raise RecordingError(
-            f"{motion.source}: {length:.1f} s of motion to judge by, expected at least "
-            f"{thresholds.USED.shortest:g} s: not observable here; record half a minute or more in "
-            "which every joint moves through its range at several speeds"
-        )
-
-
 def _taken_up(
     found: Search, motion: Motion, joints: Sequence[str], separate: bool
 ) -> TakenUp | None:
@@ -118,17 +114,39 @@ def _taken_up(
     if found.change is None:
         return None
     felt, _ = joints_of(found.whitened)
-    names = tuple(joints[n] for n in felt)
+    again, doubt = None, None
     if not separate:
         words = "it happens once in a recording; a second one can confirm it"
-        return TakenUp(found.change, names, None, Doubt(Reason.ONCE, words))
-    again = change_of(without(found, motion, None).whitened, beyond=thresholds.USED.change_again)
-    doubt = None
-    if again is None:
-        doubt = Doubt(Reason.NOT_AGAIN, "the unseen recording shows nothing of the kind")
-    elif again.lasts != found.change.lasts:
-        doubt = Doubt(Reason.OTHER_KIND, f"in the unseen recording it is a {again.effect.name}")
-    return TakenUp(found.change, names, again, doubt)
+        doubt = Doubt(Reason.ONCE, words)
+    else:
+        limit = thresholds.USED.change_again
+        again = change_of(without(found, motion, None).whitened, beyond=limit)
+        if again is None:
+            doubt = Doubt(Reason.NOT_AGAIN, "the unseen recording shows nothing of the kind")
+        elif again.lasts != found.change.lasts:
+            words = f"in the unseen recording it is a {again.effect.name}"
+            doubt = Doubt(Reason.OTHER_KIND, words)
+    moments = _moments(found.change)
+    return TakenUp(
+        effect=found.change.effect,
+        joints=tuple(joints[n] for n in felt),
+        shape={name: one.value for name, one in moments.items()},
+        parameters=moments,
+        log_bayes_factor=found.change.log_bayes_factor,
+        doubt=doubt,
+        change=found.change,
+        again=again,
+    )
+
+
+def _moments(change: Change) -> dict[str, Estimate]:
+    """Return when a load was taken up, and for how long if it was put down again."""
+    begin, end = change.since_range, change.until_range
+    found = {"t0": Estimate(change.since, *begin, "s")}
+    if not change.lasts:
+        low, high = max(end[0] - begin[1], 0.0), end[1] - begin[0]
+        found["length"] = Estimate(change.until - change.since, low, high, "s")
+    return found
 
 
 def findings_of(
@@ -169,12 +187,13 @@ def _finding(
     alike = [one.candidate.source.name for one in step.rivals]
     return Finding(
         effect=effect,
-        joint=model.joints[joint],
+        joints=(model.joints[joint],),
         cause=model.joints[effect.cause(joint, candidate.shape)],
         shape=effect.transferable(candidate.shape),
-        parameters=values,
-        low=low,
-        high=high,
+        parameters={
+            one.name: Estimate(float(value), float(low), float(high), one.unit)
+            for one, value, low, high in zip(effect.parameters, values, low, high, strict=True)
+        },
         log_bayes_factor=step.score.log_bf,
         p_value=step.p_value,
         size=step.score.size,
@@ -199,8 +218,8 @@ def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats)
     curves = _curves(found, candidate.joint)
     if curves > thresholds.USED.large_rest * step.score.log_bf:
         words = (
-            f"something without a name on the same joint gains {curves:.0f} nats, this "
-            f"{step.score.log_bf:.0f}"
+            f"a torque that no effect of the catalogue describes gains {curves:.0f} nats on the "
+            f"same joint, this effect {step.score.log_bf:.0f}"
         )
         return Doubt(Reason.LARGE_REST, words)
     if candidate.effect.absorbed and model.kernel.free:

@@ -1,42 +1,62 @@
-"""The JSON of a diagnosis, which the command line, the page and the node show."""
+"""The JSON of a diagnosis, as the command line and the node write it; and its findings read back.
 
-from collections.abc import Sequence
-from dataclasses import asdict
+A function here only renames and lists what the types of `results` and `run` hold.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.adding import reason
-from lagrangian_ff.diagnosis.results import (
-    Consequence,
-    Consequences,
-    Diagnosis,
-    Finding,
-    TakenUp,
-    Verdict,
-)
-from lagrangian_ff.effects import look_alikes
-from lagrangian_ff.identification.build import seconds
-from lagrangian_ff.words import listed, which
+from lagrangian_ff.diagnosis.preflight.base import Check
+from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding, Found
+from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun
+from lagrangian_ff.diagnosis.sentences import reason, verdict
+from lagrangian_ff.identification.records import Estimate
 
 RANKED = 15
 
+Record = dict[str, Any]
 
-def diagnosis_record(diagnosis: Diagnosis, made: Consequences) -> dict[str, object]:
-    """Return the JSON of a diagnosis.
 
-    Args:
-        diagnosis: the diagnosis.
-        made: the consequences of adding the findings, from `consequences`.
-    """
+def run_record(run: DiagnosisRun) -> Record:
+    """Return all that a run of `diagnose` found."""
+    record = {
+        **diagnosis_record(run.diagnosis),
+        "model": run.model_file,
+        "model_name": run.diagnosis.model.name,
+        "sources": list(run.sources),
+        "confirm": list(run.confirm),
+    }
+    if run.output:
+        record["steps"] = _steps(run.tried, joints=True)
+        record["applied"] = {
+            "output": run.output if run.rounds[0].after is not None else None,
+            "added": [name for one in run.rounds for name in one.added],
+            "rounds": [
+                {"verdict": verdict(one.diagnosis), "added": list(one.added)} for one in run.rounds
+            ],
+        }
+    record["preflight"] = [check_record(one) for one in run.checks]
+    if run.changed is not None:
+        record["changed"] = [changed_record(one) for one in run.changed]
+    if run.where is not None:
+        record["compare"] = run.where.record()
+    return record
+
+
+def diagnosis_record(diagnosis: Diagnosis) -> Record:
+    """Return one diagnosis, with the consequences of adding its findings if they were tried."""
     return {
         "model": diagnosis.model.name,
         "joints": list(diagnosis.model.joints),
         "sources": [diagnosis.motion.source],
-        "confirmed_on": diagnosis.held_out.source if diagnosis.separate
-        else f"the last {seconds(diagnosis.held_out):.0f} s, held back",
-        "verdict": verdict(diagnosis, made),
-        "findings": _findings(diagnosis, made),
+        "confirmed_on": diagnosis.confirmed_on,
+        "verdict": verdict(diagnosis),
+        "findings": [_finding(diagnosis, one) for one in diagnosis.found],
         "unexplained": [
             {
                 "joint": one.joint,
@@ -59,169 +79,73 @@ def diagnosis_record(diagnosis: Diagnosis, made: Consequences) -> dict[str, obje
         ],
         "null": {"threshold": diagnosis.threshold, "level": thresholds.USED.level},
         "noise": dict(zip(diagnosis.model.joints, diagnosis.noise.tolist(), strict=True)),
-        "steps": _steps(diagnosis, made),
-    }  # fmt: skip
+        "steps": _steps(diagnosis.tried),
+    }
 
 
-def verdict(diagnosis: Diagnosis, made: Consequences) -> str:
-    """Return the verdict in one or two sentences for a person."""
-    taken_up = diagnosis.taken_up
-    sure = [one for one in diagnosis.findings if one.verdict is Verdict.CONFIRMED]
-    unsure = [one for one in diagnosis.findings if one.verdict is Verdict.AMBIGUOUS]
-    maybe = len(diagnosis.findings) - len(sure) - len(unsure)
-    parts = []
-    if taken_up is not None:
-        when = f"{taken_up.change.since:.1f} s"
-        felt = which(taken_up.joints, diagnosis.model.joints)
-        what = (
-            f"From {when} on the arm carries a load that the model does not know"
-            if taken_up.change.lasts
-            else f"Something touches the arm from {when} to {taken_up.change.until:.1f} s"
-        )
-        parts.append(f"{what}: {taken_up.verdict.value}, felt by {felt}.")
-    if sure:
-        names = listed(_causes(sure))
-        parts.append(
-            f"Missing and confirmed: {names}{_fall([o for o in sure if o in made], made)}."
-        )
-    for one in unsure:
-        names = " or ".join(_words(name) for name in [one.effect.name, *one.rivals])
-        parts.append(
-            f"On {one.joint} one of these is missing, this motion cannot tell which: {names}."
-        )
-    if maybe:
-        parts.append(
-            f"{maybe} more suggested, not confirmed." if parts
-            else f"Nothing is confirmed; {maybe} suggested."
-        )  # fmt: skip
-    for rest in diagnosis.unexplained:
-        parts.append(
-            f"On {rest.joint} the torque depends on {rest.coordinate} in a way that no known "
-            "effect explains."
-        )
-    return " ".join(parts) or _nothing(diagnosis)
+def check_record(check: Check) -> Record:
+    """Return a fault of the measurement; the recording is named if it is one of several."""
+    record = {**asdict(check), "values": {name: float(v) for name, v in check.values.items()}}
+    return record if check.source else {k: v for k, v in record.items() if k != "source"}
 
 
-def _fall(sure: Sequence[Finding], made: Consequences) -> str:
-    """Return the fall of the error in words: of one joint, or of all if several are concerned."""
-    if not sure:
-        return ""
-    first, last = made[sure[0]], made[sure[-1]]
-    joint = sure[0].joint
-    before, after, whose = first.whole_before, last.whole_after, "the joint's error"
-    if any(one.joint != joint for one in sure):
-        before, after, whose = first.every_before, last.every_after, "the error over all joints"
-    change = "falls" if after < before else "does not fall: it goes"
-    return f": {whose} {change} from {before:.3g} to {after:.3g} N·m on motion not used to find it"
-
-
-def _nothing(diagnosis: Diagnosis) -> str:
-    """Return the sentence for no findings: nothing is left, or the motion is too short."""
-    best = next((one for one in diagnosis.ranking if one.named), None)
-    if best is None or best.log_bayes_factor <= thresholds.USED.promising or best.stands_out:
-        return (
-            "No effect of the catalogue is missing that this motion could show: what is left is "
-            "noise."
-        )
-    return (
-        f"Nothing stands out from chance. The best guess, {_words(best.name)} on {best.joint}, "
-        f"gains {best.log_bayes_factor:.0f} nats; on this motion chance gives "
-        f"{diagnosis.threshold:.0f} once in twenty times. Record longer: the more blocks of "
-        "motion, the less chance can do."
-    )
-
-
-def _findings(diagnosis: Diagnosis, made: Consequences) -> list[dict[str, object]]:
-    """Return all findings by verdict, the largest log Bayes factor first."""
-    found = [_finding(diagnosis, one, made.get(one)) for one in diagnosis.findings]
-    if diagnosis.taken_up is not None:
-        found.append(_event(diagnosis, diagnosis.taken_up))
-    order = {Verdict.CONFIRMED.value: 0, Verdict.SUGGESTED.value: 2}
-    found.sort(
-        key=lambda one: (order.get(str(one["verdict"]), 1), -float(str(one["evidence_gain"])))
-    )
-    return found
-
-
-def _event(diagnosis: Diagnosis, taken_up: TakenUp) -> dict[str, object]:
-    """Return a load or a contact, which belongs to the recording and is not added."""
-    effect, change = taken_up.change.effect, taken_up.change
+def changed_record(changed: Changed) -> Record:
+    """Return what changed since a model was identified."""
     return {
-        "effect": effect.name,
-        "joints": list(taken_up.joints),
-        "verdict": taken_up.verdict.value,
-        "holds_on_unseen": taken_up.verdict is Verdict.CONFIRMED,
-        "reason": taken_up.doubt.words if taken_up.doubt else "",
-        "why": "",
-        "evidence_gain": change.log_bayes_factor,
-        "p_value": None,
-        "error_before": None,
-        "error_after": None,
-        "blocks": [],
-        "parameters": {
-            name: {
-                "value": value,
-                "low": taken_up.ranges[name][0],
-                "high": taken_up.ranges[name][1],
-                "unit": "s",
-            }
-            for name, value in taken_up.shape.items()
+        "what": changed.what,
+        "joints": list(changed.joints),
+        "evidence_gain": changed.log_bayes_factor,
+        "p_value": changed.p_value,
+        "change": {
+            name: {"value": one.value, "unit": one.unit, **_interval(one)}
+            for name, one in changed.parameters.items()
         },
-        "shape": taken_up.shape,
-        "shape_words": effect.shape_words(taken_up.shape, diagnosis.model.joints),
-        "formula": effect.formula,
-        "meaning": effect.meaning,
-        "source": effect.source,
-        "ambiguous_with": [],
-        "told_apart_by": [],
-        "next_motion": effect.next_motion,
+        "size": changed.size,
+        "rivals": list(changed.rivals),
     }
 
 
-def _blocks(made: Consequence | None) -> list[dict[str, float]]:
-    if made is None:
-        return []
-    return [
-        {"time": float(t), "before": float(b), "after": float(a)}
-        for t, b, a in zip(made.time, made.before, made.after, strict=True)
-    ]
+def _interval(estimate: Estimate) -> Record:
+    return {"low": estimate.low, "high": estimate.high} if estimate.bounded else {}
 
 
-def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> dict[str, object]:
-    effect, hold_out, doubt = found.effect, found.hold_out, found.doubt
-    parameters: dict[str, object] = {
-        one.name: {"value": float(v), "low": float(low), "high": float(high), "unit": one.unit}
-        for one, v, low, high in zip(
-            effect.parameters, found.parameters, found.low, found.high, strict=True
-        )
-    }
-    rivals, known = list(found.rivals), look_alikes(effect)
-    return {
+def _finding(diagnosis: Diagnosis, found: Found) -> Record:
+    effect, made, (before, after) = found.effect, found.consequence, found.errors
+    record = {
         "effect": effect.name,
-        "joints": [found.joint],
-        "caused_by": found.cause,
-        "verdict": f"ambiguous with {', '.join(rivals)}"
-        if found.verdict is Verdict.AMBIGUOUS else found.verdict.value,
-        "holds_on_unseen": hold_out.holds,
-        "reason": doubt.words if doubt else "",
-        "why": reason(found, diagnosis),
+        "joints": list(found.joints),
+        "verdict": found.said,
+        "holds_on_unseen": found.confirmed,
+        "reason": found.doubt.words if found.doubt else "",
+        "why": "",
         "evidence_gain": found.log_bayes_factor,
         "p_value": found.p_value,
-        "size": found.size,
-        "error_before": made.whole_before if made else None,
-        "error_after": made.whole_after if made else None,
-        "blocks": _blocks(made),
-        "parameters": parameters,
+        "error_before": before,
+        "error_after": after,
+        "blocks": _blocks(made) if made else [],
+        "parameters": {name: asdict(one) for name, one in found.parameters.items()},
         "shape": dict(found.shape),
         "shape_words": effect.shape_words(found.shape, diagnosis.model.joints),
-        "shape_units": {shape.name: shape.unit for shape in effect.shapes},
         "formula": effect.formula,
         "meaning": effect.meaning,
         "source": effect.source,
-        "ambiguous_with": rivals,
-        "ruled_out_by_unseen": list(found.ruled_out),
-        "told_apart_by": [known[name] for name in rivals if name in known],
+        "ambiguous_with": list(found.rivals),
+        "told_apart_by": list(found.told_apart_by),
         "next_motion": effect.next_motion,
+    }
+    return record | (_of_effect(diagnosis, found) if isinstance(found, Finding) else {})
+
+
+def _of_effect(diagnosis: Diagnosis, finding: Finding) -> Record:
+    """Return the fields that a load or a contact does not have, or else."""
+    hold_out = finding.hold_out
+    return {
+        "caused_by": finding.cause,
+        "holds_on_unseen": hold_out.holds,
+        "why": reason(finding, diagnosis),
+        "size": finding.size,
+        "shape_units": {shape.name: shape.unit for shape in finding.effect.shapes},
+        "ruled_out_by_unseen": list(finding.ruled_out),
         "trial": {
             "gained": float(np.sum(hold_out.gained)),
             "expected": float(np.sum(hold_out.expected)),
@@ -231,32 +155,65 @@ def _finding(diagnosis: Diagnosis, found: Finding, made: Consequence | None) -> 
         },
         "signature": {
             name: value.tolist() if isinstance(value, np.ndarray) else value
-            for name, value in vars(found.partial_residual).items()
+            for name, value in vars(finding.partial_residual).items()
         },
-    }  # fmt: skip
+    }
 
 
-def _steps(diagnosis: Diagnosis, made: Consequences) -> list[dict[str, object]]:
-    added = [one for one in diagnosis.findings if one in made and one.verdict is Verdict.CONFIRMED]
-    if not added:
+def _blocks(made: Consequence) -> list[dict[str, float]]:
+    rows = zip(made.time.tolist(), made.before.tolist(), made.after.tolist(), strict=True)
+    return [{"time": time, "before": before, "after": after} for time, before, after in rows]
+
+
+def _steps(tried: Sequence[tuple[Finding, Consequence]], *, joints: bool = False) -> list[Record]:
+    """Return the error of all joints before and after each addition, and of its joint if wanted."""
+    if not tried:
         return []
-    after = [
-        {"added": f"{one.effect.name} on {one.joint}", "error": made[one].every_after}
-        for one in added
-    ]
-    return [{"added": None, "error": made[added[0]].every_before}, *after]
+    steps: list[Record] = [{"added": None, "error": tried[0][1].every_before}]
+    for finding, made in tried:
+        step = {"added": finding.name, "error": made.every_after}
+        own = {"joint": finding.joint, "before": made.whole_before, "after": made.whole_after}
+        steps.append(step | own if joints else step)
+    return steps
 
 
-def _causes(found: Sequence[Finding]) -> list[str]:
-    """Return each cause in words, once, with the joints that feel it."""
-    felt: dict[tuple[str, str], list[str]] = {}
-    for one in found:
-        felt.setdefault((one.effect.name, one.cause), []).append(one.joint)
-    return [
-        f"{_words(name)} on {cause}" + (f" (felt on {listed(joints)})" if joints != [cause] else "")
-        for (name, cause), joints in felt.items()
-    ]
+@dataclass(frozen=True)
+class SavedFinding:
+    """A finding of a diagnosis' JSON, as far as adding its effect needs it.
+
+    Attributes:
+        effect: its name.
+        joints: their names.
+        shape: its nonlinear parameters.
+        history: the entry of a model's history if it is added: `why`, `verdict`, `evidence_gain`,
+            `p_value`; an event of the recording has an empty `why` and is not added.
+    """
+
+    effect: str
+    joints: tuple[str, ...]
+    shape: Mapping[str, float]
+    history: Mapping[str, object]
+
+    @property
+    def once(self) -> bool:
+        """Return whether it is an event of the recording, not a property of the arm."""
+        return not self.history["why"]
 
 
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+def saved_findings(text: str) -> tuple[SavedFinding, ...]:
+    """Return the findings of a diagnosis' JSON.
+
+    Raises:
+        ValueError: the text is not the JSON of a diagnosis.
+    """
+    try:
+        return tuple(_saved(one) for one in json.loads(text)["findings"])
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"not the JSON of a diagnosis: {error!r}") from None
+
+
+def _saved(found: Record) -> SavedFinding:
+    first, *rest = map(str, found["joints"])
+    shape = {str(name): float(value) for name, value in found["shape"].items()}
+    history = {name: found[name] for name in ("why", "verdict", "evidence_gain", "p_value")}
+    return SavedFinding(str(found["effect"]), (first, *rest), shape, history)

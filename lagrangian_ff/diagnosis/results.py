@@ -3,13 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import TypeVar
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.build import seconds
+from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.words import which
 
 
 class Verdict(str, Enum):
@@ -97,41 +101,57 @@ class PartialResidual:
 
 
 @dataclass(frozen=True, eq=False)
-class Finding:
-    """An effect that is missing.
+class Consequence:
+    """The consequence of adding one finding to the model and the findings before it.
+
+    Attributes:
+        model: with the finding.
+        time: (B,) s since the beginning, start of each block.
+        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
+        whole_before, whole_after: N·m, over the whole motion.
+        every_before, every_after: N·m, over the whole motion and all joints.
+    """
+
+    model: Model
+    time: Floats
+    before: Floats
+    after: Floats
+    whole_before: float
+    whole_after: float
+    every_before: float
+    every_after: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Found:
+    """The common part of a `Finding` and a load `TakenUp`, for readers that treat them alike.
 
     Attributes:
         effect: of the catalogue.
-        joint: the name of the joint whose torque it adds to.
-        cause: the name of the joint whose hardware it is, mostly the same.
+        joints: names of the joints whose torque it adds to, the most affected first.
+        cause: the name of the joint whose hardware it is, mostly the same; None for none.
         shape: its nonlinear parameters, except those that each model searches for itself.
-        parameters: (P,) fitted together with all findings.
-        low, high: (P,) ends of their 90 % intervals.
+        parameters: by name.
         log_bayes_factor: nats.
-        p_value: how often the null of the maximum over all candidates reaches it.
-        size: N·m, root mean square of its torque.
-        hold_out: the judgement on motion that was not used to find it.
+        p_value: how often the null of the maximum over all candidates reaches it; None for what
+            is not compared with that null.
         rivals: names of effects that explain the data as well.
-        ruled_out: names of rivals that the hold-out motion ruled out.
         doubt: why it is only suggested; None if it is more.
-        partial_residual: its torque as the data show it.
+        consequence: of adding it; None if it was not tried.
+        partial_residual: its torque as the data show it; every `Finding` has it.
     """
 
     effect: Effect
-    joint: str
-    cause: str
+    joints: tuple[str, ...]
     shape: Mapping[str, float]
-    parameters: Floats
-    low: Floats
-    high: Floats
+    parameters: Mapping[str, Estimate]
     log_bayes_factor: float
-    p_value: float
-    size: float
-    hold_out: HoldOut
-    rivals: tuple[str, ...]
-    ruled_out: tuple[str, ...]
     doubt: Doubt | None
-    partial_residual: PartialResidual
+    cause: str | None = None
+    p_value: float | None = None
+    rivals: tuple[str, ...] = ()
+    consequence: Consequence | None = None
+    partial_residual: PartialResidual | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -141,9 +161,68 @@ class Finding:
         return Verdict.AMBIGUOUS if self.rivals else Verdict.CONFIRMED
 
     @property
+    def said(self) -> str:
+        """Return the verdict in words, with the rivals of an ambiguous one."""
+        rivals = f" with {', '.join(self.rivals)}" if self.verdict is Verdict.AMBIGUOUS else ""
+        return f"{self.verdict.value}{rivals}"
+
+    @property
+    def confirmed(self) -> bool:
+        """Return whether the verdict is `CONFIRMED`."""
+        return self.verdict is Verdict.CONFIRMED
+
+    @property
     def once(self) -> bool:
         """Return whether it is an event of the recording, not a property of the arm."""
         return self.effect.kind == "event"
+
+    @property
+    def errors(self) -> tuple[float | None, float | None]:
+        """Return the error of its joint in N·m before and after adding it; None if not tried."""
+        made = self.consequence
+        return (made.whole_before, made.whole_after) if made else (None, None)
+
+    @property
+    def told_apart_by(self) -> tuple[str, ...]:
+        """Return how to tell it from its rivals, as far as the catalogue knows."""
+        known = look_alikes(self.effect)
+        return tuple(known[name] for name in self.rivals if name in known)
+
+    def place(self, every: Sequence[str]) -> str:
+        """Return in words where it acts, and in whose gear if that is another joint's.
+
+        Args:
+            every: all joints of the arm.
+        """
+        cause = self.cause
+        gear = f" (gear of {cause})" if cause and cause not in self.joints else ""
+        return f"{which(self.joints, every)}{gear}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Finding(Found):
+    """An effect that is missing on one joint; its parameters are fitted together with all findings.
+
+    Attributes:
+        size: N·m, root mean square of its torque.
+        hold_out: the judgement on motion that was not used to find it.
+        ruled_out: names of rivals that the hold-out motion ruled out.
+    """
+
+    partial_residual: PartialResidual
+    size: float
+    hold_out: HoldOut
+    ruled_out: tuple[str, ...]
+
+    @property
+    def joint(self) -> str:
+        """Return the name of its joint."""
+        return self.joints[0]
+
+    @property
+    def name(self) -> str:
+        """Return its name, as the history of a model has it."""
+        return f"{self.effect.name} on {self.joint}"
 
 
 @dataclass(frozen=True)
@@ -181,41 +260,17 @@ class Change:
         return self.since, self.until, self.share
 
 
-@dataclass(frozen=True)
-class TakenUp:
-    """A load that the arm took up on the way.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TakenUp(Found):
+    """A load that the arm took up on the way; its parameters are the moments, in s.
 
     Attributes:
         change: its moments and its evidence.
-        joints: those that feel it, the most affected first.
         again: the load that the hold-out motion takes up; None if it takes up none.
-        doubt: why it is only suggested; None if it is confirmed.
     """
 
     change: Change
-    joints: tuple[str, ...]
     again: Change | None
-    doubt: Doubt | None
-
-    @property
-    def verdict(self) -> Verdict:
-        """Return the verdict."""
-        return Verdict.CONFIRMED if self.doubt is None else Verdict.SUGGESTED
-
-    @property
-    def shape(self) -> dict[str, float]:
-        """Return its moments, as the effect of the catalogue takes them."""
-        if self.change.lasts:
-            return {"t0": self.change.since}
-        return {"t0": self.change.since, "length": self.change.until - self.change.since}
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Return the 90 % intervals of `shape`."""
-        since, until = self.change.since_range, self.change.until_range
-        if self.change.lasts:
-            return {"t0": since}
-        return {"t0": since, "length": (max(until[0] - since[1], 0.0), until[1] - since[0])}
 
 
 @dataclass(frozen=True)
@@ -302,37 +357,32 @@ class Diagnosis:
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:
-        """Return the findings that `apply` adds."""
-        return tuple(f for f in self.findings if f.verdict is Verdict.CONFIRMED)
+        """Return the confirmed findings."""
+        return tuple(one for one in self.findings if one.confirmed)
+
+    @property
+    def tried(self) -> tuple[tuple[Finding, Consequence], ...]:
+        """Return the confirmed findings that were added, each to those before it."""
+        made = [(one, one.consequence) for one in self.confirmed]
+        return tuple((one, consequence) for one, consequence in made if consequence is not None)
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """Return the findings and the load taken up, best first."""
+        return sorted_findings([*self.findings, *([self.taken_up] if self.taken_up else [])])
+
+    @property
+    def confirmed_on(self) -> str:
+        """Return in words the motion that findings were confirmed on."""
+        if self.separate:
+            return self.held_out.source
+        return f"the last {seconds(self.held_out):.0f} s, held back"
 
 
-@dataclass(frozen=True, eq=False)
-class Consequence:
-    """The consequence of adding one finding to the model and the findings before it.
-
-    Attributes:
-        model: with the finding.
-        time: (B,) s since the beginning, start of each block.
-        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
-        whole_before, whole_after: N·m, over the whole motion.
-        every_before, every_after: N·m, over the whole motion and all joints.
-    """
-
-    model: Model
-    time: Floats
-    before: Floats
-    after: Floats
-    whole_before: float
-    whole_after: float
-    every_before: float
-    every_after: float
+AnyFound = TypeVar("AnyFound", bound=Found)
 
 
-Consequences = Mapping[Finding, Consequence]
-"""The consequence of each finding that could be added."""
-
-
-def sorted_findings(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+def sorted_findings(findings: Sequence[AnyFound]) -> tuple[AnyFound, ...]:
     """Return the findings by verdict, the largest log Bayes factor first among equals."""
     order = list(Verdict)
     return tuple(sorted(findings, key=lambda f: (order.index(f.verdict), -f.log_bayes_factor)))

@@ -6,12 +6,13 @@ is a candidate from the boundary on, and so is a second Lagrangian, as a load ad
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.bodies import BodyChange, changed_bodies
+from lagrangian_ff.diagnosis.run import Changed
 from lagrangian_ff.diagnosis.search.change import FINE, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, search
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, refit
@@ -19,6 +20,7 @@ from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.effects.base import Floats
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.problem import Nuisance
+from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
@@ -29,73 +31,23 @@ MASSES = "rigid body"
 """The name of a change of masses, as by a load."""
 
 
-@dataclass(frozen=True)
-class Changed:
-    """A change since the model was identified.
-
-    Attributes:
-        what: the effect, or `MASSES`.
-        joints: those that feel it.
-        log_bayes_factor: nats.
-        p_value: how often the null of the maximum reaches it; None if there is no null.
-        parameters: by name the change, (value, unit).
-        size: N·m, root mean square of the added torque on the first of the joints.
-        deviations: by name the standard deviation of a change, where it is known.
-        rivals: changes of a known robot's bodies that explain as much.
-    """
-
-    what: str
-    joints: tuple[str, ...]
-    log_bayes_factor: float
-    p_value: float | None
-    parameters: Mapping[str, tuple[float, str]]
-    size: float
-    deviations: Mapping[str, float] = field(default_factory=dict)
-    rivals: tuple[str, ...] = ()
-
-    def record(self) -> dict[str, object]:
-        """Return the change for JSON."""
-        return {
-            "what": self.what,
-            "joints": list(self.joints),
-            "evidence_gain": self.log_bayes_factor,
-            "p_value": self.p_value,
-            "change": {
-                name: {"value": value, "unit": unit, **self._interval(name, value)}
-                for name, (value, unit) in self.parameters.items()
-            },
-            "size": self.size,
-            "rivals": list(self.rivals),
-        }
-
-    def _interval(self, name: str, value: float) -> dict[str, float]:
-        """Return the ends of a parameter's 90 % interval; empty if its deviation is unknown."""
-        if name not in self.deviations:
-            return {}
-        reach = 1.645 * self.deviations[name]
-        return {"low": value - reach, "high": value + reach}
-
-
 class _Later(Effect):
     """An effect that begins, or changes, at a boundary of time."""
 
     def __init__(self, effect: Effect, boundary: float) -> None:
         self._effect, self._boundary = effect, boundary
-        for word in ("formula", "source", "meaning", "parameters", "shapes", "kind",
-                     "coordinate", "remembers", "uses"):  # fmt: skip
-            setattr(self, word, getattr(effect, word))
+        names = "formula source meaning parameters shapes kind coordinate remembers uses"
+        for name in names.split():
+            setattr(self, name, getattr(effect, name))
         setattr(self, "name", f"{effect.name}{SINCE}")  # noqa: B010
 
     def columns(self, x: Inputs, joint: int, shape: Mapping[str, float]) -> Floats:
-        """Return the effect's columns (S, P), zero before the boundary."""
         return self._effect.columns(x, joint, shape) * (x.time >= self._boundary)[:, None]
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Mapping[str, float]]:
-        """Return the shapes of the effect that are tried first."""
         return self._effect.candidates(x, joint)
 
     def cause(self, joint: int, shape: Mapping[str, float]) -> int:
-        """Return the joint whose hardware causes the effect."""
         return self._effect.cause(joint, shape)
 
 
@@ -136,14 +88,14 @@ def changed_since(
     for step in done.steps:
         if step.named:
             score, candidate = step.score, step.score.candidate
-            values = zip(candidate.effect.parameters, score.coefficients, strict=True)
+            values = zip(candidate.effect.parameters, score.coefficients.tolist(), strict=True)
             found.append(
                 Changed(
                     candidate.source.name.removesuffix(SINCE),
                     (model.joints[candidate.joint],),
                     score.log_bf,
                     step.p_value,
-                    {one.name: (float(value), one.unit) for one, value in values},
+                    {one.name: Estimate(value, unit=one.unit) for one, value in values},
                     score.size,
                 )
             )
@@ -153,16 +105,14 @@ def changed_since(
 def _bodies(whitened: Whitened, model: Model, boundary: float, found: list[Changed]) -> Whitened:
     """Return the motion with a change of masses explained, and append that change to `found`."""
     named = changed_bodies(model, whitened, boundary)
-    heavier = _masses(whitened, boundary)
+    heavier = _masses(whitened, model, boundary)
     if named is not None and named.log_bayes_factor > thresholds.USED.change_floor:
         found.append(_named(named, whitened, model))
         return _explained(heavier[0] if heavier else whitened, named)
     if heavier is None:
         return whitened
-    whitened, change = heavier
-    felt, _ = joints_of(whitened)
-    found.append(replace(change, joints=tuple(model.joints[n] for n in felt)))
-    return whitened
+    found.append(heavier[1])
+    return heavier[0]
 
 
 def _named(change: BodyChange, whitened: Whitened, model: Model) -> Changed:
@@ -175,9 +125,8 @@ def _named(change: BodyChange, whitened: Whitened, model: Model) -> Changed:
         tuple(model.joints[n] for n in felt),
         change.log_bayes_factor,
         None,
-        {name: (value, unit) for name, (value, _, unit) in change.parameters.items()},
+        change.parameters,
         float(rms[felt[0]]),
-        {name: deviation for name, (_, deviation, _) in change.parameters.items()},
         change.rivals,
     )
 
@@ -188,7 +137,7 @@ def _explained(whitened: Whitened, change: BodyChange) -> Whitened:
     return whitened.explaining(whitened.basis, (*whitened.problem.nuisance, *extra))
 
 
-def _masses(whitened: Whitened, boundary: float) -> tuple[Whitened, Changed] | None:
+def _masses(whitened: Whitened, model: Model, boundary: float) -> tuple[Whitened, Changed] | None:
     """Return the motion with a second Lagrangian from the boundary on, if strongly needed."""
     changing = Changing.of(whitened, len(whitened.index))
     log_bf, share = max((changing.log_bayes_factor((boundary, np.inf, one)), one) for one in FINE)
@@ -196,6 +145,7 @@ def _masses(whitened: Whitened, boundary: float) -> tuple[Whitened, Changed] | N
         return None
     problem = refit(whitened, whitened.basis, change=(boundary, np.inf, share))
     heavier = whitened.assuming(problem)
-    _, felt = joints_of(heavier)
-    size = float(np.max(felt) * heavier.spread[int(np.argmax(felt))])
-    return heavier, Changed(MASSES, (), log_bf, None, {}, size)
+    felt, share_felt = joints_of(heavier)
+    size = float(np.max(share_felt) * heavier.spread[int(np.argmax(share_felt))])
+    names = tuple(model.joints[n] for n in felt)
+    return heavier, Changed(MASSES, names, log_bf, None, {}, size)

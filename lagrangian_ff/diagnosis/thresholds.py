@@ -1,5 +1,7 @@
 """Every threshold of a diagnosis, in one place, with the reason for its value."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 
@@ -103,5 +105,30 @@ class Thresholds:
     covered_deviations: float = 3.0
 
 
-USED = Thresholds()
-"""The thresholds in use; read as `thresholds.USED`, so that another set can take their place."""
+@dataclass(frozen=True)
+class Effort:
+    """The part of a motion that is examined, and how long hyperparameters are fitted.
+
+    Attributes:
+        rows: torques (samples times joints) that are whitened; factoring 4800 takes about a second.
+        stages: samples that the evidence is maximised on, and the largest number of steps.
+    """
+
+    rows: int = 4800
+    stages: tuple[tuple[int, int], ...] = ((60, 20), (120, 6), (240, 2))
+
+
+USED, EFFORT = Thresholds(), Effort()
+"""In use; read as `thresholds.USED`, so that `using` can put others in their place."""
+
+
+@contextmanager
+def using(limits: Thresholds | None = None, effort: Effort | None = None) -> Iterator[None]:
+    """Use other thresholds or another effort in the block."""
+    global USED, EFFORT
+    before = USED, EFFORT
+    USED, EFFORT = limits or USED, effort or EFFORT
+    try:
+        yield
+    finally:
+        USED, EFFORT = before

@@ -20,8 +20,15 @@ KINDS = ("measurement", "friction", "transmission", "mechanics", "event")
 and is to be mended first."""
 
 MOTIONS = (
-    "exciting", "speeds", "slow sweep", "reversals", "chirp", "one by one", "warm-up", "payloads",
-)  # fmt: skip
+    "exciting",
+    "speeds",
+    "slow sweep",
+    "reversals",
+    "chirp",
+    "one by one",
+    "warm-up",
+    "payloads",
+)
 """The motions that show effects or tell them apart."""
 
 PARTS = ("gravity", "inertia", "coriolis", "friction")
@@ -74,6 +81,12 @@ class Shape:
         if self.whole:
             return [float(k) for k in range(int(self.low), int(self.high) + 1)]
         return [float(v) for v in np.geomspace(self.low, self.high, self.steps)]
+
+    def words(self, value: float, joints: Sequence[str]) -> str:
+        """Return a value for a person: a joint by its name, a whole number without a point."""
+        if self.joint and round(value) < len(joints):
+            return joints[round(value)]
+        return str(round(value)) if self.whole else f"{value:.3g}"
 
 
 class Effect(ABC):
@@ -172,15 +185,11 @@ class Effect(ABC):
         return {name: value for name, value in shape.items() if name not in own}
 
     def shape_words(self, shape: Values, joints: Sequence[str]) -> dict[str, str]:
-        """Return a shape for a person: joints by their names, whole numbers without a point."""
+        """Return the values of a shape for a person, by name; see `Shape.words`."""
         kinds = {one.name: one for one in self.shapes}
         return {
-            name: joints[round(value)] if kinds[name].joint and round(value) < len(joints)
-            else str(round(value)) if kinds[name].whole
-            else f"{value:.3g}"
-            for name, value in shape.items()
-            if name in kinds
-        }  # fmt: skip
+            name: kinds[name].words(value, joints) for name, value in shape.items() if name in kinds
+        }
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
         """Return the shapes to try on one joint: every combination of the shapes' grids."""

@@ -51,11 +51,16 @@ def look_alikes(effect: Effect) -> dict[str, str]:
     return {**effect.look_alikes, **others}
 
 
+def meaning_of(effect: Effect) -> str:
+    """Return what an effect is, in words; else what its parameters are."""
+    return effect.meaning or " and ".join(p.meaning for p in effect.parameters)
+
+
 def effect_record(effect: Effect) -> dict[str, object]:
     """Return what an effect says about itself, as JSON holds it."""
     return {
         "name": effect.name, "kind": effect.kind, "formula": effect.formula,
-        "meaning": effect.meaning or " and ".join(p.meaning for p in effect.parameters),
+        "meaning": meaning_of(effect),
         "source": effect.source,
         "parameters": [asdict(parameter) for parameter in effect.parameters],
         "shapes": [asdict(shape) for shape in effect.shapes], "coordinate": effect.coordinate,

@@ -9,9 +9,14 @@ from lagrangian_ff.effects.inputs import Inputs
 from lagrangian_ff.errors import EffectError
 
 ROTOR = Shape(
-    "Jr", "kg·m²", "inertia before the gear, which its load is free of", 1e-6, 1e3, 1e-3,
+    "Jr",
+    "kg·m²",
+    "inertia before the gear, which its load is free of",
+    1e-6,
+    1e3,
+    1e-3,
     of_model=True,
-)  # fmt: skip
+)
 """Of the model: it corrects how much of the inertia the model counts into the load."""
 SHARES = (0.0, 0.25, 0.5, 0.75)
 """Shares of a joint's inertia that are tried as the rotor's."""

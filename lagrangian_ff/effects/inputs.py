@@ -3,6 +3,7 @@
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -13,8 +14,8 @@ from lagrangian_ff.effects.reversals import since_reversal, stretches
 from lagrangian_ff.kernels.states import States
 
 SIGN_SPEED = 0.02  # rad/s, width of the smoothed sign unless the model has found a better one
-
 LONG_AGO = 10.0  # s since a reversal, after which more makes no difference
+AVERAGED = ("q", "qd", "qdd", "load", "torque")
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,14 @@ class Inputs:
 
     @classmethod
     def of(
-        cls, states: States, time: ArrayLike | None = None, segment: Ints | None = None,
-        load: Floats | None = None, torque: Floats | None = None, sign_speed: Floats | None = None,
-    ) -> "Inputs":  # fmt: skip
+        cls,
+        states: States,
+        time: ArrayLike | None = None,
+        segment: Ints | None = None,
+        load: Floats | None = None,
+        torque: Floats | None = None,
+        sign_speed: Floats | None = None,
+    ) -> "Inputs":
         """Return the inputs of some states; what is not given is settled, or zero.
 
         Without time every sample stands alone: it has no past and no rate of change.
@@ -60,12 +66,11 @@ class Inputs:
         zero = np.zeros_like(states.q)
         if segment is None:
             segment = np.arange(count) if time is None else np.zeros(count, dtype=np.int64)
-        return cls(
-            states.q, states.qd, states.qdd,
-            np.full(count, np.inf) if time is None else np.asarray(time, dtype=np.float64), segment,
-            zero if load is None else load, zero if torque is None else torque,
-            np.full(joints, SIGN_SPEED) if sign_speed is None else sign_speed, np.zeros(joints),
-        )  # fmt: skip
+        when = np.full(count, np.inf) if time is None else np.asarray(time, dtype=np.float64)
+        load, torque = (zero if one is None else one for one in (load, torque))
+        width = np.full(joints, SIGN_SPEED) if sign_speed is None else sign_speed
+        motion = states.q, states.qd, states.qdd, when, segment
+        return cls(*motion, load, torque, width, np.zeros(joints))
 
     def __len__(self) -> int:
         return int(self.q.shape[0])
@@ -84,17 +89,13 @@ class Inputs:
                 samples that were taken from one already stay as they are.
         """
         origin = index if self.index is None else self.index[index]
-        some = Inputs(
-            self.q[index], self.qd[index], self.qdd[index], self.time[index], self.segment[index],
-            self.load[index], self.torque[index], self.sign_speed, self.rotor, self.whole or self,
-            origin, window if self.whole is None else self.window,
-        )  # fmt: skip
+        window = window if self.whole is None else self.window
+        part = {name: getattr(self, name)[index] for name in (*AVERAGED, "time", "segment")}
+        some = replace(self, **part, whole=self.whole or self, index=origin, window=window)
         if self.whole is not None or window == 1:
             return some
-        return replace(
-            some, q=some.mean(self.q), qd=some.mean(self.qd), qdd=some.mean(self.qdd),
-            load=some.mean(self.load), torque=some.mean(self.torque),
-        )  # fmt: skip
+        means: dict[str, Any] = {name: some.mean(getattr(self, name)) for name in AVERAGED}
+        return replace(some, **means)
 
     def mean(self, values: Floats) -> Floats:
         """Return (M, ...) values (W, ...) of the whole motion at these samples, averaged likewise.

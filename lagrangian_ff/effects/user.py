@@ -1,4 +1,4 @@
-"""Effects that users bring: from a Python file, or from an installed package.
+"""Effects that users bring, from a Python file or an installed package, and their check.
 
 A file defines subclasses of `Effect`; a package names them in its entry points of the group
 `lagrangian_ff.effects`. They join `EFFECTS` and take part in everything.
@@ -6,27 +6,34 @@ A file defines subclasses of `Effect`; a package names them in its entry points 
 
 import importlib.util
 import inspect
+import re
 import sys
 import traceback
 import warnings
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 
-from lagrangian_ff.effects.base import Effect
+import numpy as np
+
+from lagrangian_ff.effects import base
+from lagrangian_ff.effects.base import Effect, Inputs
 from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS, effect_classes
-from lagrangian_ff.effects.check import check
 from lagrangian_ff.errors import EffectError
-from lagrangian_ff.kernels import KERNELS
+from lagrangian_ff.kernels import KERNELS, States
 
 ENTRY_POINTS = "lagrangian_ff.effects"
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+WORDS = ("name", "formula", "source", "meaning", "coordinate", "shows_as", "next_motion", "caution")
 
 _origin: dict[str, str] = {}
-"""The file or package of each effect that users brought, by its name."""
+"""The file or package of each effect that users brought, by its name; also of those replaced."""
 
 
-def load_effects(path: "str | Path") -> list[Effect]:
+def load_effects(path: str | Path) -> list[Effect]:
     """Import a Python file and add the effects that it defines to `EFFECTS`.
 
     All of them join, or none. Loading a file again replaces what came from it.
@@ -115,7 +122,7 @@ def _made(found: object, where: str) -> Effect:
 
 def _join(effects: list[Effect], origin: str, where: str) -> None:
     """Check all effects, then add them to the catalogue."""
-    taken = dict.fromkeys(EFFECTS, "the catalogue") | _origin
+    taken = {name: _origin.get(name, "the catalogue") for name in EFFECTS}
     taken = {name: place for name, place in taken.items() if place != origin}
     taken |= dict.fromkeys(GROUPS, "a group of effects")
     taken |= dict.fromkeys(KERNELS, "a kernel")
@@ -127,8 +134,8 @@ def _join(effects: list[Effect], origin: str, where: str) -> None:
                 "choose another"
             )
         taken[effect.name] = where
-    for name in [name for name, place in _origin.items() if place == origin]:
-        del EFFECTS[name], _origin[name]
+    for name in [name for name in EFFECTS if _origin.get(name) == origin]:
+        del EFFECTS[name]
     for effect in effects:
         EFFECTS[effect.name] = effect
         _origin[effect.name] = origin
@@ -159,3 +166,77 @@ def _place(error: BaseException, file: Path) -> str:
 def _words(error: BaseException) -> str:
     said = error.msg if isinstance(error, SyntaxError) else str(error)
     return f"{type(error).__name__}: {said}" if said else type(error).__name__
+
+
+def check(effect: Effect) -> None:
+    """Refuse an effect that is not sound.
+
+    Raises:
+        EffectError: says what was expected and what is there, not in which file.
+        Exception: whatever its `columns` or `candidates` raise on a trial motion.
+    """
+    _check_words(effect)
+    _check_numbers(effect)
+    moving = trial_motion()
+    still = replace(moving, time=np.full(len(moving), np.inf), segment=np.arange(len(moving)))
+    names = {shape.name for shape in effect.shapes}
+    tried = [{shape.name: shape.start for shape in effect.shapes}]
+    for shape in effect.candidates(moving, 1):
+        if set(shape) != names:
+            _refuse(effect, "candidates()", f"numbers for {sorted(names)}", sorted(shape))
+        tried.append(dict(shape))
+    for shape in (tried[0], tried[-1]):
+        for x in (moving, still):
+            base.checked_columns(effect, x, 1, shape)
+
+
+def _check_words(effect: Effect) -> None:
+    for word in WORDS:
+        if not isinstance(getattr(effect, word, None), str):
+            _refuse(effect, word, "a text", getattr(effect, word, None))
+    if not NAME.fullmatch(effect.name):
+        _refuse(effect, "name", "one word of small letters, digits and _", effect.name)
+    if not effect.formula:
+        _refuse(effect, "formula", "the torque it adds, in words of its parameters", "")
+    for word, allowed in (("kind", base.KINDS), ("part", base.PARTS), ("motion", base.MOTIONS)):
+        if getattr(effect, word) not in allowed:
+            _refuse(effect, word, f"one of {', '.join(allowed)}", getattr(effect, word))
+    if not set(effect.uses) <= {"load", "torque"}:
+        _refuse(effect, "uses", "a set of 'load' and 'torque'", effect.uses)
+
+
+def _check_numbers(effect: Effect) -> None:
+    parameters = getattr(effect, "parameters", None)
+    if not parameters or not _all(parameters, base.Parameter):
+        _refuse(effect, "parameters", "a tuple (Parameter(name, unit, meaning),)", parameters)
+    if not _all(effect.shapes, base.Shape):
+        expected = "a tuple (Shape(name, unit, meaning, low, high, start),)"
+        _refuse(effect, "shapes", expected, effect.shapes)
+    shapes: Sequence[base.Shape] = effect.shapes
+    for shape in shapes:
+        if not shape.low <= shape.start <= shape.high or (shape.low <= 0.0 and not shape.whole):
+            came = f"{shape.low}, {shape.start}, {shape.high}"
+            _refuse(effect, f"shape {shape.name}", "0 < low <= start <= high", came)
+    numbers = [p.name for p in effect.parameters] + [s.name for s in shapes]
+    if len(set(numbers)) < len(numbers):
+        _refuse(effect, "parameters and shapes", "different names", ", ".join(numbers))
+
+
+def _all(values: object, kind: type) -> bool:
+    return isinstance(values, tuple | list) and all(isinstance(value, kind) for value in values)
+
+
+def _refuse(effect: Effect, what: str, expected: str, came: object) -> None:
+    name = getattr(effect, "name", type(effect).__name__)
+    raise EffectError(f"effect '{name}': expected {what} to be {expected}, got {came!r}")
+
+
+def trial_motion() -> Inputs:
+    """Return joints that stand still first, then swing for 10 s, and carry a load."""
+    time = np.arange(1000) / 100.0
+    q = np.sin(np.maximum(time - 0.2, 0.0)[:, None] * np.linspace(2.0, 6.0, 3))
+    qd = np.gradient(q, time, axis=0)
+    qdd = np.gradient(qd, time, axis=0)
+    qd[:10] = qdd[:10] = 0.0
+    load = 2.0 * qdd + 10.0 * np.cos(q)
+    return Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=load + qd)

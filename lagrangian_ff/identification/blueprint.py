@@ -6,9 +6,8 @@ import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.predicting import TorqueModel
-from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.problem import Prior, Problem
 from lagrangian_ff.identification.samples import Samples, evenly, groups
 from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import (
@@ -30,7 +29,7 @@ from lagrangian_ff.identification.solving.solution import (
     no_factor,
     with_least_noise,
 )
-from lagrangian_ff.kernels import Kernel, States
+from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import usual_step
@@ -49,7 +48,7 @@ class Blueprint:
 
     Attributes:
         name: kernel and effects.
-        kernel, noise, scaling, basis: see `Problem`.
+        prior: kernel, noise, scaling and basis.
         data: the motion learned from and that held out, at the rate that is kept.
         trained: (K,) which of its samples may be learned from.
         index: (C,) those the kernel is built on.
@@ -59,10 +58,7 @@ class Blueprint:
     """
 
     name: str
-    kernel: Kernel
-    noise: Floats
-    scaling: Scaling
-    basis: Basis
+    prior: Prior
     data: Motion
     trained: Flags
     index: Ints
@@ -79,26 +75,13 @@ class Blueprint:
         """
         return cls(
             name=model.name,
-            kernel=model.kernel,
-            noise=model.noise,
-            scaling=Scaling(model.unit, model.noise_share),
-            basis=model.basis,
+            prior=model.prior,
             data=model.data,
             trained=model.trained,
             index=model.index,
             seen=model.seen,
             settings=Settings.from_record(model.record.get("settings", {})),
             weight=model.irls_weight,
-        )
-
-    def like(self, problem: Problem) -> "Blueprint":
-        """Return the blueprint with the hyperparameters of a problem."""
-        return replace(
-            self,
-            kernel=problem.kernel,
-            noise=problem.noise,
-            scaling=problem.scaling,
-            basis=problem.basis,
         )
 
     @property
@@ -108,7 +91,7 @@ class Blueprint:
 
     def problem(self, samples: Samples) -> Problem:
         """Return the problem of some samples."""
-        return Problem(samples, self.kernel, self.noise, self.scaling, self.basis)
+        return Problem(samples, self.prior)
 
     def whole(self, inputs: Inputs) -> Problem:
         """Return the problem of all that is learned from, without weights."""
@@ -164,14 +147,14 @@ class Solved:
         posterior: of the model.
         weighed: the posterior that intervals are made from: an outlier counts no more than others.
         threshold: (N,) N·m, beyond which Huber's loss is linear; None for squares.
-        noise: (N,) variance of a torque in the subset problem that the noise was chosen on.
+        prior: with the noise of the subset problem that it was chosen on.
         notes: sentences for people on noise that was added and on inducing points.
     """
 
     posterior: Posterior
     weighed: Posterior
     threshold: Floats | None
-    noise: Floats
+    prior: Prior
     notes: tuple[str, ...]
 
 
@@ -188,7 +171,7 @@ def solve(blueprint: Blueprint, inputs: Inputs, progress: Progress = silent) -> 
     """
 
     def solved(factor: float) -> Solved:
-        noisier = replace(blueprint, noise=blueprint.noise * factor)
+        noisier = replace(blueprint, prior=blueprint.prior.noisier(factor))
         posterior, weighed, threshold = _with_loss(noisier, inputs, progress)
         notes = () if blueprint.exact else (_inducing(noisier, posterior),)
         if factor != 1.0:
@@ -197,7 +180,7 @@ def solve(blueprint: Blueprint, inputs: Inputs, progress: Progress = silent) -> 
                 f"matrix of {len(blueprint.index)} samples has no Cholesky factor"
             )
             notes = (raised, *notes)
-        return Solved(posterior, weighed, threshold, noisier.noise, notes)
+        return Solved(posterior, weighed, threshold, noisier.prior, notes)
 
     try:
         return with_least_noise(solved)[0]
@@ -230,11 +213,11 @@ def _with_loss(
 
 
 def _inducing(blueprint: Blueprint, posterior: Posterior) -> str:
-    raised = np.unique(np.round(posterior.problem.noise / blueprint.noise)).astype(int)
+    raised = np.unique(np.round(posterior.problem.noise / blueprint.prior.noise)).astype(int)
     rate = 1.0 / usual_step(blueprint.data.time)
     shown = " to ".join(str(factor) for factor in dict.fromkeys([raised.min(), raised.max()]))
     return (
         f"learned from all {len(blueprint.seen)} training samples at {rate:.3g} Hz, with a "
-        f"kernel on {len(blueprint.index)} of them as landmarks; blocks left out ask for {shown} "
-        "times the noise variance of few samples, since neighbouring samples err alike"
+        f"kernel on {len(blueprint.index)} of them as inducing points; blocks left out ask for "
+        f"{shown} times the noise variance of few samples, since neighbouring samples err alike"
     )

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,22 +17,23 @@ from lagrangian_ff.identification.certainty.calibration import (
     SubsetOfData,
     calibrated,
 )
+from lagrangian_ff.identification.findings import (
+    effects_of,
+    hyperparameters_of,
+    mass_check,
+    outliers_found,
+)
 from lagrangian_ff.identification.mechanics.positive import Expansion, keep_positive
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.predicting import MotionRange
-from lagrangian_ff.identification.records import (
-    Score,
-    effect_records,
-    hyperparameter_record,
-    mass_record,
-    outlier_record,
-)
+from lagrangian_ff.identification.records import Calibration, Identified, KnownMechanism, Score
 from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.solving.posterior import Posterior
 from lagrangian_ff.identification.solving.robust import outliers_of
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.recording.conditioning import Conditioning
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import recorded_seconds
 
@@ -45,33 +47,34 @@ class Identification:
 
     Attributes:
         model: ready to predict and to be saved.
-        record: the findings as JSON holds them; the page, the node and the file show the same.
         training: the motion learned from, thinned to the samples used.
         held_out: the motion the error was measured on.
         predicted: (M, N) N·m of the model on `held_out`, made without having seen it.
     """
 
     model: Model
-    record: dict[str, object]
     training: Motion
     held_out: Motion
     predicted: Floats
     posterior: Posterior = field(repr=False)
 
+    @property
+    def record(self) -> Mapping[str, object]:
+        """Return the findings as JSON holds them, in the model's file too."""
+        return self.model.record
+
     def with_history(
-        self, steps: tuple[Mapping[str, object], ...], **facts: object
+        self, steps: tuple[Mapping[str, object], ...], **facts: Any
     ) -> "Identification":
-        """Return the same with another history of the model, and more facts in the record."""
-        record = {**self.record, **facts}
-        model = replace(self.model, record=record, steps=steps)
-        return replace(self, model=model, record=record)
+        """Return the same with another history of the model, and more facts in its findings."""
+        record = replace(self.model.identified, **facts).record()
+        return replace(self, model=replace(self.model, record=record, steps=steps))
 
 
 def build(
     blueprint: Blueprint,
     inputs: Inputs,
-    facts: Mapping[str, object],
-    steps: tuple[Mapping[str, object], ...] = (),
+    sources: tuple[str, ...] = (),
     progress: Progress = silent,
     known: Posterior | None = None,
 ) -> Identification:
@@ -80,8 +83,7 @@ def build(
     Args:
         blueprint: of the model.
         inputs: all of the data as effects see it.
-        facts: further fields of the record.
-        steps: the model's history before.
+        sources: names of the recordings.
         progress: receives the share done, 0 to 1.
         known: the posterior, if it was solved already.
 
@@ -92,7 +94,7 @@ def build(
     began = time.monotonic()
     data, learned = blueprint.data, blueprint.data.take(blueprint.seen)
     solved = (
-        Solved(known, known, None, known.problem.noise, ())
+        Solved(known, known, None, known.problem.prior, ())
         if known
         else solve(blueprint, inputs, part(progress, 0.0, 0.8))
     )
@@ -109,21 +111,17 @@ def build(
     draft = Model(
         joints=data.joints,
         name=blueprint.name,
-        kernel=problem.kernel,
-        basis=problem.basis,
+        # The noise of a model on inducing points is raised joint by joint; a refit begins below.
+        prior=replace(problem.prior, noise=solved.prior.noise),
         centres=expansion.centres,
         weights=expansion.weights,
         coefficients=expansion.coefficients,
-        unit=problem.unit,
         range=MotionRange.of(States.of(training.q, training.qd, training.qdd), reliable),
         record={},
         data=data,
         trained=blueprint.trained,
         index=blueprint.index,
         seen=blueprint.seen,
-        noise=solved.noise,
-        noise_share=blueprint.scaling.noise,
-        steps=steps,
         irls_weight=weight,
     )
     if blueprint.trained.all():
@@ -139,41 +137,38 @@ def build(
     apart = solved.weighed.left_out(blueprint.apart)
     factor = calibrated(blueprint, solved, apart).tolist()
     quick = _quick_factor(replace(blueprint, weight=weight), inputs, solved, apart)
-    values, mechanism = expansion.coefficients, blueprint.kernel.mechanism
-    record: dict[str, object] = {
-        "model": blueprint.name,
-        **Score.of(data.joints, held_out.tau, predicted).record(),
-        "judged_on": judged,
-        "validation": Score.of(data.joints, learned.tau, left_out).record(),
-        "samples": len(learned),
-        "landmarks": 0 if blueprint.exact else len(blueprint.index),
-        "seconds": round(time.monotonic() - began, 3),
-        "training_seconds": seconds(training),
-        "held_out_seconds": seconds(held_out),
-        "hyperparameters": hyperparameter_record(replace(problem, basis=blueprint.basis)),
-        "scale": "common" if np.ptp(problem.unit) == 0.0 else "joint",
-        "effects": effect_records(solved.weighed, values, data.joints, blueprint.seconds),
-        "mass_matrix": mass_record(draft),
-        "uncertainty": {
-            "level": LEVEL,
-            "factor": dict(zip(data.joints, factor, strict=True)),
-            "quick": quick,
-        },
-        "log_evidence": float(posterior.log_evidence),
-        "range": draft.range.record(),
-        "settings": blueprint.settings.record(),
-        "conditioning": dict(training.conditioning),
-        "notes": [*training.notes, *solved.notes],
-        **({"mechanism": mechanism.record()} if mechanism else {}),
-        **facts,
-    }
+    values, mechanism = expansion.coefficients, blueprint.prior.kernel.mechanism
+    outliers = None
     if solved.threshold is not None:
         missed = held_out.tau - predicted
-        record["outliers"] = outlier_record(
-            problem.samples.weights, solved.threshold, learned, residual, missed
-        )
-    model = replace(draft, record=record)
-    return Identification(model, record, learned, held_out, predicted, posterior)
+        weights = problem.samples.weights
+        outliers = outliers_found(weights, solved.threshold, learned, residual, missed)
+    found = Identified(
+        model=blueprint.name,
+        score=Score.of(data.joints, held_out.tau, predicted),
+        judged_on=judged,
+        validation=Score.of(data.joints, learned.tau, left_out),
+        samples=len(learned),
+        landmarks=0 if blueprint.exact else len(blueprint.index),
+        seconds=round(time.monotonic() - began, 3),
+        training_seconds=seconds(training),
+        held_out_seconds=seconds(held_out),
+        hyperparameters=hyperparameters_of(problem.having(basis=blueprint.prior.basis)),
+        scale="common" if np.ptp(problem.unit) == 0.0 else "joint",
+        effects=effects_of(solved.weighed, values, data.joints, blueprint.seconds),
+        mass_matrix=mass_check(draft),
+        uncertainty=Calibration(LEVEL, dict(zip(data.joints, factor, strict=True)), quick),
+        log_evidence=float(posterior.log_evidence),
+        range=draft.range,
+        settings=blueprint.settings,
+        conditioning=Conditioning.from_record(training.conditioning),
+        notes=(*training.notes, *solved.notes),
+        mechanism=KnownMechanism.from_record(mechanism.record()) if mechanism else None,
+        sources=sources,
+        outliers=outliers,
+    )
+    model = replace(draft, record=found.record())
+    return Identification(model, learned, held_out, predicted, posterior)
 
 
 def _expansion(blueprint: Blueprint, posterior: Posterior, progress: Progress) -> Expansion:
@@ -191,7 +186,7 @@ def _quick_factor(
     """Return the calibration of the cheap uncertainty by joint; None if it cannot be made."""
     x = inputs.take(blueprint.seen)
     weights = solved.weighed.problem.samples.weights
-    subset = SubsetOfData(replace(blueprint, noise=solved.noise), x, weights, QUICK)
+    subset = SubsetOfData(replace(blueprint, prior=solved.prior), x, weights, QUICK)
     try:
         subset.fit()  # the later use of the model must not fail
         factor = subset.factor(left_out)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from datetime import datetime, timezone
 
 import numpy as np
 
@@ -12,13 +11,15 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
-from lagrangian_ff.identification.choosing.shapes import best_shape, fall, tuned
+from lagrangian_ff.identification.choosing.shapes import best_shape, fall, refit_shapes
 from lagrangian_ff.identification.choosing.simplex import validation_score
+from lagrangian_ff.identification.history import Reason, Step
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.record_json import read
 
 NOISE_FACTORS = (0.03, 0.1, 0.3, 1.0, 2.0)
 """Factors on the noise, tried once the new effect explains more of the torque."""
@@ -77,55 +78,25 @@ def extend(
             "adding it would change nothing"
         )
     kept = [(effect.name, name) for name in given]
-    basis = tuned(before, Basis((*old.basis.terms, term)), number, kept)
+    basis = refit_shapes(before, Basis((*old.prior.basis.terms, term)), number, kept)
     del before  # its factor is as large as that of the fit to come
     inputs = replace(inputs, sign_speed=basis.sign_speed(inputs.joints))
-    new = replace(old, name=f"{model.name}+{effect.name}@{joint}", basis=basis)
+    prior = replace(old.prior, basis=basis)
+    new = replace(old, name=f"{model.name}+{effect.name}@{joint}", prior=prior)
     progress(0.3, "choosing the noise")
-    new = replace(new, noise=_best_noise(new, inputs))
+    new = replace(new, prior=replace(prior, noise=_best_noise(new, inputs)))
     progress(0.6, "fitting")
-    facts = {"sources": model.record.get("sources", [])}
-    again = any(t.effect.uses for t in new.basis.terms)
+    then = model.identified
+    again = any(t.effect.uses for t in new.prior.basis.terms)
     done = 0.8 if again else 1.0
-    found = build(new, inputs, facts, model.steps, part(progress, 0.6, done))
+    found = build(new, inputs, then.sources, part(progress, 0.6, done))
     if again:
         seen = found.model.inputs_of_data()
-        found = build(new, seen, facts, model.steps, part(progress, done, 1.0))
-    step = step_record(f"{effect.name} on {joint}", model.record, found.record, why)
+        found = build(new, seen, then.sources, part(progress, done, 1.0))
+    reason = read(Reason, why or {})
+    step = Step.between(f"{effect.name} on {joint}", then, found.model.identified, reason)
     progress(1.0, "fitting")
-    return found.with_history((*model.steps, step))
-
-
-def step_record(
-    added: str,
-    before: Mapping[str, object] | None,
-    after: Mapping[str, object],
-    why: Mapping[str, object] | None = None,
-) -> dict[str, object]:
-    """Return one line of a model's history."""
-
-    def rmse(record: Mapping[str, object], joint: str) -> float:
-        joints = record["joints"]
-        assert isinstance(joints, Mapping)
-        return float(joints[joint]["rmse"])
-
-    joints = after["joints"]
-    assert isinstance(joints, Mapping)
-    return {
-        "added": added,
-        "when": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "error_before": before["rmse"] if before else None,
-        "error_after": after["rmse"],
-        "joints": {
-            name: {
-                "before": rmse(before, name) if before else None,
-                "after": rmse(after, name),
-            }
-            for name in joints
-        },
-        "judged_on": after["judged_on"],
-        **(why or {}),
-    }
+    return found.with_history((*model.steps, step.record()))
 
 
 def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:

@@ -18,7 +18,8 @@ from lagrangian_ff.identification.choosing.choose import (
     choose_robustly,
     weights_beyond,
 )
-from lagrangian_ff.identification.extending import extend, step_record
+from lagrangian_ff.identification.extending import extend
+from lagrangian_ff.identification.history import Step
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.samples import EXACT_TORQUES, Samples, decimated, sizes
@@ -87,10 +88,7 @@ def identify(
     start = Problem.started(spec, samples, scalings(samples.tau)[0])
     blueprint = Blueprint(
         name=spec.basic,
-        kernel=start.kernel,
-        noise=start.noise,
-        scaling=start.scaling,
-        basis=start.basis,
+        prior=start.prior,
         data=data,
         trained=trained,
         index=size.centres,
@@ -100,27 +98,28 @@ def identify(
     require_room(blueprint, len(subset))
     samples = replace(samples, fold=blueprint.folds(subset))
     chosen_at = 1.0 if blueprint.exact else CHOSEN
-    how = settings.selection, settings.evaluations, part(progress, 0.0, chosen_at)
+    share = part(progress, 0.0, chosen_at)
     weight = None
     if settings.loss == "huber":
-        chosen, weight = choose_robustly(spec, samples, scalings, *how)
+        chosen, weight = choose_robustly(spec, samples, scalings, settings, share)
         if not blueprint.exact:
             seen = size.seen
             weight = weights_beyond(chosen.problem, weight, inputs.take(seen), data.tau[seen])
     else:
         # An exact model is the fit that its shapes are chosen on.
         shaped = EXACT_TORQUES if blueprint.exact else SHAPED_TORQUES
-        chosen = choose(spec, samples, scalings(samples.tau), *how, shaped)
+        chosen = choose(spec, samples, scalings(samples.tau), settings, share, shaped)
     progress(chosen_at, "fitting")
     spec = chosen.spec
-    blueprint = replace(blueprint.like(chosen.problem), name=spec.basic, weight=weight)
-    facts = {"sources": [m.source for m in motions], "tried": list(chosen.tried)}
-    known = chosen.posterior if blueprint.exact else None
+    blueprint = replace(blueprint, prior=chosen.problem.prior, name=spec.basic, weight=weight)
+    tried, known = chosen.tried, chosen.posterior if blueprint.exact else None
     del chosen  # a fit is as large as the next
-    found = build(blueprint, inputs, facts, (), part(progress, chosen_at, 1.0), known)
+    sources = tuple(motion.source for motion in motions)
+    found = build(blueprint, inputs, sources, part(progress, chosen_at, 1.0), known)
     del known
-    first = step_record("identified", None, found.record)
-    found = found.with_history((first,), seconds=round(time.monotonic() - began, 3))
+    first = Step.between("identified", None, found.model.identified)
+    took = round(time.monotonic() - began, 3)
+    found = found.with_history((first.record(),), seconds=took, tried=tried)
     for effect, joint in spec.further:
         for name in [joint] if joint else data.joints:
             found = extend(found.model, effect, name, progress=progress)

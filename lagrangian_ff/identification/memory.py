@@ -71,10 +71,11 @@ def require_memory(
     if bytes_free is None or wanted <= SHARE * bytes_free:
         return
     fit = isqrt(int(SHARE * bytes_free) // needed(1, joints, coupled=coupled, folds=folds))
-    what, option = ("samples", "--samples") if folds is None else ("landmarks", "--landmarks")
+    what = "samples" if folds is None else "inducing points"
     raise ModelError(
         f"a model of {centres} {what} of {joints} joints needs {_gigabytes(wanted)} of memory, "
-        f"{_gigabytes(bytes_free)} are free: use at most {fit} {what} ({option} {fit})"
+        f"{_gigabytes(bytes_free)} are free: use at most {fit} {what} "
+        f"(--{what.replace(' ', '-')} {fit})"
     )
 
 
@@ -85,7 +86,7 @@ def require_room(blueprint: Blueprint, subset: int) -> None:
         ModelError: see `require_memory`.
     """
     joints = len(blueprint.data.joints)
-    coupled = isinstance(blueprint.kernel, CoupledKernel)
+    coupled = isinstance(blueprint.prior.kernel, CoupledKernel)
     require_memory(subset, joints, coupled=coupled)
     if not blueprint.exact:
         folds = blueprint.settings.folds

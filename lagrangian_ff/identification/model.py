@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.identification import storage
+from lagrangian_ff.identification.history import Step
 from lagrangian_ff.identification.predicting import TorqueModel
+from lagrangian_ff.identification.records import Identified
 from lagrangian_ff.kernels.constrained import Linkage
 
 if TYPE_CHECKING:
@@ -17,6 +19,16 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Model(TorqueModel):
     """An identified model; its attributes are those of `TorqueModel`."""
+
+    @cached_property
+    def identified(self) -> Identified:
+        """Return the findings of its identification, which its record holds."""
+        return Identified.from_record(self.record)
+
+    @cached_property
+    def history(self) -> tuple[Step, ...]:
+        """Return the steps that made it."""
+        return tuple(map(Step.from_record, self.steps))
 
     @cached_property
     def dynamics(self) -> "Dynamics":

@@ -12,6 +12,7 @@ from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.problem import Prior
 from lagrangian_ff.kernels import Kernel, Learned, States
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
@@ -141,43 +142,50 @@ class TorqueModel:
     Attributes:
         joints: N names; the columns of every array follow them.
         name: kernel and effects, e.g. `vrbfs+fri`.
-        kernel: the Lagrangian part's kernel with its hyperparameters.
-        basis: the effects and their shapes.
+        prior: kernel, noise, scaling and basis, with what was chosen of them.
         centres: (C, N) the states that the kernel is built on: samples, and those where the mass
             matrix is held positive.
         weights: (C, N) a of (45), in units of `unit`.
         coefficients: (B,) b of (45), in physical units.
-        unit: (N,) N·m that count as one.
         range: the motion it was identified on.
         record: findings of the identification, as JSON holds them.
         data: the motion learned from and that held out, at 100 Hz, for a refit.
         trained: (K,) which samples of it were learned from.
         index: positions of the samples that are the first centres.
         seen: (S,) positions of those that determine the weights: these centres, or many more.
-        noise: (N,) variance of the noise chosen on a subset, in the kernel's units.
-        noise_share: (N,) relative standard deviation of the noise between joints.
         steps: the model's history, identification and additions, as JSON holds it.
         irls_weight: (S, N) of each torque learned from, with Huber's loss; None for squares.
     """
 
     joints: tuple[str, ...]
     name: str
-    kernel: Kernel
-    basis: Basis
+    prior: Prior
     centres: States
     weights: Floats
     coefficients: Floats
-    unit: Floats
     range: MotionRange
     record: Mapping[str, object]
     data: Motion
     trained: NDArray[np.bool_]
     index: Ints
     seen: Ints
-    noise: Floats
-    noise_share: Floats
     steps: tuple[Mapping[str, object], ...] = ()
     irls_weight: Floats | None = None
+
+    @property
+    def kernel(self) -> Kernel:
+        """Return the Lagrangian part's kernel with its hyperparameters."""
+        return self.prior.kernel
+
+    @property
+    def basis(self) -> Basis:
+        """Return the effects and their shapes."""
+        return self.prior.basis
+
+    @property
+    def unit(self) -> Floats:
+        """Return (N,) N·m that count as one."""
+        return self.prior.scaling.unit
 
     def require_joints(
         self, held: Sequence[str], source: object, called: object = "the model"

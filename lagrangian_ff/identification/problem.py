@@ -1,6 +1,7 @@
 """A semi-parametric Gaussian-process problem (44): samples, kernel, noise, unit and basis."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,28 @@ class Scaling:
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What (44) assumes of torques before any was measured.
+
+    Attributes:
+        kernel: of the rigid-body torques, in units of `scaling`, with its hyperparameters.
+        noise: (N,) variance of each torque in the kernel's units, γ M of (42), before
+            `scaling.noise`, whose square multiplies it.
+        scaling: of the torques.
+        basis: the effects' terms with their shapes.
+    """
+
+    kernel: Kernel
+    noise: Floats
+    scaling: Scaling
+    basis: Basis
+
+    def noisier(self, factor: float) -> "Prior":
+        """Return the prior with the noise variance multiplied by a factor."""
+        return replace(self, noise=self.noise * factor)
+
+
+@dataclass(frozen=True)
 class Nuisance:
     """Columns in one joint's torque that are no effect of the model.
 
@@ -104,21 +127,14 @@ class Problem:
 
     Attributes:
         samples: to learn from.
-        kernel: of the rigid-body torques, in units of `scaling`, with its hyperparameters.
-        noise: (N,) variance of each torque in the kernel's units, γ M of (42), before
-            `scaling.noise`, whose square multiplies it.
-        scaling: of the torques.
-        basis: the effects' terms with their shapes.
+        prior: kernel, noise, scaling and basis.
         nuisance: columns that are fitted besides.
         change: an interval of time, in s, in which another Lagrangian is added to the arm's own, as
             with a load at the hand, and its variance in parts of the first; None has none.
     """
 
     samples: Samples
-    kernel: Kernel
-    noise: Floats
-    scaling: Scaling
-    basis: Basis
+    prior: Prior
     nuisance: tuple[Nuisance, ...] = ()
     change: tuple[float, float, float] | None = None
 
@@ -134,18 +150,33 @@ class Problem:
         basis = Basis(
             tuple(Term(e, joint, shapes[e.name]) for joint in range(joints) for e in spec.effects)
         )
-        problem = cls(samples, kernel, np.ones(joints), scaling, basis)
+        problem = cls(samples, Prior(kernel, np.ones(joints), scaling, basis))
         return problem.with_relative_noise(np.array([NOISE_START]))
+
+    @property
+    def kernel(self) -> Kernel:
+        """Return the kernel of the prior."""
+        return self.prior.kernel
+
+    @property
+    def basis(self) -> Basis:
+        """Return the basis of the prior."""
+        return self.prior.basis
+
+    @property
+    def noise(self) -> Floats:
+        """Return (N,) the noise of the prior."""
+        return self.prior.noise
 
     @property
     def unit(self) -> Floats:
         """Return (N,) N·m that count as one."""
-        return self.scaling.unit
+        return self.prior.scaling.unit
 
     @property
     def variances(self) -> Floats:
         """Return (N,) variance of the noise of each joint's torque, in units of `unit`."""
-        return self.noise * self.scaling.noise**2
+        return self.prior.noise * self.prior.scaling.noise**2
 
     @property
     def together(self) -> list[tuple[int, ...]]:
@@ -155,6 +186,10 @@ class Problem:
     def of(self, samples: Samples) -> "Problem":
         """Return the problem with the same assumptions of other samples."""
         return replace(self, samples=samples)
+
+    def having(self, **changes: Any) -> "Problem":
+        """Return the problem with another `kernel`, `noise`, `scaling` or `basis`."""
+        return replace(self, prior=replace(self.prior, **changes))
 
     def take(self, index: Ints) -> "Problem":
         """Return the problem of some of the samples."""
@@ -167,7 +202,7 @@ class Problem:
 
     def noisier(self, factor: float) -> "Problem":
         """Return the problem with the noise variance multiplied by a factor."""
-        return replace(self, noise=self.noise * factor)
+        return replace(self, prior=self.prior.noisier(factor))
 
     def weighted(self, weight: Floats | None) -> "Problem":
         """Return the problem with other IRLS weights (S, N)."""
@@ -183,7 +218,7 @@ class Problem:
         if isinstance(self.kernel, CoupledKernel):
             prior = np.full_like(prior, prior.mean())
         prior = np.where(prior > 0.0, prior, 1.0)
-        return replace(self, noise=np.broadcast_to(relative, prior.shape) * prior)
+        return self.having(noise=np.broadcast_to(relative, prior.shape) * prior)
 
     def gram(self, joints: tuple[int, ...]) -> Floats:
         """Return the Gram matrix (S n, S n) of joints that are solved together.

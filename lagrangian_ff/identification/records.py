@@ -1,26 +1,27 @@
-"""The findings of an identification, as JSON holds them."""
+"""The findings of an identification, and their JSON.
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+A model's file holds the JSON. That of an older version may lack fields: they get their defaults.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from math import isnan, nan
+from typing import Any
 
 import numpy as np
 
-from lagrangian_ff.arrays import Flags, Floats, Ints
-from lagrangian_ff.identification.certainty.calibration import reach
-from lagrangian_ff.identification.mechanics.dynamics import Dynamics, least, no_lagrangian
-from lagrangian_ff.identification.predicting import TorqueModel
-from lagrangian_ff.identification.problem import Problem
-from lagrangian_ff.identification.samples import evenly
-from lagrangian_ff.identification.solving.posterior import Posterior
-from lagrangian_ff.identification.solving.robust import outliers_of
-from lagrangian_ff.kernels import CoupledKernel
-from lagrangian_ff.recording.motion import Motion
-from lagrangian_ff.sampling import usual_step
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.identification.predicting import MotionRange
+from lagrangian_ff.identification.settings import Settings
+from lagrangian_ff.record_json import Json, by_name, each, given, read
+from lagrangian_ff.recording.conditioning import Conditioning
 
-STATES = 100
-"""States of the training motion at which the mass matrix is checked."""
-NARROW = 0.6
-"""Share of a joint's range below which the joint is named as the place."""
+NEEDED = (
+    "model", "samples", "training_seconds", "seconds", "judged_on", "held_out_seconds", "joints",
+    "rmse", "nmse", "effects", "hyperparameters",
+)  # fmt: skip
+"""Fields without which a record describes no model."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,9 @@ class Score:
             no better than the mean; NaN where the torque did not vary.
     """
 
-    joints: tuple[str, ...]
-    rmse: Floats
-    nmse: Floats
+    joints: tuple[str, ...] = ()
+    rmse: Floats = field(default_factory=lambda: np.zeros(0))
+    nmse: Floats = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def of(cls, joints: tuple[str, ...], measured: Floats, predicted: Floats) -> "Score":
@@ -47,6 +48,31 @@ class Score:
             nmse = np.where(variance > 0.0, squared / variance, np.nan)
         return cls(joints, np.sqrt(squared), nmse)
 
+    @classmethod
+    def from_record(cls, record: Json) -> "Score":
+        """Return the errors of a record; a number that JSON could not hold is NaN."""
+        joints: Mapping[str, Json] = record.get("joints", {})
+        rmse, nmse = (
+            np.array([one[name] for one in joints.values()], dtype=np.float64)
+            for name in ("rmse", "nmse")
+        )
+        return cls(tuple(joints), rmse, nmse)
+
+    @property
+    def by_joint(self) -> dict[str, float]:
+        """Return the root mean square error of each joint by name, N·m."""
+        return dict(zip(self.joints, self.rmse.tolist(), strict=True))
+
+    @property
+    def total(self) -> float:
+        """Return the root mean square of the joints' errors, N·m."""
+        return float(np.sqrt(np.mean(self.rmse**2))) if len(self.rmse) else nan
+
+    @property
+    def mean_nmse(self) -> float:
+        """Return the mean nmse of the joints whose torque varied; NaN if none did."""
+        return float(np.nanmean(self.nmse)) if np.isfinite(self.nmse).any() else nan
+
     def record(self) -> dict[str, object]:
         """Return for JSON the errors by joint, their root mean square, and the mean nmse."""
         return {
@@ -54,192 +80,275 @@ class Score:
                 name: {"rmse": float(r), "nmse": float(n)}
                 for name, r, n in zip(self.joints, self.rmse, self.nmse, strict=True)
             },
-            "rmse": float(np.sqrt(np.mean(self.rmse**2))),
-            "nmse": float(np.nanmean(self.nmse)) if np.isfinite(self.nmse).any() else float("nan"),
+            "rmse": self.total,
+            "nmse": self.mean_nmse,
         }
 
 
-def hyperparameter_record(problem: Problem) -> dict[str, object]:
-    """Return by name a number common to all joints, or a list with one for each."""
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter in its unit, with the ends of its 90 % interval; NaN if that is not known."""
 
-    def plain(values: Floats) -> object:
-        return float(values[0]) if np.all(values == values[0]) else [float(v) for v in values]
+    value: float = nan
+    low: float = nan
+    high: float = nan
+    unit: str = ""
 
-    kernel = {name: plain(v) for name, v in problem.kernel.hyperparameters.items()}
-    gamma = problem.noise / len(problem.samples)
-    if isinstance(problem.kernel, CoupledKernel):
-        gamma = gamma[:1]
-    shapes: dict[str, object] = {}
-    for term in problem.basis.terms:
-        for name in term.shape:
-            alike = [t for t in problem.basis.terms if t.effect.name == term.effect.name]
-            values = np.array([t.shape[name] for t in alike])
-            shapes[f"{term.effect.name}.{name}"] = plain(values)
-    return {**kernel, "gamma": plain(gamma), **shapes}
+    @property
+    def bounded(self) -> bool:
+        """Return whether it has an interval."""
+        return not isnan(self.low)
 
 
-def effect_records(
-    posterior: Posterior, value: Floats, joints: tuple[str, ...], block: Ints
-) -> list[dict[str, object]]:
-    """Return every effect on every joint, its parameters with 90 % intervals.
+@dataclass(frozen=True)
+class FittedEffect:
+    """An effect on a joint, with the numbers found.
 
-    Args:
-        posterior: to make intervals from.
-        value: (B,) the parameters found, which a constraint or another loss may have moved.
-        joints: names.
-        block: (M,) the block of time that each training sample lies in.
+    Attributes:
+        effect, joint: names.
+        formula: its torque, with parameters and shapes by their names.
+        parameters: by name.
+        shape: the numbers that the torque is not linear in, by name.
+        shape_words: the same for people.
     """
-    away = reach(posterior, block)
-    low, high = value - away, value + away
-    found: list[dict[str, object]] = []
-    for term, place in posterior.problem.basis.slices():
-        parameters = {
-            parameter.name: {
-                "value": float(value[i]),
-                "low": float(low[i]),
-                "high": float(high[i]),
-                "unit": parameter.unit,
-            }
-            for parameter, i in zip(
-                term.effect.parameters, range(place.start, place.stop), strict=True
-            )
+
+    effect: str = ""
+    joint: str = ""
+    formula: str = ""
+    parameters: Mapping[str, Estimate] = field(default_factory=dict)
+    shape: Mapping[str, float] = field(default_factory=dict)
+    shape_words: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def from_record(cls, record: Json) -> "FittedEffect":
+        """Return the effect of a record."""
+        return read(cls, record, parameters=each(Estimate))
+
+
+@dataclass(frozen=True)
+class MassCheck:
+    """The states of the training motion at which the mass matrix is not positive definite.
+
+    Attributes:
+        defined: whether the joints share a Lagrangian, and so a mass matrix; only then have the
+            others a value.
+        states: number checked.
+        share: of them, where it is not positive definite.
+        least: the least eigenvalue, kg·m².
+        joint: the main one in the direction of that.
+        where: from and to, rad, of each joint in the states where it is not positive definite.
+        words: the finding, or why there is none.
+    """
+
+    defined: bool = False
+    states: int = 0
+    share: float = nan
+    least: float = nan
+    joint: str = ""
+    where: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    words: str = ""
+
+    def record(self) -> dict[str, Any]:
+        """Return the finding for JSON."""
+        return by_name(self) if self.defined else {"defined": False, "words": self.words}
+
+
+@dataclass(frozen=True)
+class JointOutliers:
+    """Torques of a joint that count less than half: their share, 0 to 1.
+
+    Attributes:
+        threshold: N·m, beyond which the loss is linear.
+        held_out_median: N·m, of the error on motion held out.
+    """
+
+    share: float = nan
+    threshold: float = nan
+    held_out_median: float | None = None
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A time without interruption; begin and length in s."""
+
+    joint: str = ""
+    begin: float = nan
+    seconds: float = nan
+
+
+@dataclass(frozen=True)
+class Outliers:
+    """Torques that count less than half in a robust fit.
+
+    Attributes:
+        share: of all torques, 0 to 1.
+        joints: the same by joint.
+        longest: the longest stretch of them; None without outliers.
+        rmse_of_others: N·m on blocks left out; None if there are no others.
+        words: the finding.
+    """
+
+    share: float = nan
+    joints: Mapping[str, JointOutliers] = field(default_factory=dict)
+    longest: Stretch | None = None
+    rmse_of_others: float | None = None
+    words: str = ""
+
+    @property
+    def medians(self) -> dict[str, float]:
+        """Return by joint the median error on motion held out, N·m."""
+        return given({name: one.held_out_median for name, one in self.joints.items()})
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Factors by joint on the standard deviations, for intervals that hold with this `level`.
+
+    Attributes:
+        factor: for the whole model.
+        quick: for its cheap form; None if that cannot be made.
+    """
+
+    level: float = nan
+    factor: Mapping[str, float] = field(default_factory=dict)
+    quick: Mapping[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A kernel and a scale of torques that were tried on some samples.
+
+    Attributes:
+        evidence: log evidence in nats; of a choice by evidence its negative, to be minimised.
+        validation: the error on blocks left out; None in a choice by evidence.
+    """
+
+    kernel: str = ""
+    scale: str = ""
+    samples: int = 0
+    evidence: float = nan
+    validation: float | None = None
+
+    def record(self) -> dict[str, Any]:
+        """Return the candidate for JSON."""
+        return given(by_name(self))
+
+
+@dataclass(frozen=True)
+class KnownMechanism:
+    """The part of an arm's mechanics that was known before.
+
+    Attributes:
+        kind: `urdf` for rigid bodies, which alone have what follows; or `linkage`.
+        mass: kg, of all bodies.
+        prismatic: joints that slide.
+        still: joints that were not recorded and are taken to stand at zero.
+    """
+
+    kind: str = ""
+    name: str = ""
+    mass: float | None = None
+    prismatic: tuple[str, ...] | None = None
+    still: tuple[str, ...] | None = None
+
+    @classmethod
+    def from_record(cls, record: Json) -> "KnownMechanism":
+        """Return the mechanism of a record."""
+        return read(cls, record, prismatic=tuple, still=tuple)
+
+    def record(self) -> dict[str, Any]:
+        """Return the mechanism for JSON."""
+        return given(by_name(self))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identified:
+    """The findings of an identification.
+
+    Attributes:
+        model: kernel and effects, e.g. `chain+fri`.
+        score: the errors on motion not learned from.  judged_on: what that motion is, in words.
+        validation: the errors on blocks of the training motion, left out in turn.
+        samples: number learned from.  landmarks: inducing points; 0 for an exact model.
+        seconds: of computing.  training_seconds, held_out_seconds: of motion.
+        hyperparameters: by name, one number for each joint, or one for all.
+        scale: `common` if all torques have one unit, else `joint`.
+        range: of the training motion.  notes: remarks of reading, conditioning and fitting.
+        conditioning: of the recordings; None if they were not conditioned here.
+        tried: candidates in the choice of kernel and scale; None of a model with an effect added.
+        sources: the recordings.  outliers: of a robust fit.
+        missing: fields of `NEEDED` that the record lacks.
+    """
+
+    model: str = ""
+    score: Score = field(default_factory=Score)
+    judged_on: str = ""
+    validation: Score = field(default_factory=Score)
+    samples: int = 0
+    landmarks: int = 0
+    seconds: float = nan
+    training_seconds: float = nan
+    held_out_seconds: float = nan
+    hyperparameters: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    scale: str = ""
+    effects: tuple[FittedEffect, ...] = ()
+    mass_matrix: MassCheck = field(default_factory=MassCheck)
+    uncertainty: Calibration | None = None
+    log_evidence: float = nan
+    range: MotionRange | None = None
+    settings: Settings = field(default_factory=Settings)
+    conditioning: Conditioning | None = None
+    notes: tuple[str, ...] = ()
+    mechanism: KnownMechanism | None = None
+    sources: tuple[str, ...] = ()
+    tried: tuple[Tried, ...] | None = None
+    outliers: Outliers | None = None
+    missing: tuple[str, ...] = ()
+
+    @classmethod
+    def from_record(cls, record: Json) -> "Identified":
+        """Return the findings of a record."""
+        found = read(
+            cls,
+            record,
+            validation=Score.from_record,
+            hyperparameters=lambda held: {name: _numbers(value) for name, value in held.items()},
+            effects=lambda held: tuple(map(FittedEffect.from_record, held)),
+            mass_matrix=partial(read, MassCheck, where=_ranges),
+            uncertainty=partial(read, Calibration),
+            range=MotionRange.from_record,
+            settings=partial(read, Settings, prismatic=tuple),
+            conditioning=Conditioning.from_record,
+            notes=tuple,
+            mechanism=KnownMechanism.from_record,
+            sources=tuple,
+            tried=lambda held: tuple(read(Tried, one) for one in held),
+            outliers=partial(
+                read, Outliers, joints=each(JointOutliers), longest=partial(read, Stretch)
+            ),
+        )
+        missing = tuple(name for name in NEEDED if name not in record)
+        return replace(found, score=Score.from_record(record), missing=missing)
+
+    def record(self) -> dict[str, Any]:
+        """Return the findings for JSON."""
+        found = by_name(self)
+        del found["missing"]
+        found["conditioning"] = found["conditioning"] or {}
+        found["hyperparameters"] = {
+            name: number_or_list(values) for name, values in self.hyperparameters.items()
         }
-        found.append(
-            {
-                "effect": term.effect.name,
-                "joint": joints[term.joint],
-                "formula": term.effect.formula,
-                "parameters": parameters,
-                "shape": dict(term.shape),
-                "shape_words": term.effect.shape_words(term.shape, joints),
-            }
-        )
-    return found
+        return {"model": found.pop("model"), **found.pop("score"), **given(found)}
 
 
-def mass_record(model: TorqueModel) -> dict[str, object]:
-    """Return where on the training motion the mass matrix is not positive definite, for JSON.
-
-    Returns:
-        `words` for people, and `defined`, whether the joints share a Lagrangian. Where they do,
-        also `states`, the number checked; `share`, of those where it is not positive definite;
-        `least`, the least eigenvalue in kg·m²; `joint`, the main one in its direction;
-        `where`, for each joint the range in rad of the states where it is not positive.
-    """
-    reason = no_lagrangian(model)
-    if reason:
-        return {"defined": False, "words": reason}
-    seen = np.flatnonzero(model.trained)
-    motion = model.data.take(seen[evenly(len(seen), STATES)])
-    values, directions = least(Dynamics(model).mass_matrix(motion.q, motion.qd))
-    worst = int(np.argmin(values))
-    joint = model.joints[int(np.argmax(np.abs(directions[worst])))]
-    bad = values <= 0.0
-    ranges = zip(motion.q[bad].T, model.joints, strict=True) if bad.any() else ()
-    where = {name: [float(q.min()), float(q.max())] for q, name in ranges}
-    found = f"least eigenvalue {values[worst]:.3g} kg·m², mostly {joint}"
-    if bad.any():
-        percent = 100.0 * float(bad.mean())
-        share = f"{percent:.0f} %" if percent >= 1.0 else "less than 1 %"
-        words = (
-            f"the mass matrix is not positive definite on {share} of the training motion "
-            f"({found}), {_place(where, motion.q, model.joints)}: there is no forward dynamics "
-            "there, and gravity and Coriolis torques are to be doubted; identify with --positive"
-        )
-    else:
-        words = f"the mass matrix is positive definite all along the training motion ({found})"
-    return {
-        "defined": True,
-        "states": len(motion),
-        "share": float(bad.mean()),
-        "least": float(values[worst]),
-        "joint": joint,
-        "where": where,
-        "words": words,
-    }
+def _ranges(where: Mapping[str, list[float]]) -> dict[str, tuple[float, float]]:
+    return {joint: (low, high) for joint, (low, high) in where.items()}
 
 
-def _place(where: dict[str, list[float]], q: Floats, joints: Sequence[str]) -> str:
-    """Return the joints whose range is narrower there, the two narrowest at most, in words."""
-    width = np.maximum(np.ptp(q, axis=0), 1e-9)
-    parts = [(high - low) / width[n] for n, (low, high) in enumerate(where.values())]
-    narrow = [n for n in np.argsort(parts)[:2] if parts[n] < NARROW]
-    if not narrow:
-        return "all over it"
-    ranges = ((joints[n], *where[joints[n]]) for n in narrow)
-    return "where " + " and ".join(
-        f"{name} is near {low:.2f} rad"
-        if high - low < 0.01
-        else f"{name} is from {low:.2f} to {high:.2f} rad"
-        for name, low, high in ranges
-    )
+def _numbers(value: float | list[float]) -> tuple[float, ...]:
+    return tuple(value) if isinstance(value, list) else (value,)
 
 
-def outlier_record(
-    weight: Floats, threshold: Floats, motion: Motion, residual: Floats, missed: Floats
-) -> dict[str, object]:
-    """Return the share and the longest stretch of outliers for JSON, with a sentence for people.
-
-    Args:
-        weight: (M, N) IRLS weight of each torque.
-        threshold: (N,) N·m, beyond which the loss is linear.
-        motion: M samples that the kernel is built on.
-        residual: (M, N) N·m, torque minus the prediction of a fit without it.
-        missed: (H, N) N·m, the same on motion held out.
-
-    Returns:
-        `share` of all torques that count less than half; `joints`, with `share`, `threshold` in
-        N·m and `held_out_median` of the error in N·m of each; `longest`, the longest stretch of
-        them, with its joint, begin and length in s; `rmse_of_others` in N·m on blocks left out, of
-        the other torques; `words`.
-    """
-    off = outliers_of(weight)
-    longest = _longest(off, motion)
-    shares = dict(zip(motion.joints, map(float, off.mean(axis=0)), strict=True))
-    median = map(float, np.median(np.abs(missed), axis=0))
-    others = float(np.sqrt(np.mean(residual[~off] ** 2))) if not off.all() else None
-    return {
-        "share": float(off.mean()),
-        "joints": {
-            name: {"share": share, "threshold": float(limit), "held_out_median": half}
-            for (name, share), limit, half in zip(shares.items(), threshold, median, strict=True)
-        },
-        "longest": longest,
-        "rmse_of_others": others,
-        "words": _words(float(off.mean()), shares, longest, others),
-    }
-
-
-def _longest(off: Flags, motion: Motion) -> dict[str, object] | None:
-    """Return the longest time in which a joint's torque is an outlier without interruption."""
-    if not off.any():
-        return None
-    step = usual_step(motion.time, motion.segment)
-    found: list[tuple[float, float, str]] = []
-    for joint, name in enumerate(motion.joints):
-        here = np.where(off[:, joint], motion.segment, -1)
-        edges = np.flatnonzero(np.diff(here, prepend=-2, append=-2))
-        for first, last in zip(edges[:-1], edges[1:] - 1, strict=True):
-            if off[first, joint]:
-                length = float(motion.time[last] - motion.time[first]) + step
-                found.append((length, float(motion.time[first]), name))
-    length, begin, name = max(found, key=lambda one: one[0])
-    return {"joint": name, "begin": begin, "seconds": length}
-
-
-def _words(
-    share: float,
-    shares: dict[str, float],
-    longest: dict[str, object] | None,
-    others: float | None,
-) -> str:
-    if longest is None or others is None:
-        return "Huber's loss: every torque counts at least half"
-    most = sorted((name for name in shares if shares[name] > 0.0), key=lambda n: -shares[n])
-    named = ", ".join(f"{name} {shares[name]:.1%}" for name in most)
-    return (
-        f"Huber's loss: {share:.1%} of the torques count less than half ({named}); the longest "
-        f"stretch is {longest['seconds']:.2f} s of {longest['joint']}, from "
-        f"{longest['begin']:.2f} s on. On blocks left out, the others are missed by "
-        f"{others:.3g} N·m"
-    )
+def number_or_list(values: tuple[float, ...]) -> float | list[float]:
+    """Return a hyperparameter for JSON: the number of all joints, or a list with one for each."""
+    return list(values) if len(values) > 1 else values[0]

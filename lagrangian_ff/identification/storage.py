@@ -12,10 +12,11 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.files import whole
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.predicting import MotionRange, TorqueModel
+from lagrangian_ff.identification.problem import Prior, Scaling
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import Family, Kernel, States
-from lagrangian_ff.kernels.constrained.linkage import KIND as LINKAGE
-from lagrangian_ff.kernels.constrained.linkage import Linkage
+from lagrangian_ff.kernels.constrained import KIND as LINKAGE
+from lagrangian_ff.kernels.constrained import Linkage
 from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
 from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.recording.motion import Motion
@@ -31,8 +32,6 @@ ARRAYS = {
     "more_q": 2, "more_qd": 2, "more_qdd": 2,
 }  # fmt: skip
 """Every array of the file and its number of dimensions."""
-OWN = ("weights", "coefficients", "unit", "noise", "noise_share")
-"""Arrays with the names of the model's attributes."""
 MORE = ("more_q", "more_qd", "more_qdd")
 """Centres that are no samples of the data."""
 TRUST = "trust"
@@ -70,7 +69,11 @@ def save(model: TorqueModel, path: Path) -> None:
         "trained": model.trained.astype(np.int8),
         "index": model.index,
         "seen": model.seen,
-        **{name: getattr(model, name) for name in OWN},
+        "weights": model.weights,
+        "coefficients": model.coefficients,
+        "unit": model.unit,
+        "noise": model.prior.noise,
+        "noise_share": model.prior.scaling.noise,
         **dict(zip(MORE, (more.q, more.qd, more.qdd), strict=True)),
     }
     if model.irls_weight is not None:
@@ -186,10 +189,15 @@ def _build(
     return kind(
         joints=joints,
         name=str(header["name"]),
-        kernel=_kernel(header, _family(header, path, linkage), centres),
-        basis=basis,
+        prior=Prior(
+            _kernel(header, _family(header, path, linkage), centres),
+            arrays["noise"],
+            Scaling(arrays["unit"], arrays["noise_share"]),
+            basis,
+        ),
         centres=centres,
-        **{name: arrays[name] for name in OWN},
+        weights=arrays["weights"],
+        coefficients=arrays["coefficients"],
         range=MotionRange.from_record(header["range"]),
         record=header["record"],
         data=data,

@@ -1,7 +1,6 @@
 """Kernels on torques, by the names the paper gives them."""
 
 from lagrangian_ff.kernels.base import (
-    Contracted,
     CoupledKernel,
     DifferentiableKernel,
     Family,
@@ -26,6 +25,15 @@ KERNELS: dict[str, type[Kernel]] = {
 """Every kernel by its name; add a new one here. The tests run over this list."""
 
 __all__ = [
-    "KERNELS", "Contracted", "CoupledKernel", "DifferentiableKernel", "Family", "Hyperparameter",
-    "IndependentKernel", "Kernel", "LagrangianKernel", "Learned", "Mechanism", "States",
-]  # fmt: skip
+    "KERNELS",
+    "CoupledKernel",
+    "DifferentiableKernel",
+    "Family",
+    "Hyperparameter",
+    "IndependentKernel",
+    "Kernel",
+    "LagrangianKernel",
+    "Learned",
+    "Mechanism",
+    "States",
+]

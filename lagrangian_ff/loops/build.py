@@ -12,9 +12,16 @@ FOLDER = Path(__file__).resolve().parent
 SOURCES = sorted(path.name for path in FOLDER.glob("*.c"))
 HEADERS = sorted(path.name for path in FOLDER.glob("*.h"))
 FLAGS = [
-    "-O3", "-std=gnu11", "-fvisibility=hidden", "-fopenmp-simd", "-ffp-contract=fast",
-    "-fno-math-errno", "-fno-trapping-math", "-Wall", "-Wextra",
-]  # fmt: skip
+    "-O3",
+    "-std=gnu11",
+    "-fvisibility=hidden",
+    "-fopenmp-simd",
+    "-ffp-contract=fast",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-Wall",
+    "-Wextra",
+]
 
 PLAIN = "plain"
 _AVX2 = ["-mavx2", "-mfma"]

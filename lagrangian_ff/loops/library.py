@@ -78,9 +78,13 @@ _ARGUMENTS = {
 of doubles and of 64-bit integers, A an address of numbers laid out as the C file says."""
 
 _ALLOCATING = (
-    "structured_blocks", "structured_potential", "structured_contract", "centres_apply",
-    "polynomial_torques", "rigid_regressor",
-)  # fmt: skip
+    "structured_blocks",
+    "structured_potential",
+    "structured_contract",
+    "centres_apply",
+    "polynomial_torques",
+    "rigid_regressor",
+)
 
 
 class LoopsError(UserError):

@@ -72,9 +72,12 @@ class ArmNode(ClosingNode):
         self._state_maker = JointStateMaker(JOINTS)
         self._reference_maker = JointStateMaker(JOINTS)
         self.create_subscription(
-            JointTrajectory, "~/joint_trajectory", self._on_trajectory, topics.RELIABLE,
+            JointTrajectory,
+            "~/joint_trajectory",
+            self._on_trajectory,
+            topics.RELIABLE,
             qos_overriding_options=topics.overridable(),
-        )  # fmt: skip
+        )
         self._commands = topics.PolledSubscription(
             self, Float64MultiArray, "~/commands", topics.NEWEST
         )
@@ -82,9 +85,8 @@ class ArmNode(ClosingNode):
         self._meter = RateMeter()
         self._squared_error, self._ticks, self._saturated = np.zeros(len(JOINTS)), 0, 0
         self._diagnostics = Diagnostics(
-            self, "simulated arm",
-            {"housekeeping": self._warnings.flush, "plant": self._plant_status},
-        )  # fmt: skip
+            self, "simulated arm", housekeeping=self._warnings.flush, plant=self._plant_status
+        )
         self._clock_topic = (
             self.create_publisher(Clock, "/clock", topics.CLOCK) if self._own_clock else None
         )

@@ -44,11 +44,13 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         self._failure = ""
         self._settings.watch(self._parameters_changed)
         self._diagnostics = Diagnostics(
-            self, "feedforward", {
-                "housekeeping": self._warnings.flush, "model": self._model_status,
-                "stream": self._stream_status, "certainty": self._certainty_status,
-            },
-        )  # fmt: skip
+            self,
+            "feedforward",
+            housekeeping=self._warnings.flush,
+            model=self._model_status,
+            stream=self._stream_status,
+            certainty=self._certainty_status,
+        )
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
 

@@ -142,15 +142,18 @@ class FeedforwardLink:
         )
         rate = np.array([value(f"limits.{joint}.effort_rate") for joint in joints])
         return Settings(
-            scale=np.array([value(f"scale.{joint}") for joint in joints]), effort_limit=limit,
+            scale=np.array([value(f"scale.{joint}") for joint in joints]),
+            effort_limit=limit,
             effort_rate=np.where(rate > 0.0, rate, LIMITS_PER_SECOND * limit),
             switches=np.array([float(value(f"terms.{term}")) for term in TERMS]),
-            ramp_time=value("ramp_time"), fade_time=value("fade_time"),
+            ramp_time=value("ramp_time"),
+            fade_time=value("fade_time"),
             reference_timeout=value("reference_timeout"),
             joint_state_timeout=value("joint_state_timeout"),
-            tracking_tolerance=value("tracking_tolerance"), after_end=value("after_end"),
+            tracking_tolerance=value("tracking_tolerance"),
+            after_end=value("after_end"),
             lead=value("lead_time"),
-        )  # fmt: skip
+        )
 
     def _await_joint_states(self) -> None:
         self._states.wait(REST)
@@ -221,7 +224,7 @@ class FeedforwardLink:
         values = {
             "model file": self._parameters.value("model_file"),
             "model": self._model.name,
-            **held_out(self._model.record),
+            **held_out(self._model.identified.score),
             **{f"effort limit {joint} [N·m]": float(limit) for joint, limit in limits},
         }
         return Status(Level.OK, f"{self._model.name} loaded", values)

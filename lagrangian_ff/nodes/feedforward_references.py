@@ -31,9 +31,14 @@ class References:
     """
 
     def __init__(
-        self, node: LifecycleNode, parameters: Parameters, warnings: ThrottledWarnings,
-        time: NodeTime, model: Model, stream: TorqueStream,
-    ) -> None:  # fmt: skip
+        self,
+        node: LifecycleNode,
+        parameters: Parameters,
+        warnings: ThrottledWarnings,
+        time: NodeTime,
+        model: Model,
+        stream: TorqueStream,
+    ) -> None:
         self._node, self._parameters, self._warnings = node, parameters, warnings
         self._time = time
         self._model, self._stream = model, stream

@@ -29,6 +29,7 @@ from std_srvs.srv import Trigger
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
+from lagrangian_ff.identification.settings import LOSSES, Settings
 from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
 from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
@@ -39,6 +40,7 @@ from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Session, new_path
 from lagrangian_ff.nodes.recorder.worker import Worker
+from lagrangian_ff.recording import Conditioning
 
 
 class IdentifyNode(ClosingNode):
@@ -72,11 +74,12 @@ class IdentifyNode(ClosingNode):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(0.1, self._check_worker, clock=steady)
         self._diagnostics = Diagnostics(
-            self, "joint state recorder", {
-                "housekeeping": self._once_a_second, "input": self._input_status,
-                "jobs": self._job_statuses,
-            },
-        )  # fmt: skip
+            self,
+            "joint state recorder",
+            housekeeping=self._once_a_second,
+            input=self._input_status,
+            jobs=self._job_statuses,
+        )
         self.get_logger().info(
             f"ready to record {self._subscription.topic} into {self._situation().directory}; "
             "call ~/start"
@@ -180,12 +183,12 @@ class IdentifyNode(ClosingNode):
         job, self._worker = self._worker.job, None
         self._session.busy = ""
         self._session.failures.pop(job.service, None)
-        if outcome.record is None:
+        if outcome.result is None:
             self._session.failures[job.service] = outcome.error
             self.get_logger().error(f"~/{job.service} failed: {outcome.error}")
         else:
-            job.end(self._session, outcome.record)
-            self.get_logger().info("\n".join(job.log(outcome.record)))
+            self._session.take(job.service, outcome.result)
+            self.get_logger().info("\n".join(outcome.result.log))
         self._diagnostics.publish()
 
     def _once_a_second(self) -> None:
@@ -202,10 +205,14 @@ class IdentifyNode(ClosingNode):
         elif received == 0:
             level, message = Level.STALE, f"no joint states on {self._subscription.topic}"
         values = {
-            "state": self._session.state, "rate [Hz]": rate, "joints": ", ".join(tally.joints),
-            "bag": self._session.current or "", "samples": tally.samples, "seconds": tally.seconds,
+            "state": self._session.state,
+            "rate [Hz]": rate,
+            "joints": ", ".join(tally.joints),
+            "bag": self._session.current or "",
+            "samples": tally.samples,
+            "seconds": tally.seconds,
             **self._warnings.counts,
-        }  # fmt: skip
+        }
         return Status(level, message, values)
 
     def _job_statuses(self) -> dict[str, Status]:
@@ -226,25 +233,31 @@ class IdentifyNode(ClosingNode):
 
 
 def _declare(parameters: Parameters) -> None:
-    """Declare the parameters that do not depend on the joints."""
+    """Declare the parameters that do not depend on the joints; defaults are the settings'."""
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
-    add("model", "auto+fri", "model to identify, a sum of kernels and bases")
+    add("model", Settings.model, "model to identify, a sum of kernels and bases")
     add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
     add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
         "empty = none")  # fmt: skip
     add("use_robot_description", False, "take the description from the topic robot_description")
-    add("train", 2.0 / 3.0, "fraction of the motion to train on, the rest is held out",
+    add("train", Settings.train, "fraction of the motion to train on, the rest is held out",
         low=0.01, high=1.0)  # fmt: skip
-    add("samples", 500, "samples to train on", low=10, high=20_000)
+    add("samples", Settings.samples, "samples to train on", low=10, high=20_000)
     add("landmarks", -1, "samples the kernel is built on, while all are learned from; 0 = an exact "
         "model of `samples`, -1 = exact up to two minutes of training motion, else 300",
         low=-1, high=20_000)  # fmt: skip
-    add("positive", False, "whether the mass matrix is kept positive definite along the training "
-        "motion")  # fmt: skip
-    add("loss", "square", "what a residual costs; huber weighs down contacts and gross errors",
-        choices=("square", "huber"))  # fmt: skip
-    add("bandwidth", 25.0, "Hz of the low-pass on position and effort", low=0.5, high=500.0)
+    add("positive", Settings.positive, "whether the mass matrix is kept positive definite along "
+        "the training motion")  # fmt: skip
+    add("loss", Settings.loss, "what a residual costs; huber weighs down contacts and gross "
+        "errors", choices=LOSSES)  # fmt: skip
+    add(
+        "bandwidth",
+        Conditioning.bandwidth,
+        "Hz of the low-pass on position and effort",
+        low=0.5,
+        high=500.0,
+    )
     add("output_directory", ".", "where bags, models and findings are written")
     add("bag_prefix", "recording", "how the names of bags begin")
     add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "

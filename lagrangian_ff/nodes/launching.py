@@ -56,12 +56,15 @@ def describe_beside_robot(
         time = {"use_sim_time": given["use_sim_time"].lower() == "true"}
         return [
             Node(
-                package=PACKAGE, executable=executable, name=executable,
-                namespace=given["namespace"], output="screen",
+                package=PACKAGE,
+                executable=executable,
+                name=executable,
+                namespace=given["namespace"],
+                output="screen",
                 parameters=[given["params_file"], {**time, **chosen(given, *paths)}],
                 remappings=[("joint_states", given["joint_states"])],
             )
-        ]  # fmt: skip
+        ]
 
     arguments: Arguments = {
         "params_file": (config(f"{executable}.yaml"), parameters_description),

@@ -61,7 +61,7 @@ class MonitorNode(ClosingNode):
         self._states = LiveStates(joints, conditioning, value("rate"))
         self._prediction = LivePrediction(self._model)
         self._health = Health(
-            joints, self._model.record, self._model.range, Coverage.of(self._model)
+            joints, self._model.identified.score, self._model.range, Coverage.of(self._model)
         )
         self._lock = threading.Lock()
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
@@ -73,11 +73,12 @@ class MonitorNode(ClosingNode):
             self, JointState, "joint_states", RECORDING, raw=True
         )
         self._diagnostics = Diagnostics(
-            self, "model", {
-                "housekeeping": self._warnings.flush, "input": self._input_status,
-                "residual": self._residual_status,
-            },
-        )  # fmt: skip
+            self,
+            "model",
+            housekeeping=self._warnings.flush,
+            input=self._input_status,
+            residual=self._residual_status,
+        )
         self._settings.watch(self._refresh)
         self._loop = PacedThread(Pacer(PERIOD), self._look, self._failed, "watch")
         self.get_logger().info(
@@ -87,9 +88,12 @@ class MonitorNode(ClosingNode):
     def _refresh(self) -> None:
         value = self._settings.value
         self._limits = Limits(
-            window=value("window"), still=value("still_speed"), margin=value("range_margin"),
-            warn=value("warn_ratio"), error=value("error_ratio"),
-        )  # fmt: skip
+            window=value("window"),
+            still=value("still_speed"),
+            margin=value("range_margin"),
+            warn=value("warn_ratio"),
+            error=value("error_ratio"),
+        )
 
     def _look(self, due: range) -> None:
         """Take the messages that came; in the paced thread."""
@@ -141,11 +145,10 @@ class MonitorNode(ClosingNode):
         return Status(Level.OK, f"{1.0 / states.period:.4g} Hz", values)
 
     def _residual_status(self) -> Status:
-        record = self._model.record
         more = {
             "model": self._model.name,
             "model file": self._settings.value("model_file"),
-            "held-out RMSE [N·m]": record.get("rmse", float("nan")),
+            "held-out RMSE [N·m]": self._model.identified.score.total,
             "publish rate [Hz]": self._published.take(),
         }
         with self._lock:

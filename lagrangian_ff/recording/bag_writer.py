@@ -18,7 +18,7 @@ from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.files import whole
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateEncoder
-from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.recording import QUANTITIES, Recording
 from lagrangian_ff.recording.sources.bag import is_bag
 
 _BLOCK = 4096
@@ -43,9 +43,13 @@ class BagWriter(AbstractContextManager["BagWriter"]):
     """
 
     def __init__(
-        self, path: str | PathLike[str], *, topic: str = "joint_states", joints: Sequence[str] = (),
+        self,
+        path: str | PathLike[str],
+        *,
+        topic: str = "joint_states",
+        joints: Sequence[str] = (),
         overwrite: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.path = Path(path)
         self.count = 0
         self._topic = topic
@@ -81,9 +85,12 @@ class BagWriter(AbstractContextManager["BagWriter"]):
             self._first = self._latest
         try:
             self._mcap.add_message(
-                channel_id=channel, log_time=self._latest, publish_time=max(0, stamp_ns),
-                sequence=self.count, data=data,
-            )  # fmt: skip
+                channel_id=channel,
+                log_time=self._latest,
+                publish_time=max(0, stamp_ns),
+                sequence=self.count,
+                data=data,
+            )
             self._file.flush()
         except OSError as error:
             raise self._unwritable(error) from error
@@ -91,14 +98,17 @@ class BagWriter(AbstractContextManager["BagWriter"]):
         self._counts[topic] += 1
 
     def append(
-        self, time: float, position: ArrayLike, velocity: ArrayLike | None = None,
+        self,
+        time: float,
+        position: ArrayLike,
+        velocity: ArrayLike | None = None,
         effort: ArrayLike | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Append one sample of the joints: `time` in s since the epoch, the others (N,)."""
         stamp = round(time * 1e9)
         values = [
             None if given is None else self._row(name, given)
-            for name, given in (("position", position), ("velocity", velocity), ("effort", effort))
+            for name, given in zip(QUANTITIES, (position, velocity, effort), strict=True)
         ]
         key = (values[1] is not None, values[2] is not None)
         if key not in self._encoders:
@@ -135,9 +145,11 @@ class BagWriter(AbstractContextManager["BagWriter"]):
     def _channel(self, topic: str) -> int:
         if topic not in self._channels:
             self._channels[topic] = self._mcap.register_channel(
-                topic=_absolute(topic), message_encoding="cdr", schema_id=self._schema,
+                topic=_absolute(topic),
+                message_encoding="cdr",
+                schema_id=self._schema,
                 metadata={"offered_qos_profiles": ""},
-            )  # fmt: skip
+            )
             self._counts[topic] = 0
         return self._channels[topic]
 
@@ -166,19 +178,29 @@ class BagWriter(AbstractContextManager["BagWriter"]):
             for topic, count in self._counts.items()
         ]
         information = {
-            "version": 9, "storage_identifier": "mcap", "relative_file_paths": [self._file_name],
-            **spans, "topics_with_message_count": topics, "compression_format": "",
-            "compression_mode": "", "files": [{"path": self._file_name, **spans}],
-            "custom_data": None, "ros_distro": _DISTRO,
-        }  # fmt: skip
+            "version": 9,
+            "storage_identifier": "mcap",
+            "relative_file_paths": [self._file_name],
+            **spans,
+            "topics_with_message_count": topics,
+            "compression_format": "",
+            "compression_mode": "",
+            "files": [{"path": self._file_name, **spans}],
+            "custom_data": None,
+            "ros_distro": _DISTRO,
+        }
         # JSON is YAML, and needs no further library.
         return json.dumps({"rosbag2_bagfile_information": information}, indent=2) + "\n"
 
 
 def write_bag(
-    path: str | PathLike[str], recording: Recording, *, topic: str = "joint_states",
-    overwrite: bool = False, progress: Progress = silent,
-) -> Path:  # fmt: skip
+    path: str | PathLike[str],
+    recording: Recording,
+    *,
+    topic: str = "joint_states",
+    overwrite: bool = False,
+    progress: Progress = silent,
+) -> Path:
     """Write a recording as a rosbag2 directory (MCAP); return the path.
 
     Header stamps are `start` + `time`, to the nanosecond; velocity or effort that is NaN
@@ -202,10 +224,8 @@ def write_bag(
     with BagWriter(path, topic=topic, overwrite=overwrite) as bag:
         for first in range(0, len(recording), _BLOCK):
             part = slice(first, first + _BLOCK)
-            messages = encoder.encode(
-                stamps[part], recording.position[part], recording.velocity[part],
-                recording.effort[part],
-            )  # fmt: skip
+            tables = (getattr(recording, name)[part] for name in QUANTITIES)
+            messages = encoder.encode(stamps[part], *tables)
             for stamp, message in zip(stamps[part].tolist(), messages, strict=True):
                 bag.append_raw(message, stamp)
             progress(first / len(recording), f"write {bag.path.name}")

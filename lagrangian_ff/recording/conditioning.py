@@ -16,7 +16,7 @@ from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 from lagrangian_ff.recording.inspection import find_clipping
 from lagrangian_ff.recording.motion import Motion
-from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.recording import Recording, require_times
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.splines import interpolate
 from lagrangian_ff.words import counted
@@ -110,7 +110,7 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
     signals = read_signals(recording, settings.clock, notes)
     _require_timed(recording, signals)
     filters = _Filters.design(signals, settings, notes)
-    clocks = _clocks(recording, signals, settings, filters, notes)
+    clocks = _clocks(recording, signals, filters, notes)
     pieces = [filters.output_times(ticks) for ticks in clocks]
     ends = np.cumsum([0, *(len(piece) for piece in pieces)])
     shape = (int(ends[-1]), len(recording.joints))
@@ -128,11 +128,9 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
             ) + settings.effort_offset.get(name, 0.0)
     _require_moving(recording, q, notes)
     notes += [entry.text() for entry in find_clipping(recording)]
-    return Motion(
-        joints=recording.joints, time=np.concatenate(pieces), q=q, qd=qd, qdd=qdd, tau=tau,
-        segment=np.repeat(np.arange(len(pieces)), np.diff(ends)), source=recording.source,
-        notes=tuple(notes), conditioning=settings.record(),
-    )  # fmt: skip
+    time, segment = np.concatenate(pieces), np.repeat(np.arange(len(pieces)), np.diff(ends))
+    about = recording.source, tuple(notes), settings.record()
+    return Motion(recording.joints, time, q, qd, qdd, tau, segment, *about)
 
 
 @dataclass(frozen=True)
@@ -174,10 +172,13 @@ class _Filters:
             f"{spoilt * period:.3f} s cut off at both ends of each segment"
         )
         return _Filters(
-            butterworth=Butterworth(settings.order, bandwidth, 1 / period), period=period,
-            spoilt=spoilt, padding=ceil(settled / period),
-            longest_gap=settings.max_gap or max(0.5 / bandwidth, 2.5 * period), rate=settings.rate,
-        )  # fmt: skip
+            butterworth=Butterworth(settings.order, bandwidth, 1 / period),
+            period=period,
+            spoilt=spoilt,
+            padding=ceil(settled / period),
+            longest_gap=settings.max_gap or max(0.5 / bandwidth, 2.5 * period),
+            rate=settings.rate,
+        )
 
     @property
     def least(self) -> int:
@@ -214,9 +215,8 @@ class _Filters:
 
 
 def _clocks(
-    recording: Recording, signals: Signals, settings: Conditioning, filters: _Filters,
-    notes: list[str],
-) -> list[Floats]:  # fmt: skip
+    recording: Recording, signals: Signals, filters: _Filters, notes: list[str]
+) -> list[Floats]:
     """Return the ticks of each segment that is long enough; notes on gaps and resampling."""
     spans = uninterrupted(signals, filters.longest_gap)
     clocks = [ticks_of(signals.fastest, span) for span in spans]
@@ -263,12 +263,7 @@ def _require_usable(recording: Recording) -> None:
             f"{source}: {len(recording)} samples of {len(joints)} joints; "
             "expected a recording of an arm that moves"
         )
-    timeless = ~np.isfinite(time)
-    if timeless.any():
-        raise RecordingError(
-            f"{source}: time is not a number in {int(timeless.sum())} samples, first in sample "
-            f"{int(np.argmax(timeless)) + 1} of {len(timeless)}"
-        )
+    require_times(source, time)
     throughout = f"in all {len(recording)} samples from {time.min():.3f} s to {time.max():.3f} s"
     known = np.isfinite(recording.effort)
     for there, every, what, hint in (

@@ -36,9 +36,12 @@ SOURCES: tuple[Source, ...] = (bag, csv_file, npz_file)
 
 
 def load(
-    path: str | PathLike[str], *, topic: str | None = None, joints: Sequence[str] | None = None,
+    path: str | PathLike[str],
+    *,
+    topic: str | None = None,
+    joints: Sequence[str] | None = None,
     progress: Progress = silent,
-) -> Recording:  # fmt: skip
+) -> Recording:
     """Return the recording in a rosbag2 directory, a .db3, .mcap, .csv or .npz file.
 
     Args:

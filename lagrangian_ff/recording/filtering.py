@@ -57,14 +57,14 @@ class Butterworth:
         return np.asarray(filtered[padding : padding + len(values)])
 
 
-def settling(order: int, bandwidth: float, remainder: float = 1e-3) -> float:
-    """Return the time, s, in which the filter settles to `remainder`.
+def settling(order: int, bandwidth: float) -> float:
+    """Return the time, s, in which the filter settles to 1/1000.
 
     From the slowest pole of the analogue Butterworth filter, whose real part is
     −2π bandwidth sin(π / (2 order)).
     """
     decay = 2 * np.pi * bandwidth * np.sin(np.pi / (2 * order))
-    return float(-np.log(remainder) / decay)
+    return float(-np.log(1e-3) / decay)
 
 
 def derivatives(values: Floats, period: float) -> tuple[Floats, Floats]:

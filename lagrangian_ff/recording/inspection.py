@@ -6,7 +6,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.recording.recording import Recording, publishers
+from lagrangian_ff.recording.recording import QUANTITIES, Recording, publishers
 from lagrangian_ff.recording.stamps import clock_resets, order
 from lagrangian_ff.words import counted
 
@@ -176,15 +176,21 @@ def inspect(recording: Recording) -> Inspection:
     deviation = np.abs(step - np.median(step)) if step.size else np.array([np.nan])
     at = np.flatnonzero(step > _GAP * period)
     return Inspection(
-        source=recording.source, samples=len(recording),
-        duration=float(np.ptp(recording.time)) if len(recording) else 0.0, rate=1 / period,
+        source=recording.source,
+        samples=len(recording),
+        duration=float(np.ptp(recording.time)) if len(recording) else 0.0,
+        rate=1 / period,
         jitter_p50=float(np.quantile(deviation, 0.5)),
         jitter_p99=float(np.quantile(deviation, 0.99)),
-        gaps=tuple(Gap(float(steady[k]), float(step[k])) for k in at), duplicates=ordered.repeated,
-        out_of_order=ordered.moved, clock_resets=len(clock_resets(recording.time)),
+        gaps=tuple(Gap(float(steady[k]), float(step[k])) for k in at),
+        duplicates=ordered.repeated,
+        out_of_order=ordered.moved,
+        clock_resets=len(clock_resets(recording.time)),
         joints=tuple(_joint(recording, column) for column in range(len(recording.joints))),
-        missing=find_missing(recording), clipping=find_clipping(recording), notes=recording.notes,
-    )  # fmt: skip
+        missing=find_missing(recording),
+        clipping=find_clipping(recording),
+        notes=recording.notes,
+    )
 
 
 def find_clipping(recording: Recording) -> tuple[Clipping, ...]:
@@ -201,7 +207,7 @@ def find_missing(recording: Recording) -> tuple[Missing, ...]:
     found = []
     for publisher in publishers(recording):
         for column in publisher.joints:
-            for quantity in ("position", "velocity", "effort"):
+            for quantity in QUANTITIES:
                 lost = ~np.isfinite(getattr(recording, quantity)[publisher.rows, column])
                 if lost.any() and not (quantity == "velocity" and lost.all()):
                     first = recording.time[publisher.rows[np.argmax(lost)]]
@@ -217,11 +223,14 @@ def _joint(recording: Recording, column: int) -> JointRange:
         (float(position.min()), float(position.max())) if position.size else (np.nan, np.nan)
     )
     return JointRange(
-        name=recording.joints[column], low=low, high=high, resolution=resolution(position),
+        name=recording.joints[column],
+        low=low,
+        high=high,
+        resolution=resolution(position),
         velocity=bool(np.isfinite(recording.velocity[:, column]).any()),
         effort=bool(np.isfinite(recording.effort[:, column]).any()),
         still=bool(position.size and high - low < _STILL),
-    )  # fmt: skip
+    )
 
 
 def resolution(position: Floats) -> float | None:

@@ -103,10 +103,8 @@ def read_layout(data: bytes) -> Layout:
             starts.append(-1)
     if position > len(data):
         raise MalformedError("ends inside an array")
-    return Layout(
-        names=tuple(names), order="<" if data[1] else ">", start=(starts[0], starts[1], starts[2]),
-        fixed=fixed,
-    )  # fmt: skip
+    order, start = "<" if data[1] else ">", (starts[0], starts[1], starts[2])
+    return Layout(tuple(names), order, start, fixed)
 
 
 @dataclass(frozen=True)
@@ -170,10 +168,8 @@ class JointStateTable:
                 if values is not None:
                     table[np.ix_(block.row, block.columns)] = values
         empty = np.empty(0, dtype=np.int64)
-        return (
-            tuple(self._columns), np.concatenate([empty, *self._stamps]),
-            np.concatenate([empty, *self._received]), tables[0], tables[1], tables[2],
-        )  # fmt: skip
+        stamps, received = (np.concatenate([empty, *x]) for x in (self._stamps, self._received))
+        return tuple(self._columns), stamps, received, tables[0], tables[1], tables[2]
 
     def _flush(self) -> None:
         pending, self._pending = self._pending, []

@@ -7,7 +7,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.errors import RecordingError
-from lagrangian_ff.recording.recording import columns_of
+from lagrangian_ff.recording.recording import columns_of, require_tables
 
 _BY_JOINT = ("q", "qd", "qdd", "tau")
 _BY_SAMPLE = ("time", *_BY_JOINT, "segment")
@@ -41,13 +41,8 @@ class Motion:
     conditioning: Mapping[str, object] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        shape = (self.time.shape[0], len(self.joints))
-        for name in _BY_JOINT:
-            found = getattr(self, name).shape
-            if found != shape:
-                raise RecordingError(
-                    f"{self.source}: {name} has shape {found}, expected {shape} (samples, joints)"
-                )
+        tables = {name: getattr(self, name) for name in _BY_JOINT}
+        require_tables(self.source, (len(self), len(self.joints)), tables)
         if self.segment.shape != self.time.shape:
             raise RecordingError(
                 f"{self.source}: segment has shape {self.segment.shape}, expected {self.time.shape}"

@@ -1,6 +1,6 @@
 """Measured joint states, exactly as they came."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import RecordingError
 
+QUANTITIES = ("position", "velocity", "effort")
 _EPOCH = 1e8  # s; times above are dates (1973 and later), not seconds since start-up
 
 
@@ -22,6 +23,25 @@ def columns_of(wanted: Sequence[str], held: Sequence[str], source: str) -> list[
     if missing:
         raise RecordingError(f"{source}: no joint {', '.join(missing)}; it holds {', '.join(held)}")
     return [held.index(name) for name in wanted]
+
+
+def require_tables(source: str, shape: tuple[int, int], tables: Mapping[str, Floats]) -> None:
+    """Raise RecordingError if one of the tables, by name, has not the shape (M, N)."""
+    for name, table in tables.items():
+        if table.shape != shape:
+            raise RecordingError(
+                f"{source}: {name} has shape {table.shape}, expected {shape} (samples, joints)"
+            )
+
+
+def require_times(source: str, time: Floats) -> None:
+    """Raise RecordingError if a time (M,) is not a number."""
+    bad = ~np.isfinite(time)
+    if bad.any():
+        raise RecordingError(
+            f"{source}: time is not a number in {int(bad.sum())} samples, first in sample "
+            f"{int(np.argmax(bad)) + 1} of {len(time)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -52,13 +72,8 @@ class Recording:
     def __post_init__(self) -> None:
         if len(set(self.joints)) != len(self.joints):
             raise RecordingError(f"{self.source}: a joint is named twice: {list(self.joints)}")
-        shape = (self.time.shape[0], len(self.joints))
-        for name in ("position", "velocity", "effort"):
-            found = getattr(self, name).shape
-            if found != shape:
-                raise RecordingError(
-                    f"{self.source}: {name} has shape {found}, expected {shape} (samples, joints)"
-                )
+        tables = {name: getattr(self, name) for name in QUANTITIES}
+        require_tables(self.source, (len(self), len(self.joints)), tables)
 
     def __len__(self) -> int:
         return int(self.time.shape[0])
@@ -70,31 +85,27 @@ class Recording:
             RecordingError: a joint is not in the recording; names both lists.
         """
         columns = columns_of(joints, self.joints, self.source)
-        return replace(
-            self, joints=tuple(joints), position=self.position[:, columns],
-            velocity=self.velocity[:, columns], effort=self.effort[:, columns],
-        )  # fmt: skip
+        tables = {name: getattr(self, name)[:, columns] for name in QUANTITIES}
+        return replace(self, joints=tuple(joints), **tables)
 
 
 def from_arrays(
-    path: Path, *, joints: list[str], time: Floats, position: Floats, velocity: Floats,
-    effort: Floats, start: float = 0.0,
-) -> Recording:  # fmt: skip
-    """Return a recording of arrays (M,) and (M, N); times that are dates are made relative.
+    path: Path, joints: list[str], time: Floats, tables: Sequence[Floats], start: float = 0.0
+) -> Recording:
+    """Return a recording of a file; times (M,) that are dates are made relative.
+
+    Args:
+        tables: position, velocity and effort, (M, N) each.
 
     Raises:
         RecordingError: a time is not a number, or shapes disagree.
     """
-    bad = ~np.isfinite(time)
-    if bad.any():
-        raise RecordingError(
-            f"{path}: time is not a number in {int(bad.sum())} samples, first in sample "
-            f"{int(np.argmax(bad)) + 1} of {len(time)}"
-        )
+    require_times(str(path), time)
     if start == 0.0 and len(time) and time[0] > _EPOCH:
         start = float(time[0])
         time = time - start
     time = np.ascontiguousarray(time)
+    position, velocity, effort = tables
     return Recording(tuple(joints), time, position, velocity, effort, start, str(path))
 
 

@@ -1,7 +1,7 @@
 """Pages and figures that show a person what was found.
 
 `pages` holds the pages of compare, diagnose and history; each lists its sections once. A section is
-one file in `sections`: a function that turns a record into text and figures. To add one, write its
+one file in `sections`: a function that turns a result into text and figures. To add one, write its
 file and put it in the list of its page. `write_page` makes one file of them that needs nothing
 else: styles, pictures and scripts are inside.
 """

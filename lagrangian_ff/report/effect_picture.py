@@ -1,7 +1,6 @@
 """A picture of one effect: its torque over what it depends on, and over time."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,13 +30,6 @@ JERK = 3.0
 LONG = 60  # characters of a formula that need a second line
 SPEEDS = (0.5, 1.1, 1.9)
 """rad/s, the pace of each joint."""
-
-
-@dataclass(frozen=True)
-class _Coordinate:
-    label: str
-    values: Floats
-    reach: float = np.inf
 
 
 def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -> Figure:
@@ -121,33 +113,30 @@ def _parameters(columns: Floats) -> Floats:
 
 
 def _over_coordinate(axes: Axes, effect: Effect, x: Inputs, torque: Floats) -> None:
-    coordinate = _coordinate(effect, x)
+    label, values = _coordinate(effect, x)
     forward = x.qd[:, JOINT] >= 0.0
-    near = coordinate.values <= coordinate.reach
+    near = values <= (SOON if effect.coordinate == "since_reversal" else np.inf)
     for there, colour in ((forward, PREDICTED), (~forward, RESIDUAL)):
-        axes.plot(
-            coordinate.values[there & near], torque[there & near], linestyle="none", marker="o",
-            markersize=1.6, markeredgewidth=0.0, color=colour,
-        )  # fmt: skip
+        at, shown = values[there & near], torque[there & near]
+        axes.plot(at, shown, "o", markersize=1.6, markeredgewidth=0.0, color=colour)
     axes.axhline(0.0, color=FAINT, linewidth=0.6)
     symmetric(axes, float(np.abs(torque).max()))
-    axes.set_xlabel(coordinate.label)
+    axes.set_xlabel(label)
     axes.set_ylabel("torque [N·m]")
 
 
-def _coordinate(effect: Effect, x: Inputs) -> _Coordinate:
-    speed = _Coordinate("speed [rad/s]", x.qd[:, JOINT])
+def _coordinate(effect: Effect, x: Inputs) -> tuple[str, Floats]:
+    """Return the label and the values (M,) of the coordinate that shows an effect."""
     if effect.coordinate == "since_reversal":
         since = since_reversal(x.time, x.qd[:, JOINT], x.segment)
-        return _Coordinate("time since the last reversal [s]", since, SOON)
+        return "time since the last reversal [s]", since
     known = {
-        "velocity": speed,
-        "direction": speed,
-        "position": _Coordinate("position [rad]", x.q[:, JOINT]),
-        "acceleration": _Coordinate("acceleration [rad/s²]", x.qdd[:, JOINT]),
-        "load": _Coordinate("load torque [N·m]", x.load[:, JOINT]),
+        "position": ("position [rad]", x.q),
+        "acceleration": ("acceleration [rad/s²]", x.qdd),
+        "load": ("load torque [N·m]", x.load),
     }
-    return known.get(effect.coordinate, speed)
+    label, values = known.get(effect.coordinate, ("speed [rad/s]", x.qd))
+    return label, values[:, JOINT]
 
 
 def _spectrum(axes: Axes, effect: Effect, x: Inputs, torque: Floats) -> None:

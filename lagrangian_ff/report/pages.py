@@ -1,92 +1,93 @@
 """The pages of compare, diagnose and history: a title that says the verdict, then the sections."""
 
-import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 from lagrangian_ff import __version__
+from lagrangian_ff.identification.history import ErrorChange, History, Step
 from lagrangian_ff.numbers import percent, typeset
 from lagrangian_ff.report import html
 from lagrangian_ff.report.page import Section, write_page
 from lagrangian_ff.report.sections.changed import changed_section
 from lagrangian_ff.report.sections.errors import errors_section, relative
-from lagrangian_ff.report.sections.findings import evidence_section, summary_section
-from lagrangian_ff.report.sections.history import (
-    each_joint_section,
-    fall_section,
-    reasons_section,
-    steps_section,
-)
+from lagrangian_ff.report.sections.findings import evidence_section, fall_section, summary_section
+from lagrangian_ff.report.sections.history import each_joint_section, reasons_section, steps_section
 from lagrangian_ff.report.sections.joints import joints_section
 from lagrangian_ff.report.sections.limits import checks_section, next_section, serious_section
 from lagrangian_ff.report.sections.ranking import ranking_section
 from lagrangian_ff.report.sections.regions import dependence_section, regions_section
 from lagrangian_ff.words import spoken
 
-Record = Mapping[str, Any]
-Make = Callable[[Record], Section | None]
-"""Returns a section of a record; None if it has nothing to say."""
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
+    from lagrangian_ff.diagnosis.where import Compared, Localisation
+
+Result = TypeVar("Result")
+Make = Callable[[Result], Section | None]
+"""Returns a section of a result; None if it has nothing to say."""
 
 
-def compare_page(path: str | PathLike[str], record: Record) -> Path:
+def compare_page(path: str | PathLike[str], found: "Compared") -> Path:
     """Write where a model fails, and return the path of the page.
 
     Args:
         path: the file to write.
-        record: of a comparison with the series; `model` and `source` name what was compared.
+        found: what was compared, and the error.
 
     Raises:
         OSError: the file cannot be written.
     """
-    kicker = f"{record.get('model', 'model')} compared with {record['source']}"
-    summary = _misses(record)
-    return _page(path, "compare", _where_it_fails(record), record, COMPARE, kicker, summary)
+    where = found.where
+    kicker = f"{found.model} compared with {where.comparison.motion.source}"
+    summary = _misses(where.comparison)
+    return _page(path, "compare", _where_it_fails(where), found, COMPARE, kicker, summary)
 
 
-def diagnose_page(path: str | PathLike[str], record: Record) -> Path:
+def diagnose_page(path: str | PathLike[str], run: "DiagnosisRun") -> Path:
     """Write which effect a model lacks and the evidence, and return the path of the page.
 
     Args:
         path: the file to write.
-        record: of a diagnosis; its `compare` is a record of a comparison with the series.
+        run: all that `diagnose` found.
 
     Raises:
         OSError: the file cannot be written.
     """
+    from lagrangian_ff.diagnosis import verdict
+
     # The heading is the first sentence of the verdict.
-    first, *rest = re.split(r"(?<=[.!?])\s+(?=[A-Z])", record["verdict"].strip(), maxsplit=1)
-    sources = ", ".join(map(str, record.get("sources") or []))
-    kicker = f"{record.get('model', 'model')} diagnosed on {sources}" if sources else ""
-    return _page(path, "diagnose", first.rstrip("."), record, DIAGNOSE, kicker, "".join(rest))
+    first, *rest = re.split(r"(?<=[.!?])\s+(?=[A-Z])", verdict(run.diagnosis), maxsplit=1)
+    kicker = f"{run.model_file} diagnosed on {', '.join(run.sources)}"
+    return _page(path, "diagnose", first.rstrip("."), run, DIAGNOSE, kicker, "".join(rest))
 
 
-def history_page(path: str | PathLike[str], record: Record) -> Path:
+def history_page(path: str | PathLike[str], history: History) -> Path:
     """Write how a model came to be what it is, and return the path of the page.
 
     Args:
         path: the file to write.
-        record: of a history.
+        history: the steps.
 
     Raises:
         OSError: the file cannot be written.
     """
-    kicker = f"history of {record.get('model', 'the model')}"
-    return _page(path, "history", _what_was_added(record), record, HISTORY, kicker)
+    title, kicker = _what_was_added(history.steps), f"history of {history.file}"
+    return _page(path, "history", title, history, HISTORY, kicker)
 
 
 def _page(
     path: str | PathLike[str],
     command: str,
     title: str,
-    record: Record,
-    makers: Sequence[Make],
+    result: Result,
+    makers: Sequence[Make[Result]],
     kicker: str,
     summary: str = "",
 ) -> Path:
-    made = (make(record) for make in makers)
+    made = (make(result) for make in makers)
     return write_page(
         path,
         title,
@@ -97,46 +98,41 @@ def _page(
     )
 
 
-def _where_it_fails(record: Record) -> str:
-    if record["regions"]:
-        region = record["regions"][0]
+def _where_it_fails(where: "Localisation") -> str:
+    if where.regions:
+        region = where.regions[0]
         return (
-            f"{region['joint']} fails {region['place']}: {percent(region['share_of_error'])} of "
-            f"its error in {percent(region['share_of_time'])} of the time"
+            f"{region.joint} fails {region.place}: {percent(region.share_of_error)} of "
+            f"its error in {percent(region.share_of_time)} of the time"
         )
-    if record["too_short"]:
+    if where.series.too_short:
         return "The recording is too short to show where the error lies"
     return "The error is spread evenly over the motion"
 
 
-def _misses(record: Record) -> str:
+def _misses(comparison: "Comparison") -> str:
     """Return how much of the torque the model misses, and what else to know at first."""
-    judged = [
-        share for error in record["joints"].values() if math.isfinite(share := relative(error))
-    ]
+    judged = relative(comparison.score).values()
     if not judged:
         return "No joint's torque varied, so that there is nothing to judge."
     text = (
         f"The model misses between {percent(min(judged))} and {percent(max(judged))} of the "
         "torque's spread, depending on the joint."
     )
-    if record["outside_range"] > 0.05:
+    if comparison.outside > 0.05:
         text += (
-            f" {percent(record['outside_range'])} of the motion lies outside what it was "
+            f" {percent(comparison.outside)} of the motion lies outside what it was "
             "identified on, and there it guesses."
         )
-    if record.get("too_sure"):
-        text += f" {record['too_sure']}."
-    return text
+    return f"{text} {comparison.warning}." if comparison.warning else text
 
 
-def _what_to_do(record: Record) -> Section:
-    model, source = record.get("model", "MODEL"), record.get("sources", [record["source"]])
+def _what_to_do(found: "Compared") -> Section:
     texts = [
         "Ask which physical effect is missing, with the evidence for each: lagrangian_ff diagnose "
-        f"{model} {' '.join(map(str, source))}"
+        f"{found.model} {' '.join(found.sources)}"
     ]
-    if record["outside_range"] > 0.05:
+    if found.where.comparison.outside > 0.05:
         texts.append(
             "Identify again from a recording that goes where this one goes: a model knows the "
             "motion it has seen."
@@ -144,45 +140,52 @@ def _what_to_do(record: Record) -> Section:
     return Section("What to do next", "", html.steps(texts))
 
 
-def _what_was_added(record: Record) -> str:
-    added = [step for step in record["steps"] if step["added"] != "identified"]
+def _what_was_added(steps: Sequence[Step]) -> str:
+    added = [step for step in steps if step.added != "identified"]
     if not added:
         return "Nothing was added since the model was identified"
-    names = " and ".join(spoken(str(step["added"])) for step in added)
-    before, after, of = added[0].get("error_before"), added[-1].get("error_after"), ""
-    if before is None or after is None or not before > 0.0:
+    names = " and ".join(spoken(step.added) for step in added)
+    error, of = ErrorChange(added[0].error_before, added[-1].error_after), ""
+    if error.left is None:
         return f"Added: {names}"
     if len(added) == 1:  # which one joint feels most
-        joint = str(added[0]["added"]).partition(" on ")[2]
-        own = added[0].get("joints", {}).get(joint)
-        if own is not None and own["before"] is not None and own["before"] > 0.0:
-            before, after, of = own["before"], own["after"], f" of {joint}"
-    left = after / before
+        joint = added[0].added.partition(" on ")[2]
+        own = added[0].joints.get(joint)
+        if own is not None and own.left is not None:
+            error, of = own, f" of {joint}"
+    left = error.left or 0.0
     change = (
         f"{percent(1.0 - left)} of the error{of} is gone"
         if left <= 1.0
         else f"the error{of} rose by {percent(left - 1.0)}"
     )
-    return f"With {names}, {change}: {typeset(before)} → {typeset(after)} N·m on held-back data"
+    fall = f"{typeset(error.before)} → {typeset(error.after)} N·m"
+    return f"With {names}, {change}: {fall} on held-back data"
 
 
-def _of_comparison(make: Make) -> Make:
-    """Return a section of a comparison as one of the diagnosis that holds it."""
-    return lambda record: make(record["compare"]) if record.get("compare") else None
+def _located(make: "Make[Localisation]") -> "Make[Compared]":
+    """Return a section of the error's localisation as one of the comparison that holds it."""
+    return lambda found: make(found.where)
 
 
-def _joints_of_diagnosis(record: Record) -> Section | None:
+def _of_comparison(make: "Make[Localisation]") -> "Make[DiagnosisRun]":
+    """Return a section of the error's localisation as one of the diagnosis that holds it."""
+    return lambda run: make(run.where) if run.where else None
+
+
+def _joints_of_diagnosis(run: "DiagnosisRun") -> Section | None:
     """Return the panels of all joints, that of the first finding on top."""
-    if not record.get("compare"):
+    if run.where is None:
         return None
-    first = next((one["joints"][0] for one in record["findings"] if one["joints"]), None)
-    return joints_section(record["compare"], first)
+    first = next((one.joints[0] for one in run.diagnosis.found if one.joints), None)
+    return joints_section(run.where, first)
 
 
-COMPARE: list[Make] = [
-    errors_section, regions_section, dependence_section, joints_section, _what_to_do,
-]  # fmt: skip
-DIAGNOSE: list[Make] = [
+COMPARE: "list[Make[Compared]]" = [
+    *map(_located, (errors_section, regions_section, dependence_section, joints_section)),
+    _what_to_do,
+]
+DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     serious_section,
     summary_section,
     changed_section,
@@ -196,5 +199,5 @@ DIAGNOSE: list[Make] = [
     _joints_of_diagnosis,
     checks_section,
 ]
-HISTORY: list[Make] = [steps_section, each_joint_section, reasons_section]
+HISTORY: list[Make[History]] = [steps_section, each_joint_section, reasons_section]
 """The sections of each page from top to bottom."""

@@ -20,11 +20,13 @@ from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK, faded
 from lagrangian_ff.report.html import escape
 
 Trace = dict[str, Any]
+LINES = {"type": "scatter", "mode": "lines"}
 
 MARK = 'class="plot"'
 """A page that holds this needs the library."""
 LIBRARY = "plotly-cartesian.min.js.gz"
 FONT = 'Inter, "Segoe UI", "Helvetica Neue", Roboto, "DejaVu Sans", system-ui, sans-serif'
+ABOVE = {"x": 0, "y": 1.02, "xanchor": "left", "yanchor": "bottom"}
 DIGITS = 5
 """Significant digits of every number in a page: finer than any pixel, and half the size."""
 
@@ -52,15 +54,12 @@ class Plot:
             "plot_bgcolor": "rgba(0,0,0,0)",
             "hovermode": "closest",
             "hoverlabel": {"bgcolor": "#ffffff", "bordercolor": FRAME, "font": {"color": INK}},
-            "legend": {
-                "orientation": "h", "x": 0, "y": 1.02, "xanchor": "left", "yanchor": "bottom",
-                "font": {"size": 11},
-            },
+            "legend": {"orientation": "h", **ABOVE, "font": {"size": 11}},
             "modebar": {"bgcolor": "rgba(255,255,255,0.8)", "color": FRAME, "activecolor": FAINT},
             "showlegend": False,
             "height": self.height,
             "autosize": True,
-        }  # fmt: skip
+        }
         return {**common, **self.layout}
 
 
@@ -81,11 +80,8 @@ def line(
     x: Sequence[float | None], y: Sequence[float | None], name: str, colour: str, **more: Any
 ) -> Trace:
     """Return a line; None and NaN break it."""
-    width = more.pop("width", 1.6)
-    return {
-        "type": "scatter", "mode": "lines", "x": list(x), "y": list(y), "name": name,
-        "line": {"color": colour, "width": width}, **more,
-    }  # fmt: skip
+    style = {"color": colour, "width": more.pop("width", 1.6)}
+    return {**LINES, "x": list(x), "y": list(y), "name": name, "line": style, **more}
 
 
 def band(
@@ -101,11 +97,9 @@ def band(
     for part in _pieces(x):
         around += [*([None] if around else []), *x[part], *reversed(x[part])]
         level += [*([None] if level else []), *high[part], *reversed(low[part])]
-    return {
-        "type": "scatter", "mode": "lines", "x": around, "y": level,
-        "fill": "toself", "fillcolor": faded(colour, 0.16),
-        "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False, **more,
-    }  # fmt: skip
+    area = {"fill": "toself", "fillcolor": faded(colour, 0.16), "line": {"width": 0}}
+    quiet = {"hoverinfo": "skip", "showlegend": False}
+    return {**LINES, "x": around, "y": level, **area, **quiet, **more}
 
 
 def _pieces(x: Sequence[float | None]) -> Iterator[slice]:
@@ -124,10 +118,8 @@ def embed(plot: Plot, alternative: str, caption: str = "") -> str:
         alternative: what it shows, for readers who cannot see it.
         caption: text under it.
     """
-    data = json.dumps(
-        {"data": _plain(plot.data), "layout": _plain(plot.full_layout())},
-        ensure_ascii=False, separators=(",", ":"), allow_nan=False,
-    )  # fmt: skip
+    drawn = {"data": _plain(plot.data), "layout": _plain(plot.full_layout())}
+    data = json.dumps(drawn, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""
     return (
         f'<figure><div {MARK} role="img" aria-label="{escape(alternative)}" '

@@ -12,9 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.report.colours import FAINT, FRAME, GRID, INK
 
 WIDTH = 10.0  # inches
@@ -90,7 +89,7 @@ def thinned(time: Floats, *columns: Floats) -> tuple[Floats, ...]:
     return (time[index], *(column[index] for column in columns))
 
 
-def broken(time: Floats, segment: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
+def broken(time: Floats, segment: Ints, values: Floats) -> tuple[Floats, Floats]:
     """Return time and values with NaN between segments, so that no line crosses a gap."""
     cuts = np.flatnonzero(np.diff(segment)) + 1
     return np.insert(time, cuts, np.nan), np.insert(values, cuts, np.nan)

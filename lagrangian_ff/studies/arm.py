@@ -1,7 +1,7 @@
 """Studies on the simulated arm: the models, the trajectories, their recordings and their errors."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,7 +17,6 @@ from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.recording import condition, load, write_npz
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.studies.curves import stroke_of
 from lagrangian_ff.studies.study import Line, Request, Study, cells, done, row
 
 OURS, REFERENCE = "auto+fri", "vrbfs+fri"
@@ -56,13 +55,8 @@ FULL = Plan(
     None,
     Settings(train=1 / 3, samples=500, block_seconds=3.0, folds=5, selection="validation"),
 )
-QUICK = Plan(
-    (2, 5, 9),
-    9.0,
-    Settings(
-        train=1 / 3, samples=60, block_seconds=1.0, folds=3, selection="validation", evaluations=6
-    ),
-)
+SMALL = replace(FULL.settings, samples=60, block_seconds=1.0, folds=3, evaluations=6)
+QUICK = Plan((2, 5, 9), 9.0, SMALL)
 
 
 @dataclass(frozen=True)
@@ -295,9 +289,3 @@ def errors_table(errors: Errors, beside: Errors | None = None, unit: float = 1.0
 
 def _figure(value: float) -> str:
     return f"{value:.3g}" if value < 100.0 else f"{value:.0f}"
-
-
-def style_of(model: str) -> dict[str, Any]:
-    """Return how a model is drawn in every figure; the default of ours stands out."""
-    stroke = stroke_of(model)
-    return {"colour": stroke.colour, "dashes": stroke.dashes, "strong": model == OURS}

@@ -17,32 +17,35 @@ class Entry:
 
     Attributes:
         about: its subject, in a line.
-        place: its class, as `module:class` below `lagrangian_ff.studies`.
+        module: the one below `lagrangian_ff.studies` with its class, such as `IdealStudy`.
         arm: whether it needs the simulated arm.
     """
 
     about: str
-    place: str
+    module: str
     arm: bool = False
 
 
 STUDIES = {
-    "ideal": Entry("Fig. 2 of the paper: which kernel learns ideal robots best?",
-        "ideal:IdealStudy"),
-    "friction": Entry("Fig. 3: the same robots with friction and noise, kernels with and without "
-        "fri", "friction:FrictionStudy"),
-    "speeds": Entry("Fig. 5: error of predicted torque over speed, model by model",
-        "speeds:SpeedsStudy", True),
-    "tracking": Entry("Fig. 6: tracking error over speed with precomputed torque",
-        "tracking:TrackingStudy", True),
-    "loaded": Entry("Fig. 7: as speeds, with masses on the arm", "loaded:LoadedStudy", True),
-    "consistency": Entry("Theorem 2: what is left of the error with more and more samples",
-        "consistency:ConsistencyStudy"),
-    "sparsity": Entry("section V: error and time with fewer centres than samples",
-        "sparsity:SparsityStudy", True),
-    "hidden": Entry("effects hidden in the arm's physics: found, missed, or invented?",
-        "hidden.study:HiddenStudy", True),
-}  # fmt: skip
+    "ideal": Entry("Fig. 2 of the paper: which kernel learns ideal robots best?", "dof"),
+    "friction": Entry(
+        "Fig. 3: the same robots with friction and noise, kernels with and without fri", "friction"
+    ),
+    "speeds": Entry("Fig. 5: error of predicted torque over speed, model by model", "speeds", True),
+    "tracking": Entry(
+        "Fig. 6: tracking error over speed with precomputed torque", "tracking", True
+    ),
+    "loaded": Entry("Fig. 7: as speeds, with masses on the arm", "speeds", True),
+    "consistency": Entry(
+        "Theorem 2: what is left of the error with more and more samples", "consistency"
+    ),
+    "sparsity": Entry(
+        "section V: error and time with fewer centres than samples", "sparsity", True
+    ),
+    "hidden": Entry(
+        "effects hidden in the arm's physics: found, missed, or invented?", "hidden.study", True
+    ),
+}
 
 
 def study_class(name: str) -> "type[Study]":
@@ -53,8 +56,9 @@ def study_class(name: str) -> "type[Study]":
     """
     if name not in STUDIES:
         raise UserError(f"there is no study '{name}'; there are {', '.join(STUDIES)}")
-    if STUDIES[name].arm and find_spec("pybullet") is None:
+    entry = STUDIES[name]
+    if entry.arm and find_spec("pybullet") is None:
         raise UserError(f"study {name} drives the simulated arm: pip install pybullet")
-    module, _, found = STUDIES[name].place.partition(":")
-    kind: type[Study] = getattr(import_module(f"lagrangian_ff.studies.{module}"), found)
+    module = import_module(f"lagrangian_ff.studies.{entry.module}")
+    kind: type[Study] = getattr(module, f"{name.capitalize()}Study")
     return kind

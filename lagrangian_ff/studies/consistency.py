@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.report.colours import FAINT
-from lagrangian_ff.studies.curves import DOTTED, Curve, curves_figure, stroke_of
+from lagrangian_ff.studies.curves import DOTTED, Curve, Stroke, curves_figure, stroke_of
 from lagrangian_ff.studies.dof import Learning, RobotStudy, error_of
 from lagrangian_ff.studies.learning import learn, model_of
 from lagrangian_ff.studies.paper import friction_columns
 from lagrangian_ff.studies.robots import Samples, Scene, draw_samples
-from lagrangian_ff.studies.study import Finding, Line, Results, cells, done, row
+from lagrangian_ff.studies.study import Finding, Line, Results, cells, done, grouped, row
 
 JOINTS = 2
 COUNTS, QUICK_COUNTS = (25, 50, 100, 200, 400, 800, 1600), (25, 100)
@@ -23,6 +23,7 @@ NEAR = 1.05
 """Measured errors are at the noise floor where they are within this of the noise alone."""
 SHARP = 1e-3
 """σ_f in rad/s at which the basis (51), of those searched, comes nearest to a sharp sign."""
+BOUND = Stroke(FAINT, DOTTED)
 
 
 class Growing(Learning):
@@ -45,10 +46,13 @@ class Growing(Learning):
         samples = draw_samples(self.scene, self.seed, self.joints, self.robot)
         learned = learn(spec, samples.x, samples.tau, samples.fold, self.gamma)
         return {
-            "samples": self.scene.training, "robot": self.robot, "model": self.model,
+            "samples": self.scene.training,
+            "robot": self.robot,
+            "model": self.model,
             "error": error_of(learned, samples, samples.truth),
-            "bound": bound(samples, with_basis=bool(spec.effects)), **learned.record(),
-        }  # fmt: skip
+            "bound": bound(samples, with_basis=bool(spec.effects)),
+            **learned.record(),
+        }
 
 
 def bound(samples: Samples, *, with_basis: bool) -> float:
@@ -89,11 +93,11 @@ class Growth:
     @classmethod
     def of(cls, lines: Sequence[Line]) -> "Growth":
         """Return the means of the lines of one model."""
-        counts = sorted({line["samples"] for line in lines})
-        groups = [[line for line in lines if line["samples"] == count] for count in counts]
-        error = [_rms(group, "error") for group in groups]
+        groups = dict(sorted(grouped(lines, "samples").items()))
+        error = [_rms(group, "error") for group in groups.values()]
         measured = [float(np.hypot(value, SCENE.noise)) for value in error]
-        return cls(counts, error, measured, list(map(len, groups)), _rms(groups[-1], "bound"))
+        robots = list(map(len, groups.values()))
+        return cls(list(groups), error, measured, robots, _rms(groups[max(groups)], "bound"))
 
 
 def _rms(lines: Sequence[Line], what: str) -> float:
@@ -133,16 +137,15 @@ class ConsistencyResults(Results):
         panels: dict[str, dict[str, Curve]] = {clean: {}, noisy: {}}
         for model, growth in self.models.items():
             stroke = stroke_of(model)
-            style = stroke.colour, stroke.dashes, stroke.ours
-            panels[clean][model] = Curve(growth.samples, growth.error, *style)
-            panels[noisy][model] = Curve(growth.samples, growth.measured, *style)
+            panels[clean][model] = Curve(growth.samples, growth.error, stroke, stroke.ours)
+            panels[noisy][model] = Curve(growth.samples, growth.measured, stroke, stroke.ours)
         if self.models:
             counts = self._counts()
             ends = [counts[0], counts[-1]]
-            panels[noisy]["noise"] = Curve(ends, [SCENE.noise] * 2, FAINT, DOTTED)
+            panels[noisy]["noise"] = Curve(ends, [SCENE.noise] * 2, BOUND)
             bounds = [growth.bound for m, growth in self.models.items() if "+fri" not in m]
             if bounds:
-                panels[clean]["(50), no fri"] = Curve(ends, [max(bounds)] * 2, FAINT, DOTTED)
+                panels[clean]["(50), no fri"] = Curve(ends, [max(bounds)] * 2, BOUND)
         return curves_figure(
             panels, "training samples", "error [of the largest torque]", logarithmic=True
         )
@@ -168,10 +171,7 @@ class ConsistencyStudy(RobotStudy):
         ]
 
     def results(self, lines: Sequence[Line]) -> ConsistencyResults:
-        held: dict[str, list[Line]] = {}
-        for line in done(lines):
-            held.setdefault(line["model"], []).append(line)
-        models = {model: Growth.of(some) for model, some in held.items()}
+        models = {model: Growth.of(some) for model, some in grouped(done(lines), "model").items()}
         findings = {model: _finding(model, growth) for model, growth in models.items()}
         return ConsistencyResults(lines, findings, models)
 

@@ -24,6 +24,10 @@ WIDE = 5.0
 """Plain ticks do where the largest value is more than this times the least."""
 
 
+Look = dict[str, Any]
+"""Keywords of matplotlib."""
+
+
 @dataclass(frozen=True)
 class Stroke:
     """The stroke of a kernel in every study, whatever stands beside it.
@@ -37,6 +41,11 @@ class Stroke:
     colour: str
     dashes: Any = SOLID
     ours: bool = False
+
+    @property
+    def line(self) -> Look:
+        """Return the stroke as matplotlib takes it."""
+        return {"color": self.colour, "linestyle": self.dashes}
 
 
 STROKES: Mapping[str, Stroke] = {
@@ -70,21 +79,23 @@ class Curve:
 
     Attributes:
         x, y: its points, y above 0.
-        colour, dashes: as matplotlib takes them.
+        stroke: its colour and dashes.
         strong: drawn above the others, and wider.
     """
 
     x: Sequence[float]
     y: Sequence[float]
-    colour: str = INK
-    dashes: Any = "-"
+    stroke: Stroke = OTHER
     strong: bool = False
 
 
 def curves_figure(
-    panels: Mapping[str, Mapping[str, Curve]], x_label: str, y_label: str, *,
+    panels: Mapping[str, Mapping[str, Curve]],
+    x_label: str,
+    y_label: str,
+    *,
     logarithmic: bool = False,
-) -> Figure:  # fmt: skip
+) -> Figure:
     """Draw panels side by side with common axes, y in decades.
 
     Args:
@@ -117,11 +128,9 @@ def curves_figure(
 
 
 def _draw(axes: Axes, curve: Curve) -> None:
-    axes.plot(
-        curve.x, curve.y, linestyle=curve.dashes, color=curve.colour,
-        linewidth=2.2 if curve.strong else 1.2, marker="o", markersize=4.5 if curve.strong else 3.0,
-        markeredgewidth=0.0, zorder=3.0 if curve.strong else 2.0,
-    )  # fmt: skip
+    width, dot, above = (2.2, 4.5, 3.0) if curve.strong else (1.2, 3.0, 2.0)
+    dots: Look = {"marker": "o", "markersize": dot, "markeredgewidth": 0.0}
+    axes.plot(curve.x, curve.y, **curve.stroke.line, **dots, linewidth=width, zorder=above)
 
 
 def y_ticks(axes: Axes) -> None:
@@ -148,15 +157,12 @@ def _name(axes: Axes, curves: Mapping[str, Curve]) -> None:
     ends = np.array([(np.log(curves[name].y[-1]) - low) / (high - low) for name in ordered])
     for name, place in zip(ordered, spread(ends, APART), strict=True):
         curve = curves[name]
-        axes.annotate(
-            name, (curve.x[-1], curve.y[-1]), (1.03, place), textcoords="axes fraction",
-            va="center", fontsize=SIZE, fontweight="bold" if curve.strong else "normal",
-            color=curve.colour,
-            arrowprops={
-                "arrowstyle": "-", "color": curve.colour, "linewidth": 0.5, "alpha": 0.5,
-                "relpos": (0.0, 0.5), "shrinkA": 1.0, "shrinkB": 3.0,
-            },
-        )  # fmt: skip
+        colour, weight = curve.stroke.colour, "bold" if curve.strong else "normal"
+        font: Look = {"va": "center", "fontsize": SIZE, "fontweight": weight, "color": colour}
+        line = {"arrowstyle": "-", "color": colour, "linewidth": 0.5, "alpha": 0.5}
+        arrow: Look = {**line, "relpos": (0.0, 0.5), "shrinkA": 1.0, "shrinkB": 3.0}
+        end, beside = (curve.x[-1], curve.y[-1]), (1.03, place)
+        axes.annotate(name, end, beside, textcoords="axes fraction", arrowprops=arrow, **font)
 
 
 def spread(places: Floats, apart: float) -> Floats:

@@ -1,4 +1,4 @@
-"""Studies of error against the number of joints: cases, comparisons, table and curves."""
+"""Fig. 2 of the paper, and what Fig. 3 shares with it: error against the number of joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -13,12 +13,14 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.report.colours import FAINT
 from lagrangian_ff.report.style import new_figure, styled
-from lagrangian_ff.studies.curves import stroke_of
+from lagrangian_ff.studies.curves import Look, stroke_of
 from lagrangian_ff.studies.learning import Learned, learn, model_of
 from lagrangian_ff.studies.robots import Samples, Scene, draw_samples
 from lagrangian_ff.studies.study import Finding, Line, Request, Results, Study, cells, done, row
 
 MOST_JOINTS, QUICK_JOINTS = 8, 3
+PAPER = ("rbf", "rbfs", "srbf", "srbfs", "vrbf", "vrbfs")
+OURS = ("energy_rbf", "energy", "chain_rbf", "chain")
 FLOOR = {"mean": 1e-8, "variance": 1e-16}
 """What is smaller is drawn here: exact but for rounding, and no reason to squeeze the rest."""
 
@@ -62,10 +64,14 @@ class Learning:
         samples = draw_samples(self.scene, self.seed, self.joints, self.robot)
         learned = learn(spec, samples.x, samples.tau, samples.fold, self.gamma)
         found = {
-            "joints": self.joints, "robot": self.robot, "model": self.model,
+            "joints": self.joints,
+            "robot": self.robot,
+            "model": self.model,
             "error": error_of(learned, samples, samples.truth),
-            "spread": float(np.std(samples.truth)), "unit": samples.unit, **learned.record(),
-        }  # fmt: skip
+            "spread": float(np.std(samples.truth)),
+            "unit": samples.unit,
+            **learned.record(),
+        }
         if self.scene.friction and spec.effects:
             bare = learned.without_friction(samples.tau - samples.friction)
             found["frictionless"] = error_of(bare, samples, samples.truth - samples.asked_friction)
@@ -132,9 +138,12 @@ class Statistics:
         """Return the statistics of some errors."""
         values = [each.error for each in errors]
         return cls(
-            float(np.mean(values)), float(np.var(values, ddof=1)) if len(values) > 1 else None,
-            float(np.median(values)), len(values), max(each.gamma_raised for each in errors),
-        )  # fmt: skip
+            float(np.mean(values)),
+            float(np.var(values, ddof=1)) if len(values) > 1 else None,
+            float(np.median(values)),
+            len(values),
+            max(each.gamma_raised for each in errors),
+        )
 
 
 @dataclass(frozen=True)
@@ -278,16 +287,14 @@ def _panel(axes: Axes, models: Rows, what: str) -> None:
         known = [getattr(each, what) for each in by_joints.values()]
         values = np.maximum([np.nan if value is None else value for value in known], FLOOR[what])
         floored |= bool(np.any(values == FLOOR[what]))
-        axes.plot(
-            list(by_joints), values, color=stroke.colour, linestyle=stroke.dashes,
-            linewidth=1.7 if stroke.ours else 1.2, marker="o" if stroke.ours else None,
-            markersize=3.5, zorder=3 if stroke.ours else 2, label=model,
-        )  # fmt: skip
+        width, mark, above = (1.7, "o", 3) if stroke.ours else (1.2, None, 2)
+        look: Look = {"linewidth": width, "marker": mark, "markersize": 3.5, "zorder": above}
+        axes.plot(list(by_joints), values, **stroke.line, **look, label=model)
     axes.set_yscale("log")
     if floored:
         axes.set_ylim(bottom=0.5 * FLOOR[what])
-        axes.text(1.0, FLOOR[what], "or less", transform=axes.get_yaxis_transform(), fontsize=7,
-                  color=FAINT, ha="right", va="bottom")  # fmt: skip
+        corner: Look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
+        axes.text(1.0, FLOOR[what], "or less", **corner, fontsize=7, color=FAINT)
     axes.yaxis.set_major_locator(LogLocator(numticks=12))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -334,3 +341,34 @@ class DofStudy(RobotStudy):
             for joints in range(1, (QUICK_JOINTS if quick else MOST_JOINTS) + 1)
             for model in self.models
         ]
+
+
+IDEAL_CLAIMS = (
+    ("vrbfs", "srbfs", "rbfs"),
+    ("vrbf", "srbf", "rbf"),
+    ("rbfs", "rbf"),
+    ("srbfs", "srbf"),
+    ("vrbfs", "vrbf"),
+    ("chain", "vrbfs"),
+)
+"""Each model errs less than those after it: the paper claims all but the last."""
+LEAST_JOINTS = 2
+"""A single joint leaves nothing for one Lagrangian to share."""
+
+
+class IdealStudy(DofStudy):
+    """How well does each kernel learn rigid bodies?"""
+
+    name = "ideal"
+    robots = 16
+    usual = ("motor", *PAPER, "pol", *OURS)
+    quick_usual = ("rbf", "rbfs", "srbfs", "vrbfs", "chain")
+    scene = Scene()
+    quick_scene = Scene(training=100, validation=500)
+    gamma = 1e-12
+
+    def results(self, lines: Sequence[Line]) -> DofResults:
+        """Return the statistics, and whether models stand in the order claimed."""
+        errors = errors_of(lines)
+        found = [order(errors, claim, LEAST_JOINTS) for claim in IDEAL_CLAIMS]
+        return DofResults.of(lines, [each for each in found if each.joints])

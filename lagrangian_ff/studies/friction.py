@@ -8,10 +8,6 @@ from lagrangian_ff.studies import dof
 from lagrangian_ff.studies.robots import Scene
 from lagrangian_ff.studies.study import Line
 
-KERNELS = (
-    "rbf", "rbfs", "srbf", "srbfs", "vrbf", "vrbfs",
-    "energy_rbf", "energy", "chain_rbf", "chain",
-)  # fmt: skip
 QUICK = ("srbfs", "vrbfs", "chain")
 FEW_JOINTS = 2
 MANY_TIMES = 3.0
@@ -28,7 +24,7 @@ class FrictionStudy(dof.DofStudy):
 
     name = "friction"
     robots = 8
-    usual = _both(KERNELS)
+    usual = _both((*dof.PAPER, *dof.OURS))
     quick_usual = _both(QUICK)
     scene = Scene(friction=True, noise=0.05)
     quick_scene = Scene(training=100, validation=500, friction=True, noise=0.05)

@@ -10,9 +10,11 @@ from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choosing.choose import choose
+from lagrangian_ff.identification.findings import hyperparameters_of
 from lagrangian_ff.identification.problem import Problem, Scaling
-from lagrangian_ff.identification.records import hyperparameter_record
+from lagrangian_ff.identification.records import number_or_list
 from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.solution import with_least_noise
 from lagrangian_ff.identification.solving.system import System
@@ -91,12 +93,12 @@ class Exact(Learned):
     def without_friction(self, tau: Floats) -> "Exact":
         problem = self.posterior.problem
         samples = replace(problem.samples, tau=tau)
-        return Exact.learned(replace(problem, samples=samples, basis=Basis(())))
+        return Exact.learned(problem.of(samples).having(basis=Basis(())))
 
     def record(self) -> dict[str, object]:
         problem = self.posterior.problem
-        held = hyperparameter_record(problem)
-        del held["gamma"]
+        found = hyperparameters_of(problem)
+        held = {name: number_or_list(v) for name, v in found.items() if name != "gamma"}
         gamma = problem.noise / (self.raised * len(problem.samples))
         return {"hyperparameters": held, "gamma": plain(gamma), "gamma_raised": self.raised}
 
@@ -106,7 +108,7 @@ def _learn_by_evidence(
 ) -> Exact:
     """Learn as identification does: the evidence chooses hyperparameters, and (44) is solved."""
     samples, unscaled = Samples(Inputs.of(x), tau, fold), Scaling(*np.ones((2, x.joints)))
-    problem = choose(spec, samples, [unscaled], "evidence").problem
+    problem = choose(spec, samples, [unscaled], Settings(selection="evidence")).problem
     if gamma is not None:
-        problem = replace(problem, noise=np.full(x.joints, gamma * len(x)))
+        problem = problem.having(noise=np.full(x.joints, gamma * len(x)))
     return Exact.learned(problem)

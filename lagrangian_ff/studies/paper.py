@@ -21,7 +21,7 @@ from lagrangian_ff.identification.samples import evenly, groups
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError, with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import Spec
-from lagrangian_ff.kernels import Family, Kernel, States
+from lagrangian_ff.kernels import Kernel, States
 from lagrangian_ff.kernels.base import largest
 from lagrangian_ff.kernels.dense import gram_of, together
 
@@ -88,24 +88,24 @@ def solve(setting: Setting, x: States, tau: Floats, joints: Joints) -> Solved:
         NotPositiveDefiniteError: even with much more regularisation there is no factor, or ρ is no
             number below 1.
     """
-    return with_least_noise(lambda raised: _solve(setting, x, tau, joints, raised))[0]
 
+    def attempt(raised: float) -> Solved:
+        rows, width, rho = list(joints), len(joints), 0.0
+        gram = gram_of(setting.kernel, x, joints)
+        if setting.sigma_f is not None:
+            columns = friction_columns(x, x, setting.sigma_f)[:, rows]
+            rho = RHO * float(np.trace(gram)) / float(np.sum(columns**2))
+            if not 0.0 < rho < 1.0:
+                raise NotPositiveDefiniteError(f"rho is {rho:.3g}, expected between 0 and 1")
+            with np.errstate(all="ignore"):  # what memory held above the diagonal
+                for place in range(width):
+                    own = columns[:, place]
+                    gram[place::width, place::width] += (1.0 - rho) / rho * (own @ own.T)
+        noise = np.tile(setting.gamma[rows], len(x)) * (raised * len(x) * (1.0 - rho))
+        system = System.factor(gram, noise, np.empty((len(noise), 0)), tau[:, rows].ravel())
+        return Solved(joints, system, rho, raised)
 
-def _solve(setting: Setting, x: States, tau: Floats, joints: Joints, raised: float) -> Solved:
-    rows, width, rho = list(joints), len(joints), 0.0
-    gram = gram_of(setting.kernel, x, joints)
-    if setting.sigma_f is not None:
-        columns = friction_columns(x, x, setting.sigma_f)[:, rows]
-        rho = RHO * float(np.trace(gram)) / float(np.sum(columns**2))
-        if not 0.0 < rho < 1.0:
-            raise NotPositiveDefiniteError(f"rho is {rho:.3g}, expected between 0 and 1")
-        with np.errstate(all="ignore"):  # what memory held above the diagonal
-            for place in range(width):
-                own = columns[:, place]
-                gram[place::width, place::width] += (1.0 - rho) / rho * (own @ own.T)
-    noise = np.tile(setting.gamma[rows], len(x)) * (raised * len(x) * (1.0 - rho))
-    system = System.factor(gram, noise, np.empty((len(noise), 0)), tau[:, rows].ravel())
-    return Solved(joints, system, rho, raised)
+    return with_least_noise(attempt)[0]
 
 
 def friction_columns(x: States, training: States, sigma_f: Floats) -> Floats:
@@ -221,7 +221,13 @@ def learn_as_paper(spec: Spec, x: States, tau: Floats, fold: Ints, gamma: float 
         every * (GAMMA.start if gamma is None else gamma),
         every * SIGMA_F.start if spec.effects else None,
     )
-    axes = _kernel_axes(spec.kernel, x)
+    # The scales of rates stay what the paper makes them.
+    axes = [
+        Axis(one.name, value, one.low * value, one.high * value, SIGMA_STEP)
+        for one in spec.kernel.searched
+        if one.name == "sigma"
+        for value in [float(setting.kernel.hyperparameters[one.name][0])]
+    ]
     axes += [GAMMA] if gamma is None else []
     axes += [SIGMA_F] if spec.effects else []
     apart = spec.kernel.per_joint
@@ -230,17 +236,6 @@ def learn_as_paper(spec: Spec, x: States, tau: Floats, fold: Ints, gamma: float 
         search = _Search(x, tau, fold, joints, setting, axes)
         setting = search.at(least(search.error, axes))
     return Relaxed.learned(setting, x, tau)
-
-
-def _kernel_axes(kernel: Family, x: States) -> list[Axis]:
-    """Return σ, if the kernel has one; the scales of rates stay what the paper makes them."""
-    start = kernel.start(x).hyperparameters
-    return [
-        Axis(one.name, value, one.low * value, one.high * value, SIGMA_STEP)
-        for one in kernel.searched
-        if one.name == "sigma"
-        for value in [float(start[one.name][0])]
-    ]
 
 
 def least(cost: Callable[[Floats, float], float], axes: Sequence[Axis]) -> Floats:
@@ -263,14 +258,9 @@ def least(cost: Callable[[Floats, float], float], axes: Sequence[Axis]) -> Float
         def of(values: Floats, samples: float = samples) -> float:
             return cost(np.exp(values), samples)
 
-        found = minimize(
-            of, point, method="Nelder-Mead", bounds=bounds,
-            options={
-                "initial_simplex": corners,
-                "maxfev": max(round(share * EVALUATIONS * len(axes)), len(axes) + 2), "xatol": 0.03,
-                "fatol": 1e-3,
-            },
-        )  # fmt: skip
+        most = max(round(share * EVALUATIONS * len(axes)), len(axes) + 2)
+        options = {"initial_simplex": corners, "maxfev": most, "xatol": 0.03, "fatol": 1e-3}
+        found = minimize(of, point, method="Nelder-Mead", bounds=bounds, options=options)
         point, step = np.asarray(found.x), CLOSER * step
     return np.exp(point)
 

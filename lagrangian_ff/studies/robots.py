@@ -80,7 +80,7 @@ class Robot:
     def _links(self, x: States) -> Floats:
         """Return the links' torque (M, N) in N·m by recursive Newton-Euler (Luh et al., 1980)."""
         count, joints = x.q.shape
-        turned = [self.rotation[n] @ _about_axis(x.q[:, n]) for n in range(joints)]
+        turned = [self.rotation[n] @ _rotations(x.q[:, n], 2) for n in range(joints)]
         # Outwards: angular velocity, its rate, and the acceleration of the origin, in frame n. A
         # base that accelerates upwards stands for gravity.
         spin, rate = np.zeros((count, 3)), np.zeros((count, 3))
@@ -109,13 +109,14 @@ class Robot:
         return torque
 
 
-def _about_axis(q: Floats) -> Floats:
-    """Return rotations (M, 3, 3) by q about z."""
-    out = np.zeros((len(q), 3, 3))
-    out[:, 0, 0] = out[:, 1, 1] = np.cos(q)
-    out[:, 1, 0] = np.sin(q)
-    out[:, 0, 1] = -out[:, 1, 0]
-    out[:, 2, 2] = 1.0
+def _rotations(angle: Floats, axis: int) -> Floats:
+    """Return rotations (M, 3, 3) by angles (M,) about an axis, 0 for x to 2 for z."""
+    out = np.zeros((len(angle), 3, 3))
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    out[:, first, first] = out[:, second, second] = np.cos(angle)
+    out[:, second, first] = np.sin(angle)
+    out[:, first, second] = -out[:, second, first]
+    out[:, axis, axis] = 1.0
     return out
 
 
@@ -154,23 +155,17 @@ def draw_robot(seed: int, joints: int, number: int) -> Robot:
     random = chance(seed, joints, number, Chance.ROBOT)
     mass = random.uniform(*MASS, joints)
     return Robot(
-        rotation=_twists(random.uniform(-np.pi, np.pi, joints)),
-        offset=random.uniform(*OFFSET, (joints, 3)), mass=mass,
+        # About x: the lean of each axis against the one before.
+        rotation=_rotations(random.uniform(-np.pi, np.pi, joints), 0),
+        offset=random.uniform(*OFFSET, (joints, 3)),
+        mass=mass,
         centre=random.uniform(*CENTRE, (joints, 3)),
         inertia=mass[:, None, None] * np.array([_per_mass(random) for _ in range(joints)]),
-        gear=random.uniform(*GEAR, joints), motor_inertia=random.uniform(*MOTOR_INERTIA, joints),
-        viscous=random.uniform(*VISCOUS, joints), coulomb=random.uniform(*COULOMB, joints),
-    )  # fmt: skip
-
-
-def _twists(angle: Floats) -> Floats:
-    """Return rotations (N, 3, 3) about x: the lean of each axis against the one before."""
-    out = np.zeros((len(angle), 3, 3))
-    out[:, 0, 0] = 1.0
-    out[:, 1, 1] = out[:, 2, 2] = np.cos(angle)
-    out[:, 2, 1] = np.sin(angle)
-    out[:, 1, 2] = -out[:, 2, 1]
-    return out
+        gear=random.uniform(*GEAR, joints),
+        motor_inertia=random.uniform(*MOTOR_INERTIA, joints),
+        viscous=random.uniform(*VISCOUS, joints),
+        coulomb=random.uniform(*COULOMB, joints),
+    )
 
 
 def _per_mass(random: np.random.Generator) -> Floats:
@@ -206,9 +201,8 @@ class Samples:
         unit: N·m, the largest torque without friction of all joints and training samples. All
             joints share it, so that their torques still derive from one Lagrangian.
         x: (M, N) training states.
-        ideal: (M, N) torques there without friction.
-        friction: (M, N) friction there; zero if the scene has none.
-        noise: (M, N) of their measurement.
+        tau: (M, N) torques there, as measured with noise.
+        friction: (M, N) friction in them; zero if the scene has none.
         fold: (M,) the fold of each training sample.
         asked: (V, N) validation states.
         truth: (V, N) torques there without noise, with friction if the scene has it.
@@ -217,18 +211,12 @@ class Samples:
 
     unit: float
     x: States
-    ideal: Floats
+    tau: Floats
     friction: Floats
-    noise: Floats
     fold: Ints
     asked: States
     truth: Floats
     asked_friction: Floats
-
-    @property
-    def tau(self) -> Floats:
-        """Return the torques (M, N) that are measured in training."""
-        return self.ideal + self.friction + self.noise
 
 
 def draw_samples(scene: Scene, seed: int, joints: int, number: int) -> Samples:
@@ -245,9 +233,14 @@ def draw_samples(scene: Scene, seed: int, joints: int, number: int) -> Samples:
     size = float(scene.friction) / unit
     friction, asked_friction = size * robot.friction(x), size * robot.friction(asked)
     order = chance(seed, joints, number, Chance.FOLDS).permutation(scene.training)
+    noise = scene.noise * chance(seed, joints, number, Chance.NOISE).normal(size=ideal.shape)
     return Samples(
-        unit=unit, x=x, ideal=ideal / unit, friction=friction,
-        noise=scene.noise * chance(seed, joints, number, Chance.NOISE).normal(size=ideal.shape),
-        fold=order % scene.folds, asked=asked, truth=robot.torque(asked) / unit + asked_friction,
+        unit=unit,
+        x=x,
+        tau=ideal / unit + friction + noise,
+        friction=friction,
+        fold=order % scene.folds,
+        asked=asked,
+        truth=robot.torque(asked) / unit + asked_friction,
         asked_friction=asked_friction,
-    )  # fmt: skip
+    )

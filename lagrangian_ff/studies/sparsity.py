@@ -16,8 +16,8 @@ from lagrangian_ff.kernels import States
 from lagrangian_ff.report.colours import FAINT
 from lagrangian_ff.report.style import new_figure, styled
 from lagrangian_ff.studies.arm import ArmCase, ArmStudy, Plan, rms
-from lagrangian_ff.studies.curves import DASHED, SOLID, stroke_of, x_ticks, y_ticks
-from lagrangian_ff.studies.study import Finding, Line, Results, cells, done, row
+from lagrangian_ff.studies.curves import DASHED, SOLID, Look, stroke_of, x_ticks, y_ticks
+from lagrangian_ff.studies.study import Finding, Line, Results, cells, done, grouped, row
 
 ASKED = 15_000
 """States whose prediction is timed, as many as validate Figs. 2 and 3."""
@@ -76,13 +76,17 @@ class Sparse(ArmCase):
         times = ASKED / len(asked)
         error = rms(found.held_out.tau - found.predicted)
         return {
-            "speed": self.drive.speed, "model": self.model, "centres": self.centres,
-            "exact": self.exact, "learned_from": len(found.training), "rmse": float(rms(error)),
+            "speed": self.drive.speed,
+            "model": self.model,
+            "centres": self.centres,
+            "exact": self.exact,
+            "learned_from": len(found.training),
+            "rmse": float(rms(error)),
             "relative": float(rms(error) / rms(rms(found.held_out.tau))),
             "fitting": _processor_seconds(lambda: solve(blueprint, inputs)),
             "predicting": times
             * _processor_seconds(lambda: found.model.predict(asked.q, asked.qd, asked.qdd)),
-        }  # fmt: skip
+        }
 
 
 def _processor_seconds(work: Callable[[], object]) -> float:
@@ -113,9 +117,9 @@ class SparsityCurve:
     @classmethod
     def of(cls, lines: Sequence[Line]) -> "SparsityCurve":
         """Return the means of the lines of one model and way."""
-        centres = sorted({line["centres"] for line in lines})
-        groups = [[line for line in lines if line["centres"] == count] for count in centres]
-        return cls(centres, *([_mean(group, what) for group in groups] for what, _ in COLUMNS))
+        groups = dict(sorted(grouped(lines, "centres").items()))
+        means = ([_mean(group, what) for group in groups.values()] for what, _ in COLUMNS)
+        return cls(list(groups), *means)
 
 
 def _mean(lines: Sequence[Line], what: str) -> float:
@@ -172,11 +176,10 @@ def _panel(axes: Axes, curves: Curves, what: str) -> None:
     counts: set[int] = set()
     for model, ways in curves.items():
         for way, curve in ways.items():
-            axes.plot(
-                curve.centres, getattr(curve, what), color=stroke_of(model).colour,
-                linestyle=DASHES[way], marker="o", markersize=3.5,
-                label=f"{model}, {'all samples' if way == WAYS[0] else 'the centres alone'}",
-            )  # fmt: skip
+            label = f"{model}, {'all samples' if way == WAYS[0] else 'the centres alone'}"
+            look: Look = {"linestyle": DASHES[way], "marker": "o", "markersize": 3.5}
+            colour = stroke_of(model).colour
+            axes.plot(curve.centres, getattr(curve, what), color=colour, label=label, **look)
             counts.update(curve.centres)
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -203,13 +206,12 @@ class SparsityStudy(ArmStudy):
         ]
 
     def results(self, lines: Sequence[Line]) -> SparsityResults:
-        held: dict[str, dict[str, list[Line]]] = {}
-        for line in done(lines):
-            ways = held.setdefault(line["model"], {way: [] for way in WAYS})
-            ways[WAYS[line["exact"]]].append(line)
         curves = {
-            model: {way: SparsityCurve.of(some) for way, some in ways.items()}
-            for model, ways in held.items()
+            model: {
+                way: SparsityCurve.of([line for line in some if WAYS[line["exact"]] == way])
+                for way in WAYS
+            }
+            for model, some in grouped(done(lines), "model").items()
         }
         return SparsityResults(lines, _findings(curves), curves)
 

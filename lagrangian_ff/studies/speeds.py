@@ -1,4 +1,4 @@
-"""Fig. 5 of the paper: the torque error of many models over speed."""
+"""Figs. 5 and 7 of the paper: torque errors over speed, of the arm as it is and with masses."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,23 +7,10 @@ from typing import Any, ClassVar
 from matplotlib.figure import Figure
 
 from lagrangian_ff.identification import identify
-from lagrangian_ff.studies.arm import (
-    FRICTION,
-    OURS,
-    REFERENCE,
-    VELOCITY,
-    ArmCase,
-    ArmStudy,
-    Errors,
-    chosen_of,
-    ends,
-    errors_table,
-    mean_speed,
-    rms,
-    style_of,
-)
-from lagrangian_ff.studies.curves import Curve, curves_figure
-from lagrangian_ff.studies.study import Finding, Line, Results
+from lagrangian_ff.studies import arm
+from lagrangian_ff.studies.arm import FRICTION, OURS, REFERENCE, VELOCITY, Errors
+from lagrangian_ff.studies.curves import Curve, curves_figure, stroke_of
+from lagrangian_ff.studies.study import Finding, Line, Results, shown
 from lagrangian_ff.words import listed
 
 TRADITIONAL = "motor+fri"
@@ -38,7 +25,7 @@ MODELS = tuple(dict.fromkeys((TRADITIONAL, REFERENCE, OURS, *PAPER, *OUR_MODELS)
 
 
 @dataclass(frozen=True)
-class Prediction(ArmCase):
+class Prediction(arm.ArmCase):
     """A case: a model learns from the first third of a recording and is judged on the rest."""
 
     def run(self) -> Mapping[str, Any]:
@@ -52,18 +39,21 @@ class Prediction(ArmCase):
         motion = self.drive.motion()
         found = identify(motion, replace(self.settings, model=self.model))
         measured = found.held_out.tau
-        error = rms(measured - found.predicted)
-        torque = rms(measured)
+        error = arm.rms(measured - found.predicted)
+        torque = arm.rms(measured)
         return {
-            "speed": self.drive.speed, "loaded": self.drive.loaded, "model": self.model,
-            "velocity": mean_speed(motion), "rmse": float(rms(error)),
-            "relative": float(rms(error) / rms(torque)),
+            "speed": self.drive.speed,
+            "loaded": self.drive.loaded,
+            "model": self.model,
+            "velocity": arm.mean_speed(motion),
+            "rmse": float(arm.rms(error)),
+            "relative": float(arm.rms(error) / arm.rms(torque)),
             "joints": {
                 joint: {"rmse": float(e), "relative": float(e / t)}
                 for joint, e, t in zip(motion.joints, error, torque, strict=True)
             },
-            "chosen": chosen_of(found),
-        }  # fmt: skip
+            "chosen": arm.chosen_of(found),
+        }
 
 
 @dataclass(frozen=True)
@@ -85,7 +75,7 @@ class PredictionResults(Results):
     def text(self) -> list[str]:
         return [
             f"{len(self.lines)} cases; RMS error of torque [N·m] on the last two thirds",
-            *errors_table(self.errors, self.unloaded),
+            *arm.errors_table(self.errors, self.unloaded),
         ]
 
     def figure(self) -> Figure:
@@ -100,14 +90,13 @@ class PredictionResults(Results):
         """Yield the curves with their names, those without masses first and dotted."""
         if self.unloaded is not None:
             for model in self.unloaded.of:
-                colour = style_of(model)["colour"]
-                curve = Curve(*self.unloaded.curve(model), colour=colour, dashes=":")
-                yield f"{model}, unloaded", curve
+                stroke = replace(stroke_of(model), dashes=":")
+                yield f"{model}, unloaded", Curve(*self.unloaded.curve(model), stroke)
         for model in self.errors.of:
-            yield model, Curve(*self.errors.curve(model), **style_of(model))
+            yield model, Curve(*self.errors.curve(model), stroke_of(model), model == OURS)
 
 
-class PredictionStudy(ArmStudy):
+class PredictionStudy(arm.ArmStudy):
     """Torque error on the last two thirds of trajectories of rising speed."""
 
     usual, quick_usual = MODELS, MODELS[:3]
@@ -142,20 +131,21 @@ class SpeedsStudy(PredictionStudy):
 
 def prediction_findings(errors: Errors) -> dict[str, Finding]:
     """Return what the cases that are done show of Figs. 5 and 7, of our models too."""
-    found = {
-        "motor_deteriorates": _motor_deteriorates(errors),
-        "lagrangian_best": _lagrangian_best(errors),
-        **{f"{model}_better": _better(errors, model) for model in OUR_MODELS},
-        "friction_needed": _friction_needed(errors),
-    }
-    return {name: finding for name, finding in found.items() if finding}
+    return shown(
+        {
+            "motor_deteriorates": _motor_deteriorates(errors),
+            "lagrangian_best": _lagrangian_best(errors),
+            **{f"{model}_better": _better(errors, model) for model in OUR_MODELS},
+            "friction_needed": _friction_needed(errors),
+        }
+    )
 
 
 def _motor_deteriorates(errors: Errors) -> Finding | None:
     speeds = errors.common(TRADITIONAL, REFERENCE)
     if len(speeds) < 2:
         return None
-    slow, fast = ends(speeds)
+    slow, fast = arm.ends(speeds)
     simple, reference = (
         errors.mean(model, fast) / errors.mean(model, slow) for model in (TRADITIONAL, REFERENCE)
     )
@@ -194,7 +184,7 @@ def _better(errors: Errors, model: str) -> Finding | None:
     speeds = errors.common(model, REFERENCE)
     if not speeds:
         return None
-    ratio, below = errors.ratio(model, REFERENCE, speeds), errors.below(model, REFERENCE, speeds)
+    ratio, below = (errors.ratio(model, REFERENCE, speeds), errors.below(model, REFERENCE, speeds))
     return Finding(
         ratio < 1.0,
         f"{model} is below {REFERENCE}: {ratio:.2f} of its error, smaller on {below} of "
@@ -209,7 +199,7 @@ def _friction_needed(errors: Errors) -> Finding | None:
     for alone in ALONE:
         speeds = errors.common(alone, alone + FRICTION)
         if speeds:
-            ratios[alone] = errors.ratio(alone + FRICTION, alone, ends(speeds)[0])
+            ratios[alone] = errors.ratio(alone + FRICTION, alone, arm.ends(speeds)[0])
     if not ratios:
         return None
     figures = listed([f"{model} {ratio:.2f}" for model, ratio in ratios.items()])
@@ -219,3 +209,62 @@ def _friction_needed(errors: Errors) -> Finding | None:
         f"it leaves of the kernel's error alone: {figures}",
         {"ratio": ratios},
     )
+
+
+BESIDE = (TRADITIONAL, REFERENCE)
+"""Models that are also learned from the arm without masses, to compare with."""
+
+
+class LoadedStudy(PredictionStudy):
+    """The arm with the masses `arm.LOADS` on its first two links."""
+
+    name = "loaded"
+    loaded = True
+
+    def every_case(self) -> Sequence[Prediction]:
+        """Return the cases with masses, then those to compare with, the same as in `speeds`."""
+        beside = [model for model in BESIDE if model in self.models]
+        return [*super().every_case(), *self.predictions(beside, loaded=False)]
+
+    def results(self, lines: Sequence[Line]) -> PredictionResults:
+        loaded, unloaded = (self.errors(lines, loaded=with_) for with_ in (True, False))
+        findings = {**prediction_findings(loaded), **loaded_findings(loaded, unloaded)}
+        return PredictionResults(lines, findings, loaded, unloaded)
+
+
+def loaded_findings(loaded: Errors, unloaded: Errors) -> dict[str, Finding]:
+    """Compare the gap between the traditional model and the Lagrangian kernel, and its growth.
+
+    Only trajectories count on which both models are done, with and without masses.
+    """
+    arms = {"loaded": loaded, "unloaded": unloaded}
+    done = [set(errors.common(TRADITIONAL, REFERENCE)) for errors in arms.values()]
+    speeds = sorted(set.intersection(*done))
+    if not speeds:
+        return {}
+    slow, fast = arm.ends(speeds)
+    gap = {
+        name: errors.mean(TRADITIONAL, fast) - errors.mean(REFERENCE, fast)
+        for name, errors in arms.items()
+    }
+    found = {
+        "gap_wider": Finding(
+            gap["loaded"] > gap["unloaded"],
+            f"with masses the gap between {TRADITIONAL} and {REFERENCE} is wider on the fastest "
+            f"third of trajectories: {gap['loaded']:.2f} N·m, without {gap['unloaded']:.2f} N·m",
+            {"gap": gap},
+        )
+    }
+    if len(speeds) > 1:
+        growth = {
+            name: errors.mean(TRADITIONAL, fast) - errors.mean(TRADITIONAL, slow)
+            for name, errors in arms.items()
+        }
+        found["motor_deteriorates_faster"] = Finding(
+            growth["loaded"] > growth["unloaded"],
+            f"with masses {TRADITIONAL} deteriorates faster: from the slowest to the fastest third "
+            f"of trajectories its error grows by {growth['loaded']:.2f} N·m, without by "
+            f"{growth['unloaded']:.2f} N·m",
+            {"growth": growth},
+        )
+    return found

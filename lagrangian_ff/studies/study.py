@@ -182,6 +182,19 @@ def done(lines: Iterable[Line]) -> list[Line]:
     return [line for line in lines if "failed" not in line]
 
 
+def grouped(lines: Iterable[Line], field: str) -> dict[Any, list[Line]]:
+    """Return the lines that have the same value in a field, by that value."""
+    found: dict[Any, list[Line]] = {}
+    for line in lines:
+        found.setdefault(line[field], []).append(line)
+    return found
+
+
+def shown(findings: Mapping[str, Finding | None]) -> dict[str, Finding]:
+    """Return the findings for which enough cases are done."""
+    return {name: finding for name, finding in findings.items() if finding}
+
+
 def row(name: str, cells: Iterable[str], first: int, width: int = CELL) -> str:
     """Return a row of a table: a name in `first` characters, and cells of `width`."""
     return (f"  {name:<{first}}" + "".join(f"{cell:>{width}}" for cell in cells)).rstrip()

@@ -9,34 +9,22 @@ from matplotlib.figure import Figure
 
 from lagrangian_ff.identification import identify
 from lagrangian_ff.report.colours import INK
-from lagrangian_ff.studies.arm import (
-    FRICTION,
-    OURS,
-    REFERENCE,
-    VELOCITY,
-    ArmCase,
-    ArmStudy,
-    Errors,
-    chosen_of,
-    errors_table,
-    mean_speed,
-    rms,
-    style_of,
-)
-from lagrangian_ff.studies.curves import Curve, curves_figure
-from lagrangian_ff.studies.study import Finding, Line, Results
+from lagrangian_ff.studies import arm
+from lagrangian_ff.studies.arm import FRICTION, OURS, REFERENCE, VELOCITY, Errors
+from lagrangian_ff.studies.curves import Curve, Stroke, curves_figure, stroke_of
+from lagrangian_ff.studies.study import Finding, Line, Results, shown
 
 NONE, TRUE = "none", "true"
 """The servo alone; and the plant's own torques, the bound of what feedforward can do."""
 MRAD = 1e-3
 SPECIAL = {
-    NONE: ("no feedforward", {"colour": INK}),
-    TRUE: ("the plant's own torques", {"colour": INK, "dashes": ":"}),
+    NONE: ("no feedforward", Stroke(INK)),
+    TRUE: ("the plant's own torques", Stroke(INK, ":")),
 }
 
 
 @dataclass(frozen=True)
-class Tracked(ArmCase):
+class Tracked(arm.ArmCase):
     """A case: a feedforward learned from the first third, driven along the whole trajectory.
 
     The model may also be `none` or `true`.
@@ -58,15 +46,18 @@ class Tracked(ArmCase):
             run = self.drive.run("true")
         else:
             found = identify(alone, replace(self.settings, model=self.model))
-            chosen = {"chosen": chosen_of(found)}
+            chosen = {"chosen": arm.chosen_of(found)}
             run = self.drive.run(found.model.predict)
         learned = round(self.settings.train * len(run))
-        error = rms(self.drive.tracking_error(run)[learned:])
+        error = arm.rms(self.drive.tracking_error(run)[learned:])
         return {
-            "speed": self.drive.speed, "feedforward": self.model, "velocity": mean_speed(alone),
-            "rmse": float(rms(error)),
-            "joints": dict(zip(alone.joints, error.tolist(), strict=True)), **chosen,
-        }  # fmt: skip
+            "speed": self.drive.speed,
+            "feedforward": self.model,
+            "velocity": arm.mean_speed(alone),
+            "rmse": float(arm.rms(error)),
+            "joints": dict(zip(alone.joints, error.tolist(), strict=True)),
+            **chosen,
+        }
 
 
 @dataclass(frozen=True)
@@ -81,16 +72,18 @@ class TrackingResults(Results):
     def text(self) -> list[str]:
         return [
             f"{len(self.lines)} cases; RMS tracking error [mrad] on the last two thirds",
-            *errors_table(self.errors, unit=MRAD),
+            *arm.errors_table(self.errors, unit=MRAD),
         ]
 
     def figure(self) -> Figure:
         """Draw a line for each feedforward; models without friction are dashed."""
         curves = {}
         for name in self.errors.of:
-            label, style = SPECIAL.get(name) or (name, _style(name))
+            label, stroke = SPECIAL.get(name, (name, stroke_of(name)))
+            if FRICTION not in name and name not in SPECIAL:
+                stroke = replace(stroke, dashes="--")
             velocity, error = self.errors.curve(name)
-            curves[label] = Curve(velocity, [e / MRAD for e in error], **style)
+            curves[label] = Curve(velocity, [e / MRAD for e in error], stroke, name == OURS)
         return curves_figure(
             {"Precomputed torque, the last two thirds of each trajectory": curves},
             VELOCITY,
@@ -98,12 +91,7 @@ class TrackingResults(Results):
         )
 
 
-def _style(model: str) -> dict[str, Any]:
-    style = style_of(model)
-    return style if FRICTION in model else {**style, "dashes": "--"}
-
-
-class TrackingStudy(ArmStudy):
+class TrackingStudy(arm.ArmStudy):
     """Position error along trajectories of rising speed, by feedforward.
 
     Nothing and the plant's own torques are always fed forward, beside the models.
@@ -128,12 +116,13 @@ class TrackingStudy(ArmStudy):
 
 def tracking_findings(errors: Errors) -> dict[str, Finding]:
     """Return what the cases that are done show: three groups, and how near the bound we come."""
-    found = {
-        "three_groups": _three_groups(errors),
-        "bound_below": _bound_below(errors),
-        "ours_nearest": _ours_nearest(errors),
-    }
-    return {name: finding for name, finding in found.items() if finding}
+    return shown(
+        {
+            "three_groups": _three_groups(errors),
+            "bound_below": _bound_below(errors),
+            "ours_nearest": _ours_nearest(errors),
+        }
+    )
 
 
 def _three_groups(errors: Errors) -> Finding | None:

@@ -3,6 +3,7 @@
 import signal
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
@@ -20,8 +21,6 @@ Workers = Callable[[Sequence[Case]], Iterable[Line]]
 
 KILLS = 3
 """How often a process of this machine may be killed before the study gives up."""
-CONNECT_SECONDS = 10.0
-WORKERS_SECONDS = 30.0
 
 
 def attempt(case: Case) -> Line:
@@ -91,10 +90,14 @@ def _quietly(case: Case) -> Line:
     return attempt(case)
 
 
-def cluster(address: str) -> Workers:
+def cluster(address: str, *, answer: float = 10.0, workers: float = 30.0) -> Workers:
     """Return the workers of a Dask scheduler at an address such as `tcp://host:8786`.
 
     The case of a worker that dies is tried again on another worker.
+
+    Args:
+        address: of the scheduler.
+        answer, workers: s to wait for its answer, and for a worker of it.
 
     Raises:
         UserError: the package distributed is not installed.
@@ -108,7 +111,7 @@ def cluster(address: str) -> Workers:
         ) from error
 
     def done(cases: Sequence[Case]) -> Iterator[Line]:
-        with _connected(address) as client:
+        with _connected(address, answer, workers) as client:
             futures = {client.submit(attempt, case, pure=False): case for case in cases}
             for future in as_completed(list(futures)):
                 case = futures.pop(future)
@@ -121,44 +124,39 @@ def cluster(address: str) -> Workers:
     return done
 
 
-def _connected(address: str) -> "Client":
+def _connected(address: str, answer: float, workers: float) -> "Client":
     from distributed import Client
 
     try:
-        client = Client(address, timeout=CONNECT_SECONDS)
+        client = Client(address, timeout=answer)
     except (OSError, ValueError) as error:
         raise UserError(
-            f"no Dask scheduler answers at {address} within {CONNECT_SECONDS:g} s: start one with "
+            f"no Dask scheduler answers at {address} within {answer:g} s: start one with "
             "`dask scheduler`, and workers with `dask worker ADDRESS --nthreads 1`"
         ) from error
-    try:
-        client.wait_for_workers(1, timeout=WORKERS_SECONDS)
-    except TimeoutError as error:
-        client.close()
-        raise UserError(
-            f"the Dask scheduler at {address} has no workers: start some with "
-            f"`dask worker {address} --nthreads 1`"
-        ) from error
-    _require_same_version(client, address)
+    with ExitStack() as unless_ready:
+        unless_ready.callback(client.close)
+        try:
+            client.wait_for_workers(1, timeout=workers)
+            found = client.run(_installed)
+        except TimeoutError as error:
+            raise UserError(
+                f"the Dask scheduler at {address} has no workers: start some with "
+                f"`dask worker {address} --nthreads 1`"
+            ) from error
+        except ModuleNotFoundError as error:
+            raise UserError(
+                f"a worker of {address} has no {error.name}: install lagrangian_ff {__version__} "
+                "there"
+            ) from error
+        for worker, version in found.items():
+            if version != __version__:
+                raise UserError(
+                    f"the worker {worker} has lagrangian_ff {version}, expected {__version__} as "
+                    "here"
+                )
+        unless_ready.pop_all()
     return client
-
-
-def _require_same_version(client: "Client", address: str) -> None:
-    """Raise `UserError` where a worker has another version, whose results may differ."""
-    try:
-        found = client.run(_installed)
-    except ModuleNotFoundError as error:
-        client.close()
-        raise UserError(
-            f"a worker of {address} has no {error.name}: install lagrangian_ff {__version__} there"
-        ) from error
-    other = {worker: version for worker, version in found.items() if version != __version__}
-    if other:
-        client.close()
-        worker, version = next(iter(other.items()))
-        raise UserError(
-            f"the worker {worker} has lagrangian_ff {version}, expected {__version__} as here"
-        )
 
 
 def _installed() -> str:

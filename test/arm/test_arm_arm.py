@@ -59,7 +59,7 @@ def test_measured_effort_is_the_motors_torque(arm: Arm) -> None:
     efforts, given = [], []
     for _ in range(600):
         efforts.append(arm.step(home, STILL, hold).effort)
-        given.append(arm.motor_torque)
+        given.append(arm.torques[0])
     error = np.mean(efforts[100:], axis=0) - np.mean(given[100:], axis=0)
     np.testing.assert_allclose(error, 0.0, atol=0.12)
     np.testing.assert_allclose(np.mean(given[100:], axis=0), hold, atol=0.05)
@@ -73,8 +73,8 @@ def test_torque_is_cut_at_the_limits_and_flagged(arm: Arm) -> None:
         arm.step(np.array(HOME), STILL, asked)
     np.testing.assert_array_equal(arm.saturated, asked != 0)
     # The current lags a little while the arm races away and its back-EMF grows.
-    np.testing.assert_allclose(arm.motor_torque[[1, 4]], effort[[1, 4]] * (-1, 1), rtol=0.15)
-    assert np.all(np.abs(arm.motor_torque) < effort)
+    np.testing.assert_allclose(arm.torques[0][[1, 4]], effort[[1, 4]] * (-1, 1), rtol=0.15)
+    assert np.all(np.abs(arm.torques[0]) < effort)
 
 
 @pytest.mark.parametrize("what", ["reference position", "reference velocity", "feedforward torque"])

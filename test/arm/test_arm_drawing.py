@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib import image
 
 from lagrangian_ff.arm import HOME, picture
-from lagrangian_ff.arm.drawing import BACKGROUND, _mesh
+from lagrangian_ff.arm.drawing import BACKGROUND, mesh
 
 
 def drawn(path: Path, **options: object) -> np.ndarray:
@@ -41,7 +41,7 @@ def test_meshes_are_closed_and_face_outwards() -> None:
         (pybullet.GEOM_SPHERE, (0.1,), 4 / 3 * np.pi * 0.1**3),
         (pybullet.GEOM_BOX, (0.1, 0.2, 0.3), 0.006),
     ):
-        vertices, normals, triangles = _mesh(kind, size)
+        vertices, normals, triangles = mesh(kind, size)
         a, b, c = (vertices[triangles[:, k]] for k in range(3))
         # Gauss: a closed surface that faces outwards encloses its volume, with the right sign.
         assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == np.clip(

@@ -65,9 +65,7 @@ def test_what_the_motors_give_is_stored_or_lost_to_friction(loads: dict | None) 
     assert abs(work - lost - gained) < 3e-4 * moved
 
 
-def test_motor_torque_agrees_with_pybullets_inverse_dynamics_along_the_motion(
-    plant: Plant,
-) -> None:
+def test_motor_torque_agrees_with_pybullets_inverse_dynamics_along_the_motion(plant: Plant) -> None:
     worst, largest = 0.0, 0.0
     rotors = plant.parameters.reflected_inertia
     for k, (motor, q, qd) in enumerate(followed(plant, 3.0)):

@@ -59,7 +59,8 @@ def test_a_run_holds_what_was_measured_and_what_was_true() -> None:
 
 
 def test_feedforward_may_be_a_function_an_array_or_the_trajectorys_own() -> None:
-    dense = MOVE.resample(100.0)
+    time = np.append(np.arange(0.0, MOVE.duration, 0.01), MOVE.duration)
+    dense = Trajectory(time, *MOVE.sample(time))
     points = true_torque(dense.q, dense.qd, dense.qdd)
     carrier = Trajectory(dense.time, dense.q, dense.qd, dense.qdd, effort=points)
     by_function = simulate(dense, true_torque)

@@ -19,10 +19,13 @@ from cli_examples import (
     small_model,
     torque,
 )
-from hypothesis import given
-from hypothesis import strategies as st
+from diagnosis_examples import consequence, diagnosis, fault, finding, run, taken_up
+from diagnosis_examples import doubt as doubted
 
-from lagrangian_ff.cli.text.diagnose import doubt, excite, next_steps
+from lagrangian_ff.cli.text.diagnose import doubt, excite, fall_table, next_steps
+from lagrangian_ff.diagnosis import Finding
+from lagrangian_ff.diagnosis.results import Unexplained
+from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording import Recording
@@ -42,11 +45,7 @@ def cogging(seconds: float = 24.0, reach: float = 1.0) -> Recording:
 @pytest.fixture(autouse=True, scope="module")
 def _few_samples() -> Iterator[None]:
     """Judge on fewer samples and choose the prior in fewer sweeps, which is quicker."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lagrangian_ff.diagnosis.whitening.hyperparameters.ROWS", 1000)
-        stages = ((60, 10), (120, 3), (240, 1))
-        patch.setattr("lagrangian_ff.diagnosis.whitening.hyperparameters.STAGES", stages)
-        patch.setattr("lagrangian_ff.diagnosis.search.hold_out.ROWS", 1000)
+    with using(effort=Effort(1000, ((60, 10), (120, 3), (240, 1)))):
         yield
 
 
@@ -193,7 +192,7 @@ def test_faults_of_measurement_are_printed_first_and_an_interrupt_leaves_nothing
     recording.effort[:, 1] *= 0.5
     source = csv(tmp_path / "half.csv", recording)
     outcome = interrupted(
-        "--effort-scale", "diagnose", folder / "old.npz", source, "--apply",
+        "elbow=2", "diagnose", folder / "old.npz", source, "--apply",
         "--output", tmp_path / "new.npz", "--report", tmp_path / "page.html",
         "--json", tmp_path / "found.json",
     )  # fmt: skip
@@ -204,51 +203,59 @@ def test_faults_of_measurement_are_printed_first_and_an_interrupt_leaves_nothing
     assert list(tmp_path.iterdir()) == [source]
 
 
-def finding(verdict: str, rivals: list[str], reason: str = "") -> dict[str, object]:
-    """A finding as far as the words need it."""
-    return {
-        "effect": "ripple", "joints": ["elbow"], "verdict": verdict, "ambiguous_with": rivals,
-        "told_apart_by": [], "reason": reason, "next_motion": "creep",
-        "shape": {"order": 9}, "shape_words": {"order": "9"}, "p_value": 0.01, "why": "it is",
-    }  # fmt: skip
+RIVAL = ("delay",)
 
 
-@given(st.sampled_from(["confirmed", "suggested", "ambiguous with delay"]))
-def test_only_what_is_confirmed_is_told_to_be_added(verdict: str) -> None:
-    rivals = ["delay"] if "delay" in verdict else []
-    record = {"findings": [finding(verdict, rivals)], "unexplained": []}
-    lines = "\n".join(next_steps(record, "m.npz", ["a", "b"], ["c"]))
-    add = "lagrangian_ff add m.npz ripple --joint elbow --shape order=9"
-    assert (add in lines) == (verdict == "confirmed")
-    assert (excite("ripple", "elbow", "m.npz") in lines) == (verdict != "confirmed")
-    assert ("a b --confirm c --apply" in lines) == (verdict == "confirmed")
-    lines = "\n".join(next_steps(record, "m.npz", ["a"], saved="d.json"))
-    assert ("--joint elbow --because d.json" in lines) == (verdict == "confirmed")
+@pytest.mark.parametrize(
+    ("found", "confirmed"),
+    [
+        (finding("ripple"), True),
+        (finding("ripple", doubt=doubted()), False),
+        (finding("ripple", rivals=RIVAL), False),
+    ],
+)
+def test_only_what_is_confirmed_is_told_to_be_added(found: Finding, confirmed: bool) -> None:
+    this = run(diagnosis(findings=(found,)), sources=("a", "b"), confirm=("c",))
+    lines = "\n".join(next_steps(this))
+    add = "lagrangian_ff add model.npz ripple --joint elbow --shape order=9"
+    assert (add in lines) == confirmed
+    assert (excite("ripple", "elbow", "model.npz") in lines) == (not confirmed)
+    assert ("a b --confirm c --apply" in lines) == confirmed
+    lines = "\n".join(next_steps(this, saved="d.json"))
+    assert ("--joint elbow --because d.json" in lines) == confirmed
 
 
 def test_a_load_taken_up_is_not_told_to_be_added() -> None:
-    event = {**finding("confirmed", []), "effect": "payload", "p_value": None, "why": ""}
-    lines = "\n".join(next_steps({"findings": [event], "unexplained": []}, "m.npz", ["a"]))
+    lines = "\n".join(next_steps(run(diagnosis(taken_up=taken_up()))))
     assert "payload is of this recording" in lines
     assert "lagrangian_ff add" not in lines
 
 
 def test_the_measurement_comes_first_and_the_unexplained_is_not_forgotten() -> None:
-    record = {
-        "findings": [finding("suggested", [])],
-        "unexplained": [{"joint": "elbow", "coordinate": "time", "share": 0.1}],
-        "preflight": [{"serious": True}],
-    }
-    lines = next_steps(record, "m.npz", ["a"])
+    found = diagnosis(
+        findings=(finding("ripple", doubt=doubted()),),
+        unexplained=(Unexplained("elbow", "time", 0.1, 30.0),),
+    )
+    lines = next_steps(run(found, checks=(fault(),)))
     assert "measurement" in lines[0]
     assert any("--effects-file" in line for line in lines)
-    assert excite("ripple", "elbow", "m.npz") in "\n".join(lines)
-    assert next_steps({"findings": [], "unexplained": []}, "m.npz", ["a"]) == []
+    assert excite("ripple", "elbow", "model.npz") in "\n".join(lines)
+    assert next_steps(run(diagnosis())) == []
 
 
 def test_doubts_say_why_and_what_to_do() -> None:
-    assert doubt(finding("confirmed", [])) == ""
-    assert doubt(finding("ambiguous with delay", ["delay"])).count("delay") == 1
-    text = doubt(finding("suggested", ["delay"], "it helps in 50% only"))
-    for words in ("no more than suggested", "it helps in 50% only", "delay", "creep"):
+    assert doubt(finding("ripple"), JOINTS) == ""
+    ambiguous = doubt(finding("ripple", rivals=("gear_mesh",)), JOINTS)
+    assert "it may be gear_mesh too: on this motion they look the same; " in ambiguous
+    text = doubt(finding("ripple", rivals=RIVAL, doubt=doubted("it helps in 50% only")), JOINTS)
+    motion = EFFECTS["ripple"].next_motion
+    for words in ("no more than suggested", "it helps in 50% only", "delay", f"do: {motion}"):
         assert words in text
+
+
+def test_the_fall_names_each_addition_and_its_joint() -> None:
+    header, first, second = fall_table(((finding(), consequence()),))
+    assert header.split() == ["model", "all", "joints", "its", "joint"]
+    assert first.split() == ["as", "it", "was", "3.00"]
+    assert second.split()[:5] == ["+", "stribeck", "on", "elbow", "1.80"]
+    assert second.endswith("elbow: 1.50 -> 0.900")

@@ -5,15 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli_examples import (
-    JOINTS,
-    assert_refused,
-    lagrangian_ff,
-    motion,
-    process,
-    small_model,
-    torque,
-)
+from cli_examples import JOINTS, assert_refused, lagrangian_ff, motion, process, small_model, torque
 
 from lagrangian_ff.arm import Trajectory, read_trajectory, write_trajectory
 from lagrangian_ff.identification import Model

@@ -52,9 +52,7 @@ def test_the_model_predicts_torques_it_has_not_seen(identified: tuple[Path, Outc
     assert np.sqrt(np.mean(error**2)) < 0.5  # of 15 N·m
 
 
-def test_the_record_holds_what_the_page_and_the_node_show(
-    identified: tuple[Path, Outcome],
-) -> None:
+def test_the_record_holds_what_the_page_and_the_node_show(identified: tuple[Path, Outcome]) -> None:
     folder, _ = identified
     record = json.loads((folder / "found.json").read_text())
     assert {
@@ -138,11 +136,11 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
     assert record["outliers"]["words"].split(" ")[0] in outcome.err
 
 
-def test_a_model_on_landmarks_says_what_it_learned_from(tmp_path: Path) -> None:
+def test_a_model_on_inducing_points_says_what_it_learned_from(tmp_path: Path) -> None:
     source = csv(tmp_path / "arm.csv", arm(seconds=30.0))
     outcome = lagrangian_ff(
         "identify", source, "--output", tmp_path / "model.npz", "--json", tmp_path / "found.json",
-        "--samples", "50", "--landmarks", "30", "--model", "motor+fri",
+        "--samples", "50", "--inducing-points", "30", "--model", "motor+fri",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     record = json.loads((tmp_path / "found.json").read_text())

@@ -5,15 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cli_examples import (
-    QUICK,
-    Floats,
-    Outcome,
-    assert_refused,
-    csv,
-    lagrangian_ff,
-    motion,
-)
+from cli_examples import QUICK, Floats, Outcome, assert_refused, csv, lagrangian_ff, motion
 
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording import Recording

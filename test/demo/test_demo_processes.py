@@ -8,12 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lagrangian_ff.demo.processes import (
-    NodeProcess,
-    Nodes,
-    OtherWork,
-    processor_seconds,
-)
+from lagrangian_ff.demo.processes import NodeProcess, Nodes, OtherWork, processor_seconds
 from lagrangian_ff.errors import DemoError
 
 PATIENCE = 60.0
@@ -58,10 +53,7 @@ STUBBORN = (
 
 
 @pytest.mark.parametrize("body", [SLEEPER, STUBBORN], ids=["asked to end", "made to end"])
-def test_leaving_ends_every_process(
-    elsewhere: Path, body: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("lagrangian_ff.demo.processes.PATIENCE", 1.0)
+def test_leaving_ends_every_process(elsewhere: Path, body: str) -> None:
     started: list[NodeProcess] = []
 
     def fail() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import two_rods
 from scipy.stats import multivariate_normal
-from whitened_examples import begun, dense, quickly, whitened_of
+from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
@@ -29,10 +29,7 @@ def _small() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module")
-def clean() -> Whitened:
-    """Return the whitened of a motion in which nothing is hidden."""
-    return whitened_of(two_rods.motion(1, 30.0))
+clean = pytest.fixture(scope="module")(clean_rods)
 
 
 def with_prior(whitened: Whitened, **changed: np.ndarray) -> Whitened:
@@ -40,7 +37,7 @@ def with_prior(whitened: Whitened, **changed: np.ndarray) -> Whitened:
     problem = whitened.problem
     noise = changed.pop("noise", problem.noise)
     kernel = problem.kernel.replace(**changed) if changed else problem.kernel
-    return whitened.assuming(replace(problem, kernel=kernel, noise=noise))
+    return whitened.assuming(problem.having(kernel=kernel, noise=noise))
 
 
 def without(whitened: Whitened) -> float:

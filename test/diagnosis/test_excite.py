@@ -179,10 +179,7 @@ def test_it_lasts_about_as_long_as_asked(motion: str, seconds: float) -> None:
     assert 0.5 * seconds < made(motion, "a", seconds).time[-1] < 1.4 * seconds + 5.0
 
 
-@given(
-    way=st.floats(-3.0, 3.0).filter(lambda way: abs(way) > 1e-6),
-    speed=st.floats(1e-3, 10.0),
-)
+@given(way=st.floats(-3.0, 3.0).filter(lambda way: abs(way) > 1e-6), speed=st.floats(1e-3, 10.0))
 def test_a_run_ends_where_it_should_and_is_no_faster(way: float, speed: float) -> None:
     wide = Limits(np.array([-3.0]), np.array([3.0]), np.array([4.0]), np.array([9.0]))
     path = Path(np.array([0.0]), wide)

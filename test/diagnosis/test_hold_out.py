@@ -6,10 +6,7 @@ from hypothesis import strategies as st
 from scipy.stats import wilcoxon
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.search.hold_out import (
-    grouped,
-    signed_ranks,
-)
+from lagrangian_ff.diagnosis.search.hold_out import grouped, signed_ranks
 
 HOPES = st.lists(st.floats(0.0, 30.0), min_size=1, max_size=120)
 

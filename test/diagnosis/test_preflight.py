@@ -11,14 +11,7 @@ from lagrangian_ff.diagnosis.preflight import Check, preflight
 from lagrangian_ff.diagnosis.preflight.effort import UNITS
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.recording import (
-    Conditioning,
-    Motion,
-    Recording,
-    concatenate,
-    condition,
-    load,
-)
+from lagrangian_ff.recording import Conditioning, Motion, Recording, concatenate, condition, load
 
 Floats = NDArray[np.float64]
 
@@ -97,10 +90,7 @@ def test_a_sound_measurement(model: Model, clean: Recording) -> None:
     assert found["effort unit"].values["lowest"] == pytest.approx(1.0, abs=0.1)
     assert abs(found["delay"].values["delay"]) < 0.002
     assert not {"saturation", "noise floor", "still", "duration"} & set(found)
-    for check in checks:
-        record = check.record()
-        assert set(record) >= {"check", "joint", "finding", "serious", "advice"}
-        assert check.finding
+    assert all(check.finding for check in checks)
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
@@ -227,7 +217,7 @@ def test_the_noise_of_a_second_recording(model: Model, clean: Recording) -> None
 
 @pytest.mark.parametrize("later", [0.0, 25.0])
 def test_the_noise_of_a_repeat_within(model: Model, later: float) -> None:
-    """Also where the clock begins anew."""
+    """Also where the clock begins again."""
     once, again = motion(recorded(20.0)), motion(recorded(20.0, noise=1))
     both = concatenate([once, replace(again, time=again.time + later)])
     found = [c for c in preflight(model, both) if c.check == "noise floor"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import two_rods
 from scipy.stats import multivariate_normal
-from whitened_examples import begun, dense, quickly, whitened_of
+from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, Score, scores, tempered_log_bf
@@ -27,10 +27,7 @@ def _small() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module")
-def clean() -> Whitened:
-    """Return the whitened of a motion in which nothing is hidden."""
-    return whitened_of(two_rods.motion(1, 30.0))
+clean = pytest.fixture(scope="module")(clean_rods)
 
 
 def test_the_log_bayes_factor_is_the_difference_of_log_evidence(clean: Whitened) -> None:

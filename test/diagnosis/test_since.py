@@ -1,15 +1,14 @@
 """Changes since the model was identified are found, and only those."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
 from whitened_examples import SHORT, quickly
 
-from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.since import MASSES, changed_since
+from lagrangian_ff.diagnosis.thresholds import Thresholds, using
 from lagrangian_ff.identification import Model, Settings, identify
 
 
@@ -37,8 +36,9 @@ def worn(
 def test_friction_that_grew_is_named_with_how_much(model: Model) -> None:
     found = changed_since(model, two_rods.motion(2, 30.0, worn))
     assert [(one.what, one.joints) for one in found] == [("coulomb", ("elbow",))]
-    assert found[0].parameters["F_c"][0] == pytest.approx(0.5, rel=0.2)
-    assert found[0].parameters["F_c"][1] == "N·m"
+    ((name, by),) = found[0].parameters.items()
+    assert (name, by.unit, by.bounded) == ("F_c", "N·m", False)
+    assert by.value == pytest.approx(0.5, rel=0.2)
 
 
 def test_a_load_that_was_attached_is_told_from_friction(model: Model) -> None:
@@ -48,9 +48,9 @@ def test_a_load_that_was_attached_is_told_from_friction(model: Model) -> None:
     assert not [one for one in found[1:] if one.what in ("viscous", "coulomb")]
 
 
-def test_the_threshold_of_a_change_decides(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(thresholds, "USED", replace(thresholds.USED, change_floor=1e9))
-    found = changed_since(model, two_rods.motion(2, 30.0, load_since=-1.0), steps=1)
+def test_the_threshold_of_a_change_decides(model: Model) -> None:
+    with using(Thresholds(change_floor=1e9)):
+        found = changed_since(model, two_rods.motion(2, 30.0, load_since=-1.0), steps=1)
     assert MASSES not in [one.what for one in found]
 
 

@@ -71,20 +71,15 @@ def test_the_blocks_hold_all_of_the_error(found: Localisation) -> None:
         assert np.mean(squared) == pytest.approx(expected, rel=0.05)
 
 
-def test_the_series_is_thinned_and_true(found: Localisation) -> None:
-    series = found.record(series=True)["series"]
-    assert isinstance(series, dict)
-    motion = found.comparison.motion
-    step = round(len(motion) / len(series["time"]))
-    assert len(series["time"]) <= 1500
-    np.testing.assert_allclose(series["joints"]["b"]["measured"], motion.tau[::step, 1])
-    predicted = found.comparison.predicted[::step, 1]
-    np.testing.assert_allclose(series["joints"]["b"]["predicted"], predicted)
-    interval = found.comparison.interval
+def test_a_page_draws_the_samples_with_intervals_evenly_spaced(found: Localisation) -> None:
+    comparison, interval = found.comparison, found.comparison.interval
     assert interval is not None
-    np.testing.assert_allclose(series["joints"]["b"]["reach"], interval.reach[:, 1])
-    left = np.abs(np.subtract(series["joints"]["b"]["measured"], predicted))
-    inside = np.mean(left <= series["joints"]["b"]["reach"])
+    shown = comparison.shown
+    np.testing.assert_array_equal(shown, interval.at)
+    np.testing.assert_array_equal(shown, replace(comparison, interval=None).shown)
+    assert len(shown) <= 1500
+    assert len(set(np.diff(shown))) == 1
+    inside = np.mean(np.abs(comparison.residual[shown, 1]) <= interval.reach[:, 1])
     covered = found.record()["covered"]
     assert isinstance(covered, dict)
     assert covered["b"] == pytest.approx(inside)
@@ -123,6 +118,6 @@ def test_joints_that_stand_still_are_looked_at_too(model: Model) -> None:
     motion = arm(10.0)
     zero = np.zeros_like(motion.q)
     still = replace(motion, q=zero + 0.3, qd=zero, qdd=zero)
-    record = locate(model, compare(model, still)).record(series=True)
+    record = locate(model, compare(model, still)).record()
     json.dumps(record)
     assert record["spectra"] == []

@@ -82,7 +82,7 @@ def test_the_same_factor_serves_another_basis(whitened: Whitened) -> None:
     basis = Basis(whitened.basis.terms[:-1])
     again = whitened.explaining(basis, ())
     parts = whitened.motion, whitened.index, whitened.block, whitened.inputs
-    fresh = whiten(*parts, replace(whitened.problem, basis=basis), whitened.x)
+    fresh = whiten(*parts, whitened.problem.having(basis=basis), whitened.x)
     np.testing.assert_allclose(again.residual, fresh.residual, atol=1e-9)
     assert again.system.log_evidence == pytest.approx(fresh.system.log_evidence)
 

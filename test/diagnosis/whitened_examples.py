@@ -3,13 +3,14 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
-import pytest
 import two_rods
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.whitening import Whitened, fit, hyperparameters, whiten
+from lagrangian_ff.diagnosis.thresholds import Effort, using
+from lagrangian_ff.diagnosis.whitening import Whitened, fit, whiten
 from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States
@@ -24,10 +25,8 @@ SHORT: Stages = ((60, 10), (120, 3), (240, 1))
 @contextmanager
 def quickly(rows: int, stages: Stages | None = None) -> Iterator[None]:
     """Whiten few torques, and maximise their evidence in few steps where `stages` say so."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hyperparameters, "ROWS", rows)
-        if stages is not None:
-            patch.setattr(hyperparameters, "STAGES", stages)
+    effort = Effort(rows) if stages is None else Effort(rows, stages)
+    with using(effort=effort):
         yield
 
 
@@ -52,10 +51,17 @@ def whitened_of(motion: Motion, basis: Basis | None = None) -> Whitened:
     return fit(motion, inputs(motion), friction() if basis is None else basis)
 
 
+@cache
+def clean_rods() -> Whitened:
+    """Return the whitened of a motion in which nothing is hidden."""
+    with quickly(1000):
+        return whitened_of(two_rods.motion(1, 30.0))
+
+
 def begun(whitened: Whitened, count: int) -> Whitened:
     """Return its first samples alone, without a basis."""
     index, block = whitened.index[:count], whitened.block[:count]
-    problem = replace(whitened.problem, basis=Basis(()), nuisance=())
+    problem = replace(whitened.problem.having(basis=Basis(())), nuisance=())
     return whiten(whitened.motion, index, block, whitened.inputs, problem)
 
 

@@ -126,7 +126,7 @@ def test_stop_operator_is_a_slider_with_play(
     np.testing.assert_allclose(found, naive_stop(q, start, width), atol=1e-9)
 
 
-def test_stop_operator_begins_anew_in_every_stretch() -> None:
+def test_stop_operator_begins_again_in_every_stretch() -> None:
     q = np.array([0.0, 1.0, 2.0, 0.0, 0.5])
     segment = np.array([0, 0, 0, 1, 1])
     start = np.array([0.0, 9.0, 9.0, -0.5, 9.0])

@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Iterator
-from importlib.metadata import EntryPoint
 from pathlib import Path
 from textwrap import dedent
 
@@ -11,8 +10,8 @@ import pytest
 
 from lagrangian_ff.cli.main import main
 from lagrangian_ff.diagnosis.search.candidates import named
-from lagrangian_ff.effects import EFFECTS, load_effects, look_alikes, user
-from lagrangian_ff.effects.check import check, trial_motion
+from lagrangian_ff.effects import EFFECTS, load_effects, load_installed, look_alikes
+from lagrangian_ff.effects.user import check, trial_motion
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.spec import parse
@@ -34,12 +33,11 @@ class Pit(Effect):
 @pytest.fixture(autouse=True)
 def catalogue() -> Iterator[None]:
     """Put the catalogue back as it was."""
-    before, origin = dict(EFFECTS), dict(user._origin)
+    before = dict(EFFECTS)
     yield
-    for changed, kept in ((EFFECTS, before), (user._origin, origin)):
-        changed.clear()
-        changed.update(kept)  # type: ignore[arg-type]
-    user.load_installed.cache_clear()
+    EFFECTS.clear()
+    EFFECTS.update(before)
+    load_installed.cache_clear()
 
 
 def written(folder: Path, text: str, name: str = "mine.py") -> Path:
@@ -198,23 +196,20 @@ def test_installed_effects_join_and_broken_ones_are_warned_of(
     written(tmp_path, TEN_LINES, "worn_gear.py")
     written(tmp_path, "raise OSError('no licence')", "broken_gear.py")
     monkeypatch.syspath_prepend(str(tmp_path))
-    entries = [
-        EntryPoint(name, value, user.ENTRY_POINTS)
-        for name, value in (
-            ("broken", "broken_gear:Pit"),
-            ("absent", "worn_gear:Hollow"),
-            ("number", "math:pi"),
-            ("pit", "worn_gear:Pit"),
-        )
-    ]
-    monkeypatch.setattr(user, "entry_points", lambda group: entries)
+    installed = tmp_path / "worn_gear-1.0.dist-info"
+    installed.mkdir()
+    (installed / "METADATA").write_text("Metadata-Version: 2.1\nName: worn-gear\nVersion: 1.0\n")
+    (installed / "entry_points.txt").write_text(
+        "[lagrangian_ff.effects]\nbroken = broken_gear:Pit\nabsent = worn_gear:Hollow\n"
+        "number = math:pi\npit = worn_gear:Pit\n"
+    )
     with pytest.warns(UserWarning, match="left out") as warned:
-        found = user.load_installed()
+        found = load_installed()
     assert [effect.name for effect in found] == ["pit"]
     assert EFFECTS["pit"] is found[0]
     said = " ".join(str(w.message) for w in warned)
     assert all(word in said for word in ("no licence", "Hollow", "got float"))
-    assert user.load_installed() is found
+    assert load_installed() is found
 
 
 def test_the_trial_motion_has_rest_and_reversals() -> None:

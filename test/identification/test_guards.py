@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification import Settings, identify, memory
+from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.identification.blueprint import Blueprint, Solved, solve
 from lagrangian_ff.identification.build import build
 from lagrangian_ff.identification.memory import available, needed, require_memory
@@ -31,7 +31,7 @@ SPEC = parse("vrbfs+fri")
 def test_the_size_that_fits_fits_and_one_more_does_not(
     coupled: bool, folds: int | None, free: int, joints: int
 ) -> None:
-    option = "--samples " if folds is None else "--landmarks "
+    option = "--samples " if folds is None else "--inducing-points "
     how: dict[str, Any] = {"coupled": coupled, "folds": folds, "free": lambda: free}
     with pytest.raises(ModelError, match="use at most") as refused:
         require_memory(10**7, joints, **how)
@@ -70,16 +70,24 @@ def test_the_least_of_machine_and_container_counts(tmp_path: Path) -> None:
     assert available(meminfo, groups) == 500_000
 
 
-def test_identify_refuses_before_it_begins(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "available", lambda: 2_000_000)
-    reports: list[float] = []
+def test_a_model_that_does_not_fit_is_refused_with_one_that_does() -> None:
     with pytest.raises(ModelError, match=r"600 samples of 2 joints needs .*--samples 118"):
-        identify(
-            pendulum.motion(12.0), Settings(samples=600), lambda share, label: reports.append(share)
-        )
-    settings = Settings(samples=100, landmarks=300)
-    with pytest.raises(ModelError, match=r"300 landmarks of 2 joints .*--landmarks 7\d"):
-        identify(pendulum.motion(12.0), settings, lambda share, label: reports.append(share))
+        require_memory(600, 2, free=lambda: 2_000_000)
+    with pytest.raises(ModelError, match=r"300 inducing points of .*--inducing-points 7\d"):
+        require_memory(300, 2, folds=5, free=lambda: 2_000_000)
+
+
+@pytest.mark.skipif(available() is None, reason="the system does not report its memory")
+def test_identify_refuses_before_it_begins() -> None:
+    """Every sample of seven minutes: 200 GB and more."""
+    long = pendulum.motion(400.0)
+    reports: list[float] = []
+    for more in (
+        Settings(samples=40_000, landmarks=0, train=1.0),
+        Settings(samples=100, landmarks=39_000, train=1.0),
+    ):
+        with pytest.raises(ModelError, match=r"of 2 joints needs .* are free: use at most \d+ "):
+            identify(long, more, lambda share, label: reports.append(share))
     assert not reports
 
 
@@ -92,10 +100,7 @@ def twice(noise: float, qdd: float = 1.0, loss: str = "square") -> Solved:
     weight = np.ones_like(motion.tau) if loss == "huber" else None
     every = np.arange(len(motion))
     settings, trained = Settings(loss=loss), np.full(len(motion), True)
-    drawn = Blueprint(
-        "vrbfs+fri", start.kernel, start.noise, start.scaling, start.basis, motion, trained, every,
-        every, settings, weight,
-    )  # fmt: skip
+    drawn = Blueprint("vrbfs+fri", start.prior, motion, trained, every, every, settings, weight)
     return solve(drawn, Inputs.of(x))
 
 
@@ -107,7 +112,7 @@ def test_enough_noise_is_left_alone() -> None:
 @pytest.mark.parametrize("loss", ["square", "huber"])
 def test_too_little_noise_is_raised_step_by_step_and_noted(loss: str) -> None:
     solved = twice(1e-17, loss=loss)
-    ratio = solved.noise[0] / twice(1e-17 * 1e17).noise[0] * 1e17
+    ratio = solved.prior.noise[0] / twice(1e-17 * 1e17).prior.noise[0] * 1e17
     assert ratio == pytest.approx(10.0 ** round(np.log10(ratio)))
     assert ratio > 1.0
     (note,) = solved.notes
@@ -127,7 +132,8 @@ def test_the_record_notes_the_noise_that_was_raised() -> None:
     index = np.sort(np.tile(drawn.index[:20], 2))
     variance = model.kernel.variance(model.centres)
     hardly = 1e-18 * np.full(2, variance.mean())
-    found = build(replace(drawn, index=index, seen=index, noise=hardly), model.inputs_of_data(), {})
+    drawn = replace(drawn, index=index, seen=index, prior=replace(drawn.prior, noise=hardly))
+    found = build(drawn, model.inputs_of_data())
     notes = json.loads(json.dumps(found.record["notes"]))
     assert any("Gram matrix of 40 samples" in note for note in notes)
-    assert (found.model.noise > hardly).all()
+    assert (found.model.prior.noise > hardly).all()

@@ -214,8 +214,7 @@ def test_saving_where_nothing_can_be_written_is_explained(saved: Path, tmp_path:
 def test_a_failed_save_keeps_the_file_that_was_there(saved: Path, tmp_path: Path) -> None:
     target = tmp_path / "model.npz"
     target.write_bytes(b"precious")
-    broken = Model.load(saved)
-    object.__setattr__(broken, "record", {"not json": object()})
+    broken = replace(Model.load(saved), record={"not json": object()})
     with pytest.raises(TypeError):
         broken.save(target)
     assert target.read_bytes() == b"precious"

@@ -20,12 +20,7 @@ W = C / SIGMA**0.5
 VECTOR: list[type[Vrbf] | type[Vrbfs]] = [Vrbf, Vrbfs]
 SCALAR: list[
     tuple[type[Vrbf] | type[Vrbfs], type[Svrbf] | type[Svrbfs] | type[Srbf] | type[Srbfs]]
-] = [
-    (Vrbf, Svrbf),
-    (Vrbfs, Svrbfs),
-    (Vrbf, Srbf),
-    (Vrbfs, Srbfs),
-]
+] = [(Vrbf, Svrbf), (Vrbfs, Svrbfs), (Vrbf, Srbf), (Vrbfs, Srbfs)]
 
 
 def make(family: type[Vrbf] | type[Vrbfs]) -> Vrbf | Vrbfs:

@@ -25,11 +25,16 @@ from ruamel.yaml import YAML
 from lagrangian_ff.nodes.common.topics import PolledSubscription
 
 PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
-RELIABLE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
-EVERYTHING = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
+RELIABLE = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
+BEST_EFFORT = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
+
+
+def heard(*topics: str) -> dict[str, Any]:
+    """Return the parameters with which a node loses no message on topics that it reads."""
+    return {f"qos_overrides.{topic}.subscription.reliability": "reliable" for topic in topics}
 
 
 class Process:
@@ -179,11 +184,29 @@ class Bench:
         outputs = "\n".join(f"--- {p.log.name}\n{p.output}" for p in self._processes)
         raise AssertionError(f"waited in vain for {what}\n{outputs}")
 
-    def collect(self, kind: type, topic: str, qos: QoSProfile = EVERYTHING) -> deque[Any]:
+    def until_quiet(self, queue: deque[Any], what: str, seconds: float = 0.4) -> None:
+        """Take messages until a queue has got none for some time."""
+        count, since = -1, 0.0
+
+        def quiet() -> bool:
+            nonlocal count, since
+            if len(queue) != count:
+                count, since = len(queue), time.monotonic()
+            return time.monotonic() - since > seconds
+
+        self.until(quiet, f"the end of {what}")
+
+    def collect(self, kind: type, topic: str, qos: QoSProfile = RELIABLE) -> deque[Any]:
         """Return a queue that fills with (time received, message)."""
         queue: deque[Any] = deque(maxlen=100_000)
         self._collected.append((PolledSubscription(self.node, kind, topic, qos), queue))
         return queue
+
+    def drop(self) -> None:
+        """End the collecting of messages: at 1000 a second it takes half a processor."""
+        for subscription, _ in self._collected:
+            subscription.destroy()
+        self._collected.clear()
 
     def _take(self) -> None:
         """Do one round of the executor and of the collected topics."""

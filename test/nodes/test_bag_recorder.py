@@ -1,5 +1,6 @@
 """Joint states reach the disk as they came, whatever comes between them."""
 
+import resource
 import threading
 import time
 from collections.abc import Iterator
@@ -10,7 +11,7 @@ import pytest
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder
-from lagrangian_ff.recording import BagWriter, load
+from lagrangian_ff.recording import load
 from lagrangian_ff.recording.joint_state import JointStateEncoder
 
 START = 1_700_000_000_000_000_000
@@ -91,17 +92,18 @@ def test_an_existing_bag_is_not_overwritten(
 
 
 def test_a_full_disk_ends_the_recording_and_is_reported(
-    source: Source, recorder: BagRecorder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    source: Source, recorder: BagRecorder, tmp_path: Path
 ) -> None:
     recorder.open(tmp_path / "bag", "joint_states")
-
-    def full(*arguments: object) -> None:
-        raise RecordingError("bag: cannot be written: no space left")
-
-    monkeypatch.setattr(BagWriter, "append_raw", full)
-    source.send(*states(3))
-    recorder.close_bag()
-    assert "no space left" in recorder.failure
+    (bag,) = (tmp_path / "bag").glob("*.*")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (bag.stat().st_size, before[1]))
+    try:
+        source.send(*states(3000))
+        recorder.close_bag()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert "cannot be written" in recorder.failure
     assert source.warnings == ["recording ended"]
     assert recorder.tally.samples == 0
 

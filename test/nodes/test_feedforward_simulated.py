@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from builtin_interfaces.msg import Duration
-from node_harness import RELIABLE, Bench, open_bench
+from node_harness import RELIABLE, Bench, heard, open_bench
 from sensor_msgs.msg import JointState
 from small_model import save_small_model
 from std_msgs.msg import Float64MultiArray
@@ -37,18 +37,20 @@ def standing(q: float) -> JointTrajectory:
 def test_under_simulated_time_each_joint_state_is_answered_once(
     bench: Bench, tmp_path: Path
 ) -> None:
-    reliable = "qos_overrides./simulated/joint_states.subscription.reliability"
     # Whoever publishes no /clock still stamps joint states, and time stands while none come.
     states = bench.node.create_publisher(JointState, "/simulated/joint_states", RELIABLE)
     process = bench.start(
         "feedforward",
         namespace="simulated",
         params={
-            "model_file": str(tmp_path / "model.npz"), "use_sim_time": True, reliable: "reliable",
-            "ramp_time": 0.1, "start_delay": 0.2,
+            "model_file": str(tmp_path / "model.npz"),
+            "use_sim_time": True,
+            "ramp_time": 0.1,
+            "start_delay": 0.2,
+            **heard("/simulated/joint_states"),
         },
-    )  # fmt: skip
-    commands = bench.collect(Float64MultiArray, "/simulated/feedforward/commands", RELIABLE)
+    )
+    commands = bench.collect(Float64MultiArray, "/simulated/feedforward/commands")
     stamped = bench.collect(JointState, "/simulated/feedforward/feedforward")
     send = bench.publisher(JointTrajectory, "/simulated/feedforward/reference")
     bench.until(lambda: states.get_subscription_count() > 0, "a reader of joint states")
@@ -69,11 +71,17 @@ def test_under_simulated_time_each_joint_state_is_answered_once(
 
     tick()
     send.publish(standing(0.4))
-    bench.spin(0.1)
+
+    def planned() -> bool:
+        tick()
+        return "feedforward for 2 points" in process.output
+
+    bench.until(planned, "the plan")
+    bench.until_quiet(commands, "commands while time stands")
     commands.clear()
     for _ in range(250):
         tick()
-    bench.spin(0.1)
+    bench.until_quiet(commands, "answers")
     assert len(commands) == 250
     assert commands[-1][1].data[0] == pytest.approx(8.0 * math.cos(0.4), rel=0.002)
     at = stamped[-1][1].header.stamp

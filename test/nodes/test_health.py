@@ -1,14 +1,13 @@
 """When the monitor warns, and the share of torques outside the intervals of the model."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from fake_model import RANGE
 from small_model import Floats, motion_at, save_small_model, torque_of
 
-from lagrangian_ff.identification import Model
-from lagrangian_ff.identification.certainty.uncertainty import Uncertainty
+from lagrangian_ff.identification import Model, Score
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.watching.health import FEWEST, PAUSE, Coverage, Health, Limits
 from lagrangian_ff.nodes.watching.live import Judged
@@ -16,7 +15,7 @@ from lagrangian_ff.nodes.watching.states import State
 
 LIMITS = Limits(window=5.0, still=0.01, margin=0.05, warn=2.0, error=4.0)
 JOINTS = ("joint_1", "joint_3")
-RECORD = {"joints": {"joint_1": {"rmse": 1.0}, "joint_3": {"rmse": 0.5}}}
+SCORE = Score(("joint_1", "joint_3"), np.array([1.0, 0.5]), np.array([0.1, 0.1]))
 
 
 def judged(
@@ -28,8 +27,8 @@ def judged(
     return Judged(state, np.zeros(2))
 
 
-def status(*given: Judged, record: object = RECORD) -> Status:
-    health = Health(JOINTS, record, RANGE)  # type: ignore[arg-type]
+def status(*given: Judged, score: Score = SCORE) -> Status:
+    health = Health(JOINTS, score, RANGE)
     for each in given:
         health.add(each, LIMITS)
     return health.status(LIMITS, {"more": 1})
@@ -86,15 +85,15 @@ def test_a_clock_set_back_forgets() -> None:
 
 @pytest.mark.parametrize("error", [0.0, float("nan")])
 def test_a_record_without_an_error_leaves_a_thousandth_of_the_torque(error: float) -> None:
-    record = {"joints": {"joint_1": {"rmse": error}}}
+    score = Score(JOINTS[:1], np.array([error]), np.array([error]))
     # The largest torque identified is 50 N·m.
-    assert status(*run((0.06, 0.06)), record=record).level is Level.OK
-    assert status(*run((0.15, 0.0)), record=record).level is Level.WARN
+    assert status(*run((0.06, 0.06)), score=score).level is Level.OK
+    assert status(*run((0.15, 0.0)), score=score).level is Level.WARN
 
 
 def test_nothing_seen_is_stale() -> None:
     assert status().level is Level.STALE
-    health = Health(JOINTS, RECORD, RANGE)
+    health = Health(JOINTS, SCORE, RANGE)
     health.add(judged(0.0, (1.0, 1.0)), LIMITS)
     health.forget()
     assert health.status(LIMITS, {}).level is Level.STALE
@@ -146,16 +145,30 @@ def test_a_joint_at_rest_has_no_share(model: Model) -> None:
     assert list(cover.values()) == [f"{KEY} a"]
 
 
-def test_the_model_is_asked_now_and_then(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
-    cover, asked = Coverage(model), []
+@dataclass
+class Counting:
+    """Intervals of 1 N·m to each side that count how often they are asked for."""
 
-    def counted(self: Uncertainty, q: Floats, qd: Floats, qdd: Floats) -> Floats:
-        asked.append(q)
+    model: Model
+    asked: int = 0
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        return self.model.joints
+
+    @property
+    def quick_uncertainty(self) -> "Counting":
+        return self
+
+    def reach(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        self.asked += 1
         return np.ones(2)
 
-    monkeypatch.setattr(Uncertainty, "reach", counted)
-    watch(cover, model, 0.0)
-    assert len(asked) <= 6.0 / PAUSE + 1
+
+def test_the_model_is_asked_now_and_then(model: Model) -> None:
+    counting = Counting(model)
+    watch(Coverage(counting), model, 0.0)  # type: ignore[arg-type]
+    assert 1 < counting.asked <= 6.0 / PAUSE + 1
 
 
 def test_models_without_a_calibration_have_no_share(model: Model) -> None:

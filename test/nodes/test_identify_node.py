@@ -16,7 +16,7 @@ pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
 
 from builtin_interfaces.msg import Duration
-from node_harness import Bench, Process, configured, open_bench
+from node_harness import Bench, Process, configured, heard, open_bench
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -29,6 +29,7 @@ KNOWN = find_spec("pinocchio") is not None
 """Whether the node can read the description that the arm publishes."""
 PARAMETERS = {
     "samples": 60, "train": 0.6, "effort_scale.joint_1": 1.0, "use_robot_description": KNOWN,
+    **heard("/joint_states"),
 }  # fmt: skip
 
 
@@ -61,7 +62,9 @@ def ask(bench: Bench, action: str, node: str = "identify") -> tuple[bool, str]:
 
 
 def samples(bench: Bench, node: str = "identify") -> int:
-    return int(bench.values(f"{node}: input").get("samples", "0"))
+    """Return the size of the recording; 0 while the node does not record."""
+    values = bench.values(f"{node}: input")
+    return int(values["samples"]) if values.get("state") == "recording" else 0
 
 
 def test_every_parameter_of_the_installed_file_is_declared(bench: Bench, identify: Process) -> None:
@@ -106,7 +109,6 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
         point.time_from_start = Duration(sec=int(time), nanosec=round((time % 1) * 1e9))
         trajectory.points.append(point)
     bench.publisher(JointTrajectory, "arm/joint_trajectory").publish(trajectory)
-    bench.spin(2.0)
     assert not ask(bench, "identify")[0]
     bench.until(lambda: samples(bench) > 3700, "7 s of joint states")
     success, message = ask(bench, "stop")
@@ -154,7 +156,7 @@ def test_an_identification_that_is_impossible_is_reported(
     bench: Bench, identify: Process, arm: Process
 ) -> None:
     assert ask(bench, "start")[0]
-    bench.until(lambda: 100 < samples(bench) < 3000, "some joint states")
+    bench.until(lambda: samples(bench) > 100, "some joint states")
     assert ask(bench, "stop")[0]
     assert ask(bench, "identify")[0]
     bench.until(lambda: "~/identify failed: " in identify.output, "the reason")
@@ -188,13 +190,10 @@ def test_a_flood_of_bad_messages_is_counted_and_survived(
     )
     before = samples(bench)
     bench.until(lambda: samples(bench) > before + 100, "good messages still recorded")
-    warned = [float(t) for t in re.findall(r"\[WARN\] \[([\d.]+)\]", identify.output)]
-    bad_warned = [
-        float(t) for t in re.findall(r"\[WARN\] \[([\d.]+)\] \[\w+\]: ignored", identify.output)
-    ]
-    assert bad_warned
-    assert len(warned) < 40
-    assert (np.diff(bad_warned) > 0.99).all()
+    ignored = r"\[WARN\] \[([\d.]+)\] \[\w+\]: ignored"
+    warned = [float(at) for at in re.findall(ignored, identify.output)]
+    assert warned
+    assert len(warned) <= warned[-1] - warned[0] + 2, "at most one warning a second"
     success, message = ask(bench, "stop")
     assert success, message
     bag = Path(re.findall(r" to (/\S+)", message)[0])
@@ -257,7 +256,6 @@ def test_ctrl_c_twice_ends_the_bag_properly(
 ) -> None:
     bags = set((folder / "out").glob("recording_*"))
     assert ask(bench, "start")[0]
-    bench.statuses.clear()
     bench.until(lambda: samples(bench) > 100, "samples")
     identify.signal(signal.SIGINT)
     identify.signal(signal.SIGINT)

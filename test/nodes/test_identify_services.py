@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from node_harness import Bench, Process, open_bench
+from node_harness import Bench, Process, heard, open_bench
 from sensor_msgs.msg import JointState
 from small_model import JOINTS, recorded_bag, save_small_model
 from std_srvs.srv import Trigger
@@ -39,7 +39,7 @@ def bench(ros_environment: dict[str, str], folder: Path) -> Iterator[Bench]:
 @pytest.fixture(scope="module")
 def identify(bench: Bench, folder: Path) -> Process:
     names = {"output_directory": str(folder / "out"), "model_file": str(folder / "model.npz")}
-    return bench.start("identify", params=names)
+    return bench.start("identify", params={**names, **heard("/joint_states")})
 
 
 def ask(bench: Bench, action: str) -> tuple[bool, str]:

@@ -5,20 +5,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from ruamel.yaml import YAML
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.identification import Settings
 from lagrangian_ff.nodes.recorder.jobs import Job
-from lagrangian_ff.nodes.recorder.jobs.add import Add, Addition
+from lagrangian_ff.nodes.recorder.jobs.add import Add
 from lagrangian_ff.nodes.recorder.jobs.base import Situation
 from lagrangian_ff.nodes.recorder.jobs.compare import Compare
-from lagrangian_ff.nodes.recorder.jobs.diagnose import Diagnose
+from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose, Diagnosed
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import SavedModel, Session
+from lagrangian_ff.recording import Conditioning
 
-FINDING = {
-    "effect": "stribeck", "joints": ["b"], "verdict": "confirmed", "shape": {"v_s": 0.1},
-    "why": "it is felt", "evidence_gain": 1.0, "p_value": 0.1,
-}  # fmt: skip
+STRIBECK = Addition("stribeck", "b", {"v_s": 0.1}, {"why": "it is felt"})
 
 
 @pytest.fixture
@@ -82,6 +82,14 @@ def test_settings_of_the_identification_are_those_of_the_command_line(
     assert (made.prismatic, made.landmarks, made.positive) == (("rail", "lift"), 0, False)
 
 
+def test_the_installed_parameters_are_the_usual_settings() -> None:
+    file = Path(__file__).parents[2] / "config" / "identify.yaml"
+    given = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
+    for name in ("model", "train", "samples", "positive", "loss"):
+        assert given[name] == getattr(Settings, name), name
+    assert given["bandwidth"] == Conditioning.bandwidth
+
+
 def test_the_description_is_a_file_or_what_came_on_the_topic(
     tmp_path: Path, values: dict[str, Any]
 ) -> None:
@@ -129,18 +137,12 @@ def test_an_addition_was_asked_for_or_confirmed(tmp_path: Path, values: dict[str
     given = situation(session, values)
     with pytest.raises(UserError, match="call ~/diagnose first"):
         Add.request(given)
-    others = [
-        {**FINDING, "verdict": "suggested"},
-        {**FINDING, "verdict": "ambiguous with drift"},
-        {**FINDING, "effect": "payload", "why": "", "p_value": None},
-    ]
-    session.found["diagnose"] = {"findings": others}
+    session.take("diagnose", Diagnosed(("nothing",)))
     with pytest.raises(UserError, match="confirmed no effect"):
         Add.request(given)
-    session.found["diagnose"] = {"findings": [*others, FINDING]}
+    session.take("diagnose", Diagnosed(("stribeck",), confirmed=(STRIBECK,)))
     made = Add.request(given)
-    why = {"why": "it is felt", "verdict": "confirmed", "evidence_gain": 1.0, "p_value": 0.1}
-    assert made.additions == (Addition("stribeck", "b", {"v_s": 0.1}, why),)
+    assert made.additions == (STRIBECK,)
     assert Path(made.output) == tmp_path / "old_stribeck_b.npz"
     assert pickle.loads(pickle.dumps(made)) == made
     values["add.effect"] = "drift"

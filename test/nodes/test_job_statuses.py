@@ -1,82 +1,84 @@
-"""The statuses and log lines that records become."""
+"""The statuses and log lines of the results, and what of them another job needs."""
 
 from typing import Any
 
 import pytest
+from diagnosis_examples import diagnosis, doubt, fault, finding, run, taken_up
 
+from lagrangian_ff.diagnosis.results import Unexplained
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.history import Step
+from lagrangian_ff.identification.records import Identified
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.jobs.add import Add
 from lagrangian_ff.nodes.recorder.jobs.compare import Compare
-from lagrangian_ff.nodes.recorder.jobs.diagnose import Diagnose
+from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose, Diagnosed
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Session
 
-FINDING: dict[str, Any] = {
-    "effect": "stribeck", "joints": ["a"], "verdict": "confirmed", "reason": "",
-    "evidence_gain": 80.0, "p_value": 0.01, "error_before": 0.5, "error_after": 0.2,
-    "parameters": {"F_s": {"value": 1.0, "low": 0.9, "high": 1.1, "unit": "N·m"}},
-    "shape": {"v_s": 0.1}, "meaning": "friction", "told_apart_by": [], "next_motion": "creep",
-}  # fmt: skip
-DIAGNOSIS: dict[str, Any] = {
-    "model": "m.npz", "sources": ["one"], "confirm": ["two"], "confirmed_on": "two",
-    "verdict": "Nothing is missing.", "findings": [], "unexplained": [], "not_observable": [],
-    "preflight": [], "json": "d.json", "page": "d.html",
-}  # fmt: skip
+
+def result(**change: Any) -> Diagnosed:
+    """Return what the node takes of a diagnosis; checks or other fields may be given."""
+    checks = change.pop("checks", ())
+    found = run(diagnosis(**change), checks=checks)
+    return Diagnose(output="d.json").result(found, {"page": "d.html"})
 
 
 def diagnosed(**change: Any) -> dict[str, Status]:
     session = Session()
-    Diagnose(output="d.json").end(session, {**DIAGNOSIS, **change})
+    session.take("diagnose", result(**change))
     return Diagnose.statuses(session)
 
 
 def added(before: float, after: float) -> Status:
-    step = {"added": "stribeck on a", "error_before": before, "error_after": after,
-            "judged_on": "the rest"}  # fmt: skip
-    session = Session(found={"diagnose": DIAGNOSIS})
-    record = {"record": {"model": "m"}, "steps": [step], "added": ["stribeck on a"]}
-    Add(output="new.npz").end(session, record)
+    step = Step("stribeck on a", "", before, after, judged_on="the rest")
+    session = Session(results={"diagnose": result()})
+    job = Add(output="new.npz", additions=(Addition("stribeck", "a"),))
+    session.take("add", job.result(Identified(model="m"), [step], {"page": "new.html"}))
     assert session.model is not None
-    assert session.model.record == {"model": "m"}
+    assert session.model.values["model"] == "m"
     assert not Diagnose.statuses(session), "it was about the old model"
     return Add.statuses(session)["addition"]
 
 
 @pytest.mark.parametrize(
-    ("verdict", "level"),
-    [("confirmed", Level.WARN), ("ambiguous with drift", Level.WARN), ("suggested", Level.OK)],
+    ("verdict", "level", "change"),
+    [
+        ("confirmed", Level.WARN, {}),
+        ("ambiguous with drift", Level.WARN, {"rivals": ("drift",)}),
+        ("suggested", Level.OK, {"doubt": doubt("why not")}),
+    ],
 )
-def test_a_finding_warns_where_something_is_surely_missing(verdict: str, level: Level) -> None:
-    one = {**FINDING, "verdict": verdict, "reason": "why not"}
-    status = diagnosed(findings=[one])["stribeck on a"]
+def test_a_finding_warns_where_something_is_surely_missing(
+    verdict: str, level: Level, change: dict[str, Any]
+) -> None:
+    status = diagnosed(findings=(finding(**change),))["stribeck on elbow"]
     assert status.level is level
-    assert status.values["F_s"] == "1 N·m (0.9 to 1.1)"
-    assert status.values["next motion"] == "creep"
-    assert ("0.5 to 0.2 N·m" in status.message) == (verdict == "confirmed")
+    assert status.values["verdict"] == verdict
+    assert status.values["F_s"] == "1.25 N·m (1 to 1.5)"
+    assert status.values["next motion"] == EFFECTS["stribeck"].next_motion
+    assert status.values.get("not confirmed because") == ("why not" if "doubt" in change else None)
+    assert ("1.5 to 0.9 N·m" in status.message) == (verdict == "confirmed")
 
 
 def test_a_finding_not_tested_against_chance_has_no_p_value() -> None:
-    one = {**FINDING, "effect": "payload", "p_value": None}
-    values = diagnosed(findings=[one])["payload on a"].values
+    values = diagnosed(taken_up=taken_up())["payload on shoulder, elbow"].values
     assert "p value" not in values
-    assert values["evidence gain [nats]"] == 80.0
+    assert values["evidence gain [nats]"] == 300.0
 
 
 def test_an_unexplained_dependence_is_a_warning() -> None:
-    rest = {"joint": "b", "coordinate": "position", "share": 0.1, "evidence_gain": 50.0}
-    statuses = diagnosed(unexplained=[rest])
-    assert statuses["unexplained on b: position"].level is Level.WARN
+    statuses = diagnosed(unexplained=(Unexplained("elbow", "position", 0.1, 50.0),))
+    assert statuses["unexplained on elbow: position"].level is Level.WARN
     assert statuses["diagnosis"].level is Level.WARN
 
 
 def test_a_fault_of_the_measurement_comes_before_the_verdict() -> None:
     assert diagnosed()["diagnosis"].level is Level.OK
-    check = {"check": "sign", "joint": "a", "finding": "the torque has the wrong sign",
-             "advice": "turn it over", "serious": True}  # fmt: skip
-    calm = {**check, "serious": False, "finding": "fine"}
-    status = diagnosed(preflight=[check, calm])["diagnosis"]
+    calm = fault(serious=False, finding="fine")
+    status = diagnosed(checks=(fault(), calm))["diagnosis"]
     assert status.level is Level.WARN
-    assert status.message.startswith("Fix first: a: the torque has the wrong sign")
+    assert status.message.startswith("Fix first: elbow: clipped at 1.2 N·m. leave")
     assert "fine" not in status.message
 
 
@@ -98,7 +100,25 @@ def test_a_failure_is_an_error_of_its_job_alone() -> None:
 
 
 def test_the_log_names_findings_and_files() -> None:
-    logged = Diagnose(output="d.json").log({**DIAGNOSIS, "findings": [FINDING]})
-    assert logged[0] == "Nothing is missing."
-    assert any("stribeck on a: confirmed" in line for line in logged)
+    logged = result(findings=(finding(),)).log
+    assert logged[0].startswith("Missing and confirmed: stribeck on elbow")
+    assert any("stribeck on elbow: confirmed" in line for line in logged)
     assert "  page: d.html" in logged
+
+
+def test_a_failure_does_not_hide_the_findings_before_it() -> None:
+    session = Session(failures={"diagnose": "too short"})
+    session.take("diagnose", result(findings=(finding(),)))
+    statuses = Diagnose.statuses(session)
+    assert statuses["diagnosis"].level is Level.ERROR
+    assert statuses["stribeck on elbow"].level is Level.WARN
+
+
+def test_what_is_confirmed_of_the_arm_is_to_be_added() -> None:
+    others = (finding("ripple", doubt=doubt()), finding("spring", rivals=("offset",)))
+    assert not result(findings=others, taken_up=taken_up()).confirmed
+    (added,) = result(findings=(*others, finding())).confirmed
+    assert (added.effect, added.joint, added.shape) == ("stribeck", "elbow", {"v_s": 0.1})
+    why = dict(added.why)
+    assert "213 nats" in str(why.pop("why"))
+    assert why == {"verdict": "confirmed", "evidence_gain": 213.0, "p_value": 0.01}

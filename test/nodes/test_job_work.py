@@ -1,9 +1,10 @@
-"""The work of the jobs as their process does it: records, files, statuses.
+"""The work of the jobs as their process does it: results, files, statuses.
 
 The recording is short and the model small; that the search itself is right is tested where it is.
 """
 
 import json
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -17,12 +18,12 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model, Settings
 from lagrangian_ff.nodes.common.status import Level
 from lagrangian_ff.nodes.recorder.jobs import Job
-from lagrangian_ff.nodes.recorder.jobs.add import Add, Addition
+from lagrangian_ff.nodes.recorder.jobs.add import Add
 from lagrangian_ff.nodes.recorder.jobs.base import Situation
 from lagrangian_ff.nodes.recorder.jobs.compare import Compare
-from lagrangian_ff.nodes.recorder.jobs.diagnose import Diagnose
+from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
-from lagrangian_ff.nodes.recorder.session import Session
+from lagrangian_ff.nodes.recorder.session import Result, Session
 from lagrangian_ff.progress import silent
 from lagrangian_ff.recording import Recording, write_bag
 
@@ -38,13 +39,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def done(job: Job) -> tuple[Session, dict[str, Any]]:
-    """Do a job; return the session after it and its record as the node gets it."""
+def done(job: Job) -> tuple[Session, Result]:
+    """Do a job; return the session after it and its result as the node gets it."""
     reported: list[float] = []
-    record = job.work(lambda share, label: reported.append(share))
+    result = job.work(lambda share, label: reported.append(share))
     assert reported == sorted(reported)
-    session, received = Session(), json.loads(json.dumps(record))
-    job.end(session, received)
+    session, received = Session(), pickle.loads(pickle.dumps(result))
+    session.take(job.service, received)
     return session, received
 
 
@@ -59,22 +60,21 @@ def of(folder: Path, output: str) -> dict[str, Any]:
 
 def test_compare_says_where_and_writes_it_down(folder: Path) -> None:
     job = Compare(**of(folder, "where.json"))
-    session, record = done(job)
+    session, result = done(job)
     written = json.loads((folder / "where.json").read_text())
     assert written["joints"]["b"]["rmse"] > 2.0 * written["joints"]["a"]["rmse"]
-    assert "<html" in Path(record["page"]).read_text()
     status = Compare.statuses(session)["comparison"]
     assert status.values["page"] == str(folder / "where.html")
+    assert "<html" in (folder / "where.html").read_text()
     assert "where 1" in status.values
-    assert job.log(record)[0] == status.message
+    assert result.log[0] == status.message
 
 
 def test_diagnose_then_add_what_it_confirmed(folder: Path) -> None:
-    session, record = done(Diagnose(**of(folder, "missing.json")))
+    session, _ = done(Diagnose(**of(folder, "missing.json")))
     written = json.loads((folder / "missing.json").read_text())
     assert written["findings"][0]["effect"] == "quadratic_drag"
     assert {"check", "finding", "serious"} <= set(written["preflight"][0])
-    assert "<html" in Path(record["page"]).read_text()
     statuses = Diagnose.statuses(session)
     status = statuses["quadratic_drag on b"]
     assert status.level is Level.WARN
@@ -82,16 +82,17 @@ def test_diagnose_then_add_what_it_confirmed(folder: Path) -> None:
     assert {"evidence gain [nats]", "error before [N·m]", "error after [N·m]", "C",
             "next motion"} <= set(status.values)  # fmt: skip
     assert written["verdict"] in statuses["diagnosis"].message
+    assert "<html" in Path(str(statuses["diagnosis"].values["page"])).read_text()
 
     values = {"model_file": str(folder / "model.npz"), "effects_file": "", "add.effect": "",
               "add.joint": ""}  # fmt: skip
-    session, record = done(Add.request(Situation(session, values.__getitem__, "joint_states")))
+    session, _ = done(Add.request(Situation(session, values.__getitem__, "joint_states")))
     assert session.model is not None
     larger = Model.load(session.model.file)
     assert session.model.file == folder / "model_quadratic_drag_b.npz"
     assert [step["added"] for step in larger.steps][-1] == "quadratic_drag on b"
     assert larger.steps[-1]["verdict"] == "confirmed"
-    assert record["record"]["model"] == larger.name
+    assert session.model.values["model"] == larger.name
     assert "added quadratic_drag on b" in Add.statuses(session)["addition"].message
     still = np.zeros((1, 2))
     moving = np.array([[0.0, 1.5]])
@@ -141,12 +142,12 @@ def test_from_bags_to_a_model_in_newton_metres(amperes: Path, tmp_path: Path) ->
         output=str(tmp_path / "model.npz"), bags=(str(amperes),),
         effort_scale={"a": 2.0, "b": 2.0}, settings=Settings(samples=60, train=0.6),
     )  # fmt: skip
-    session, record = done(job)
+    session, result = done(job)
     model = Model.load(tmp_path / "model.npz")
     still = np.zeros((1, 2))
     np.testing.assert_allclose(model.predict(still, still, still), 6.0, rtol=0.05)
-    assert re.match(r"identified chain\w*\+fri from 60 samples", job.log(record)[0])
-    assert len(job.log(record)) == 4
+    assert re.match(r"identified chain\w*\+fri from 60 samples", result.log[0])
+    assert len(result.log) == 4
     status = Identify.statuses(session)["identification"]
     assert status.message == "identified"
     assert {"model file", "held-out RMSE [N·m]", "held-out error a"} <= set(status.values)

@@ -134,7 +134,7 @@ def test_the_thread_goes_on_after_a_failure_and_ends_when_stopped() -> None:
     assert [str(error) for error in failures] == ["the first one fails"]
 
 
-def test_rate_meter_counts_anew_each_time() -> None:
+def test_rate_meter_starts_again_each_time() -> None:
     times = iter([0.0, 2.0, 3.0])
     meter = RateMeter(lambda: next(times))
     meter.add(10)

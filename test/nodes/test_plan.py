@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fake_model import FakeModel, FakeTerms, Floats
 
-from lagrangian_ff.nodes.streaming.plan import Plan, Planner, Policy, make_plan, reason
+from lagrangian_ff.nodes.streaming.plan import CHUNK, STEP, Plan, Planner, Policy, make_plan, reason
 from lagrangian_ff.nodes.streaming.ranges import excess
 from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference
 
@@ -32,18 +32,21 @@ def plan_of(reference: Reference, policy: Policy | None = None) -> Plan:
     return make_plan(MODEL, reference, policy or Policy("allow"))
 
 
-@pytest.mark.parametrize("chunk", [1, 7, 64, 10_000])
-def test_the_sum_of_the_parts_is_the_prediction(chunk: int) -> None:
-    plan = make_plan(MODEL, swing(), Policy("allow"), chunk=chunk)
+@pytest.mark.parametrize("count", [2, CHUNK, CHUNK + 1, 501])
+def test_the_sum_of_the_parts_is_the_prediction(count: int) -> None:
+    whole = swing(step=STEP)
+    names = ("time", "q", "qd", "qdd")
+    plan = plan_of(replace(whole, **{name: getattr(whole, name)[:count] for name in names}))
+    assert len(plan.time) == count
     states = plan.reference.sample(plan.time)
     np.testing.assert_allclose(plan.parts.sum(axis=1), MODEL.predict(*states), atol=1e-12)
 
 
 def test_samples_are_close_together_and_hold_the_own_points() -> None:
     plan = plan_of(swing())
-    assert np.diff(plan.time).max() <= 0.004 + 1e-9
+    assert np.diff(plan.time).max() <= STEP + 1e-9
     np.testing.assert_allclose(plan.time[plan.own], plan.reference.time)
-    assert len(plan_of(swing(step=0.004)).time) == 501
+    assert len(plan_of(swing(step=STEP)).time) == 501
 
 
 def test_effort_is_the_prediction_at_the_points_within_its_limit() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from lagrangian_ff.nodes.recorder.jobs import JOBS
-from lagrangian_ff.nodes.recorder.session import SavedModel, Session, new_path
+from lagrangian_ff.nodes.recorder.session import Result, SavedModel, Session, new_path
 
 BAG, MODEL = Path("bag"), SavedModel(Path("model.npz"), {})
 IDLE = Session()
@@ -42,10 +42,12 @@ def test_a_refusal_says_why_there_is_no_model() -> None:
 
 
 def test_findings_are_dropped_with_the_model_they_are_about() -> None:
-    session = Session(bags=[BAG], model=MODEL, found={"compare": {}})
-    session.take_model(Path("new.npz"), {"model": "m"})
-    assert session.model == SavedModel(Path("new.npz"), {"model": "m"})
-    assert not session.found
+    session = Session(bags=[BAG], model=MODEL)
+    session.take("compare", Result(("0.1 N·m",)))
+    assert (session.model, list(session.results)) == (MODEL, ["compare"])
+    new = SavedModel(Path("new.npz"), {"model": "m"})
+    session.take("add", Result(("added",), model=new))
+    assert (session.model, list(session.results)) == (new, ["add"])
 
 
 def test_names_are_never_taken_twice(tmp_path: Path) -> None:

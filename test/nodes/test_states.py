@@ -171,7 +171,7 @@ def test_an_interruption_begins_a_new_segment() -> None:
     assert min(after) > START + 1_200_000_000
 
 
-def test_late_and_repeated_messages_are_left_out_and_a_clock_set_back_begins_anew() -> None:
+def test_late_and_repeated_messages_are_left_out_and_a_clock_set_back_begins_again() -> None:
     messages = views(np.arange(0.0, 1.0, 0.002))
     live = LiveStates(JOINTS, Conditioning(), 100.0)
     taken(live, messages)

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 import rclpy
-from node_harness import Bench, open_bench
+from node_harness import Bench, heard, open_bench
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
@@ -33,7 +33,9 @@ def bench(
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent), prepend=":")
     with open_bench(tmp_path) as bench:
         context = Context()
-        rclpy.init(args=["--ros-args", "-p", f"output_directory:={tmp_path}"], context=context)
+        params = {"output_directory": tmp_path, **heard("/joint_states")}
+        given = [text for name, value in params.items() for text in ("-p", f"{name}:={value}")]
+        rclpy.init(args=["--ros-args", *given], context=context)
         node = IdentifyNode(WITH_TOY, context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)

@@ -6,13 +6,14 @@ import time
 import pytest
 
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.session import Result
 from lagrangian_ff.nodes.recorder.worker import Outcome, Worker
 
 JOB = Identify(output="model.npz", bags=("nowhere",), joints=("a",), effort_scale={"a": 2.0})
 
 
 def finished(worker: Worker) -> Outcome:
-    deadline = time.monotonic() + 30.0
+    deadline = time.monotonic() + 120.0
     while time.monotonic() < deadline:
         outcome = worker.outcome()
         if outcome is not None:
@@ -28,14 +29,16 @@ def program(text: str) -> tuple[str, ...]:
 def test_progress_and_result_come_back() -> None:
     text = """
 import json, pickle, sys
+from lagrangian_ff.nodes.recorder.session import Result
 job = pickle.loads(bytes.fromhex(sys.argv[1]))
 print("a library that prints")
 print(3)
 print(json.dumps({"progress": 0.25, "label": "reading"}))
-print(json.dumps({"result": {"service": job.service, "scale": job.effort_scale}}))
+result = Result((job.service, str(job.effort_scale["a"])))
+print(json.dumps({"result": pickle.dumps(result).hex()}))
 """
     worker = Worker(JOB, program(text))
-    assert finished(worker) == Outcome({"service": "identify", "scale": {"a": 2.0}})
+    assert finished(worker) == Outcome(Result(("identify", "2.0")))
     assert (worker.fraction, worker.label) == (0.25, "reading")
 
 
@@ -43,13 +46,14 @@ print(json.dumps({"result": {"service": job.service, "scale": job.effort_scale}}
     ("text", "expected"),
     [
         ("""print('{"error": "too short"}')""", "too short"),
+        ("""print('{"result": "2e"}')""", "cannot be read"),
         ("import sys; sys.exit(7)", "ended without a result (exit code 7)"),
         ("import os; os.abort()", "ended without a result"),
     ],
 )
 def test_every_end_without_a_result_is_an_error_in_words(text: str, expected: str) -> None:
     outcome = finished(Worker(JOB, program(text)))
-    assert outcome.record is None
+    assert outcome.result is None
     assert expected in outcome.error
 
 
@@ -57,10 +61,10 @@ def test_it_can_be_cancelled() -> None:
     worker = Worker(JOB, program("import time; time.sleep(600)"))
     assert worker.outcome() is None
     worker.cancel()
-    assert finished(worker).record is None
+    assert finished(worker).result is None
 
 
 def test_the_process_does_the_job_of_the_request() -> None:
     outcome = finished(Worker(JOB))
-    assert outcome.record is None
+    assert outcome.result is None
     assert "nowhere: no such file" in outcome.error

@@ -1,13 +1,12 @@
 """A job beside those of the package: it counts samples once the file `go` is there."""
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
+from lagrangian_ff.nodes.recorder.session import Result
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import load
 
@@ -24,12 +23,10 @@ class Count(Job):
     def summary(self) -> str:
         return f"started to count {len(self.bags)} recordings"
 
-    def work(self, progress: Progress) -> dict[str, Any]:
+    def work(self, progress: Progress) -> Result:
         progress(0.5, "waiting")
         while not Path(self.output).exists():
             time.sleep(0.01)
-        return {"samples": sum(len(load(bag, topic=self.topic)) for bag in self.bags)}
-
-    @classmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
-        return Status(Level.OK, f"{record['samples']} samples", record)
+        count = sum(len(load(bag, topic=self.topic)) for bag in self.bags)
+        status = Status(Level.OK, f"{count} samples", {"samples": count})
+        return Result((status.message,), {self.title: status})

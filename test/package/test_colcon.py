@@ -22,7 +22,7 @@ EXECUTABLES = {"lagrangian_ff", "monitor", *NODES}
 COLCON = Path(sys.executable).parent / "colcon"
 
 pytestmark = [
-    pytest.mark.skipif(not COLCON.exists(), reason="colcon is not installed beside this Python"),
+    pytest.mark.skipif(not COLCON.exists(), reason="colcon is not installed beside this Python")
 ]
 
 

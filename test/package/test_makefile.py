@@ -128,7 +128,7 @@ def test_a_failed_installation_is_told_and_not_taken_as_done(machine: Machine) -
     assert "ran:" not in result.stdout
     machine.settings["fail"] = False
     result = machine.make("demo")
-    assert "made anew" in result.stdout
+    assert "made again" in result.stdout
     assert "ran:" in result.stdout
 
 
@@ -156,7 +156,7 @@ def test_a_moved_clone_gets_an_environment_of_its_own(machine: Machine) -> None:
     machine.make("demo")
     machine.clone = machine.clone.rename(machine.clone.with_name("moved"))
     result = machine.make("demo")
-    assert "made anew" in result.stdout
+    assert "made again" in result.stdout
     assert "ran:" in result.stdout
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrangian_ff.words import listed, sentence, spoken, standing, where, which
+from lagrangian_ff.words import listed, sentence, spoken, which
 
 ARM = ("base", "elbow", "wrist", "hand")
 
@@ -34,26 +34,6 @@ def test_two_joints_are_named_even_if_they_are_all() -> None:
     """As short as the phrase, and clearer; the same where the arm is not known."""
     assert which(["a", "b"], ["a", "b"]) == "a, b"
     assert which(["a", "b", "c"], []) == "a, b, c"
-
-
-def test_a_finding_says_whose_gear_it_is_if_it_is_felt_elsewhere() -> None:
-    """The joint is not named twice where it is its own."""
-    assert where({"joints": ["wrist"], "caused_by": "elbow"}, ARM) == "wrist (gear of elbow)"
-    assert where({"joints": ["wrist"], "caused_by": "wrist"}, ARM) == "wrist"
-    assert where({"joints": list(ARM)}, ARM) == "every joint"
-
-
-@pytest.mark.parametrize(
-    ("verdict", "others", "word"),
-    [
-        ("confirmed", [], "confirmed"),
-        ("suggested", ["delay"], "suggested"),
-        ("ambiguous with delay, spring", ["delay", "spring"], "ambiguous"),
-    ],
-)
-def test_a_verdict_in_one_word(verdict: str, others: list[str], word: str) -> None:
-    """Whatever it is ambiguous with."""
-    assert standing({"verdict": verdict, "ambiguous_with": others}) == word
 
 
 def test_an_effect_is_spoken_and_its_joint_keeps_its_name() -> None:

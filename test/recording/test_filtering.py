@@ -5,12 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lagrangian_ff.recording.filtering import (
-    REACH,
-    Butterworth,
-    derivatives,
-    settling,
-)
+from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 
 PERIOD = 0.002
 TIME = PERIOD * np.arange(2000)
@@ -19,9 +14,7 @@ INSIDE = slice(300, -300)
 
 
 @given(st.lists(st.floats(-3, 3), min_size=1, max_size=8))
-def test_derivatives_are_exact_on_polynomials_up_to_degree_seven(
-    coefficients: list[float],
-) -> None:
+def test_derivatives_are_exact_on_polynomials_up_to_degree_seven(coefficients: list[float]) -> None:
     polynomial = np.polynomial.Polynomial(coefficients)
     time = np.linspace(-1, 1, 201)
     first, second = derivatives(polynomial(time), time[1] - time[0])

@@ -42,9 +42,7 @@ def test_any_mixture_of_messages_is_read(
 
 
 @given(states())
-def test_what_is_written_the_library_reads(
-    state: tuple[int, list[str], list[list[float]]],
-) -> None:
+def test_what_is_written_the_library_reads(state: tuple[int, list[str], list[list[float]]]) -> None:
     stamp, names, values = state
     encoder = JointStateEncoder(tuple(names), velocity=bool(values[1]), effort=bool(values[2]))
     rows = [np.array([value]) for value in values]

@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recording_examples import (
-    STORE,
-    TYPE,
-    assert_same,
-    foreign_bag,
-    message,
-    messages_of,
-    swinging,
-)
+from recording_examples import STORE, TYPE, assert_same, foreign_bag, message, messages_of, swinging
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from lagrangian_ff.errors import RecordingError

@@ -13,15 +13,7 @@ import zstandard
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mcap.writer import CompressionType, Writer
-from recording_examples import (
-    STORE,
-    TYPE,
-    assert_same,
-    equal,
-    foreign_bag,
-    messages_of,
-    swinging,
-)
+from recording_examples import STORE, TYPE, assert_same, equal, foreign_bag, messages_of, swinging
 
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording import Recording, load, write_bag
@@ -125,11 +117,7 @@ def test_half_a_file_gives_about_half_of_the_samples(
 )
 @given(position=st.floats(0, 1, exclude_max=True), noise=st.binary(min_size=1, max_size=64))
 def test_overwritten_bytes_never_raise_anything_else(
-    files: dict[tuple[str, str], Path],
-    tmp_path: Path,
-    storage: str,
-    position: float,
-    noise: bytes,
+    files: dict[tuple[str, str], Path], tmp_path: Path, storage: str, position: float, noise: bytes
 ) -> None:
     content = bytearray(files[storage, "none"].read_bytes())
     at = int(position * len(content))

@@ -1,11 +1,10 @@
 """Small findings to draw: what a model of two joints could have given."""
 
-from typing import Any
-
 import numpy as np
 
 from lagrangian_ff.diagnosis import Comparison
 from lagrangian_ff.identification import Score
+from lagrangian_ff.identification.records import Estimate, FittedEffect
 from lagrangian_ff.recording import Motion
 from lagrangian_ff.report import Tracking
 
@@ -39,20 +38,16 @@ def runs() -> list[Tracking]:
     ]
 
 
-def effects() -> dict[str, Any]:
-    """The part of a record that the section of effects reads."""
-    return {
-        "effects": [
-            {
-                "effect": "coulomb",
-                "joint": joint,
-                "formula": "F_c tanh(qd / v0)",
-                "parameters": {
-                    "F_c": {"value": 1.5 + n, "low": 1.25 + n, "high": 1.75 + n, "unit": "N·m"}
-                },
-                "shape": {"v0": 0.02},
-                "shape_words": {"v0": "0.0200"},
-            }
-            for n, joint in enumerate(JOINTS)
-        ]
-    }
+def effects() -> list[FittedEffect]:
+    """Return friction on every joint."""
+    return [
+        FittedEffect(
+            "coulomb",
+            joint,
+            "F_c tanh(qd / v0)",
+            {"F_c": Estimate(1.5 + n, 1.25 + n, 1.75 + n, "N·m")},
+            {"v0": 0.02},
+            {"v0": "0.0200"},
+        )
+        for n, joint in enumerate(JOINTS)
+    ]

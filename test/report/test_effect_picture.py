@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.report.effect_picture import (
-    HEIGHTS,
-    JOINT,
-    motion,
-    signature_figure,
-)
+from lagrangian_ff.report.effect_picture import HEIGHTS, JOINT, motion, signature_figure
 
 
 @pytest.mark.parametrize("name", sorted(EFFECTS))

@@ -1,20 +1,38 @@
 """The pages of compare, diagnose and history: verdict first, true to the record, offline."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import replace
+from html import unescape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from page_examples import SCRIPT, changed, compared, diagnosed, finding, lineage
+from diagnosis_examples import (
+    JOINTS,
+    changed,
+    consequence,
+    diagnosis,
+    doubt,
+    finding,
+    run,
+    taken_up,
+)
+from page_examples import SCRIPT, compared, diagnosed, lineage, motion
 from test_report_html import texts
 
+from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
+from lagrangian_ff.diagnosis.compare import Interval
+from lagrangian_ff.diagnosis.where import COORDINATES, Bins, Compared, ResidualSeries
+from lagrangian_ff.identification import Score
+from lagrangian_ff.identification.history import ErrorChange
+from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.report import Section, compare_page, diagnose_page, history_page, write_page
 from lagrangian_ff.report import pages as written_pages
 from lagrangian_ff.report.plot import Plot, embed, line
 
-PAGES: dict[str, tuple[Callable[..., Path], Callable[[], dict[str, Any]]]] = {
+PAGES: dict[str, tuple[Callable[..., Path], Callable[[], Any]]] = {
     "compare": (compare_page, compared),
     "diagnose": (diagnose_page, diagnosed),
     "history": (history_page, lineage),
@@ -22,17 +40,17 @@ PAGES: dict[str, tuple[Callable[..., Path], Callable[[], dict[str, Any]]]] = {
 LIBRARY = re.compile(r'<script type="text/plain" id="library">.*?</script>')
 
 
-def written(path: Path, name: str, record: dict[str, Any] | None = None) -> str:
+def written(path: Path, name: str, result: Any = None) -> str:
     """The text of a page without plotly.js and the styles."""
     write, example = PAGES[name]
-    text = write(path / "page.html", example() if record is None else record).read_text("utf-8")
+    text = write(path / "page.html", example() if result is None else result).read_text("utf-8")
     assert len(LIBRARY.findall(text)) == 1
     return re.sub(r"<style>.*?</style>", "", LIBRARY.sub("", text), flags=re.DOTALL)
 
 
-def heading(path: Path, name: str, record: dict[str, Any]) -> str:
+def heading(path: Path, name: str, result: Any) -> str:
     """The title of a page."""
-    found = re.search(r"<h1>(.*?)</h1>", PAGES[name][0](path / "page.html", record).read_text())
+    found = re.search(r"<h1>(.*?)</h1>", PAGES[name][0](path / "page.html", result).read_text())
     assert found is not None
     return found[1]
 
@@ -69,65 +87,63 @@ def test_compare_says_the_worst_region_first(tmp_path: Path) -> None:
 
 
 def test_error_that_is_spread_evenly_is_not_blamed_on_a_region(tmp_path: Path) -> None:
-    record = compared() | {"regions": []}
+    found = compared()
+    spread = replace(found, where=replace(found.where, regions=()))
     evenly = "The error is spread evenly over the motion"
-    assert heading(tmp_path, "compare", record) == evenly
-    short = record | {"too_short": True, "words": ["the recording is too short"]}
+    assert heading(tmp_path, "compare", spread) == evenly
+    series, part = found.where.series, slice(20)
+    brief = replace(series, motion=series.motion.take(part), residual=series.residual[part])
+    short = replace(spread, where=replace(spread.where, series=brief))
     assert "too short" in heading(tmp_path, "compare", short)
 
 
 def test_diagnose_goes_from_the_verdict_to_what_to_record_next(tmp_path: Path) -> None:
     page = written(tmp_path, "diagnose")
-    assert "<h1>elbow misses Stribeck friction of 1.2 N·m (confirmed)</h1>" in page
     expected = [
         "First: the measurement", "What is missing", "Where it fails", "The evidence",
         "Against the other candidates", "The error falls", "What to record next",
     ]  # fmt: skip
     assert re.findall(r"<h2>(.*?)</h2>", page)[: len(expected)] == expected
     assert "error 40 % lower on held-back data" in page
-    assert "Could also be gear mesh, spring" in page
+    assert "Could also be counterbalance, offset" in page
     assert "something 19 % the size of its torque follows position" in page
     assert "nothing is missing in 95 % of the cases" in page
+    assert "model.npz diagnosed on a bag" in page
 
 
 def test_an_effect_that_raises_the_error_is_not_shown_as_a_fall(tmp_path: Path) -> None:
-    record = diagnosed() | {"findings": [finding("spring", "suggested", error_after=1.8)]}
-    assert "error 20 % higher on held-back data" in written(tmp_path, "diagnose", record)
+    worse = finding("spring", doubt=doubt(), consequence=consequence(1.5, 1.8))
+    page = written(tmp_path, "diagnose", run(diagnosis(findings=(worse,))))
+    assert "error 20 % higher on held-back data" in page
 
 
 def test_nothing_found_is_said_so(tmp_path: Path) -> None:
-    record = diagnosed() | {
-        "verdict": "Nothing is missing.", "findings": [], "ranking": [], "steps": [],
-        "unexplained": [], "not_observable": [], "preflight": [],
-    }  # fmt: skip
-    page = written(tmp_path, "diagnose", record)
-    assert "<h1>Nothing is missing</h1>" in page
-    assert "No effect of the catalogue" in page
+    page = written(tmp_path, "diagnose", run(diagnosis(), where=compared().where))
+    assert "<h1>No effect of the catalogue is missing that this motion could show" in page
+    assert "No effect of the catalogue earned its place" in page
     assert "The evidence" not in page
 
 
 def test_unknown_values_are_dashes(tmp_path: Path) -> None:
-    bare = {"effect": "spring", "joints": ["elbow"], "verdict": "suggested"}
-    page = written(tmp_path, "diagnose", diagnosed() | {"findings": [bare]})
-    assert "spring on elbow" in page
-    table = re.search(r"<tr><td class=\"word\">spring</td>.*?</tr>", page)
+    bare = run(diagnosis(taken_up=taken_up(doubt=doubt())), where=compared().where)
+    page = written(tmp_path, "diagnose", bare)
+    table = re.search(r"<tr><td class=\"word\">payload</td>.*?</tr>", page)
     assert table is not None
-    assert texts(table[0]) == ["spring", "elbow", "suggested", "–", "–", "–", "–"]
+    assert texts(table[0]) == ["payload", "shoulder, elbow", "suggested", "–", "–", "300", "–"]
 
 
 def test_a_verdict_has_its_colour_whatever_it_is_ambiguous_with(tmp_path: Path) -> None:
     page = written(tmp_path, "diagnose")
     assert '<span class="badge good">confirmed</span>' in page
-    assert '<span class="badge fair">ambiguous with gear mesh, spring</span>' in page
+    assert '<span class="badge fair">ambiguous with counterbalance, offset</span>' in page
 
 
 def test_what_changed_is_shown_with_its_size_and_rivals(tmp_path: Path) -> None:
-    alike = changed("payload", joints=["shoulder", "elbow"], rivals=["mass of the link of elbow"])
-    unsure = changed(
-        "coulomb", change={"F_c": {"value": -1.25, "unit": "N·m"}}, p_value=None, size=1.25
-    )
-    record = diagnosed() | {"changed": [alike, unsure, changed("rigid body", change={})]}
-    page = written(tmp_path, "diagnose", record)
+    alike = changed("payload", joints=JOINTS, rivals=("mass of the link of elbow",))
+    grew = {"F_c": Estimate(-1.25, unit="N·m")}
+    unsure = changed("coulomb", parameters=grew, p_value=None, size=1.25)
+    others = (alike, unsure, changed("rigid body", parameters={}))
+    page = written(tmp_path, "diagnose", replace(diagnosed(), changed=others))
     begin = page.index("<h2>What changed since the identification</h2>")
     section = page[begin:].partition("</section>")[0]
     rows = [texts(row) for row in re.findall(r"<tr><td.*?</tr>", section)]
@@ -142,16 +158,16 @@ def test_what_changed_is_shown_with_its_size_and_rivals(tmp_path: Path) -> None:
 
 def test_a_page_says_that_nothing_changed_only_if_it_was_asked(tmp_path: Path) -> None:
     assert "What changed" not in written(tmp_path, "diagnose")
-    page = written(tmp_path, "diagnose", diagnosed() | {"changed": []})
+    page = written(tmp_path, "diagnose", replace(diagnosed(), changed=()))
     assert "the arm is as it was" in page
 
 
 def test_a_new_section_is_one_function_and_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def toy_section(record: Mapping[str, Any]) -> Section:
+    def toy_section(run: DiagnosisRun) -> Section:
         figure = Plot([line([0.0, 1.0], [0.0, 1.0], "toy", "#000000")])
-        return Section("A toy", "It has a lead.", embed(figure, f"toy of {record['model']}"))
+        return Section("A toy", "It has a lead.", embed(figure, f"toy of {run.model_file}"))
 
     monkeypatch.setattr(written_pages, "DIAGNOSE", [*written_pages.DIAGNOSE, toy_section])
     page = written(tmp_path, "diagnose")
@@ -171,16 +187,17 @@ def test_history_says_how_much_of_the_error_is_gone(tmp_path: Path) -> None:
 
 
 def test_a_model_without_additions_has_a_history_too(tmp_path: Path) -> None:
-    record = lineage()
-    record["steps"] = record["steps"][:1]
-    path = history_page(tmp_path / "page.html", record)
+    history = lineage()
+    path = history_page(tmp_path / "page.html", replace(history, steps=history.steps[:1]))
     assert "Nothing was added" in path.read_text("utf-8")
 
 
 def test_the_heading_is_the_first_sentence(tmp_path: Path) -> None:
-    record = diagnosed() | {"verdict": "It fell from 5.2 to 3.4 N·m. More may come."}
-    assert heading(tmp_path, "diagnose", record) == "It fell from 5.2 to 3.4 N·m"
-    assert "<p>More may come.</p></header>" in written(tmp_path, "diagnose", record)
+    assert unescape(heading(tmp_path, "diagnose", diagnosed())) == (
+        "Missing and confirmed: stribeck on elbow: the joint's error falls from 1.5 to 0.9 N·m on "
+        "motion not used to find it"
+    )
+    assert "<p>On elbow one of these is missing" in written(tmp_path, "diagnose")
 
 
 def test_a_page_without_interactive_figures_holds_no_script(tmp_path: Path) -> None:
@@ -188,37 +205,35 @@ def test_a_page_without_interactive_figures_holds_no_script(tmp_path: Path) -> N
     assert "<script" not in page.read_text("utf-8")
 
 
-def long_motion() -> dict[str, Any]:
-    """A record of compare of 10 minutes of 6 joints that moved all the time."""
+def long_motion() -> Compared:
+    """A comparison over 10 minutes of 6 joints that moved all the time."""
     rng = np.random.default_rng(0)
-    record, joints = compared(), [f"joint_{k + 1}" for k in range(6)]
-    few = compared()["bins"][0]
-    many = {
-        name: np.sort(rng.normal(size=40)).tolist() if isinstance(value, list) else value
-        for name, value in few.items()
-    }
-    coordinates = [(f"quantity {k}", f"the quantity number {k}") for k in range(10)]
-    torques = {
-        "measured": (100.0 * rng.normal(size=1500)).tolist(),
-        "predicted": (100.0 * rng.normal(size=1500)).tolist(),
-        "reach": rng.uniform(1.0, 2.0, 1500).tolist(),
-    }
-    record["joints"] = {joint: {"rmse": 1.0, "nmse": 0.1} for joint in joints}
-    record["bins"] = [
-        {**many, "joint": joint, "coordinate": name, "label": label}
-        for joint in joints
-        for name, label in coordinates
+    joints = tuple(f"joint_{k + 1}" for k in range(6))
+    measured = motion(joints, 0.4, 1500)
+    found = Comparison(
+        replace(measured, tau=100.0 * rng.normal(size=(1500, 6))),
+        100.0 * rng.normal(size=(1500, 6)),
+        Score(joints, np.ones(6), np.full(6, 0.1)),
+        0.125,
+        Interval(joints, np.arange(1500), rng.uniform(1.0, 2.0, (1500, 6)), np.full(6, 0.9), 600),
+    )
+    low, high, mean, rms = (np.sort(rng.normal(size=40)) for _ in range(4))
+    coordinates = [
+        replace(COORDINATES["velocity"], name=f"quantity {k}", label=f"the quantity number {k}")
+        for k in range(10)
     ]
-    record["blocks"] = [
-        {"begin": 3.0 * k, "end": 3.0 * k + 3.0, "joints": dict.fromkeys(joints, 1.0)}
-        for k in range(200)
-    ]
-    record["series"] = {
-        "time": np.arange(0.0, 600.0, 0.4).tolist(),
-        "segment": [0] * 1500,
-        "joints": dict.fromkeys(joints, torques),
-    }
-    return record
+    example = compared().where
+    where = replace(
+        example,
+        comparison=found,
+        series=ResidualSeries(found.motion, found.residual, found.motion.tau, np.zeros(1500)),
+        bins=tuple(
+            Bins(coordinate, joint, low, high, mean, mean - 0.1, mean + 0.1, rms, rms, rms, 0.3)
+            for joint in joints
+            for coordinate in coordinates
+        ),
+    )
+    return Compared("model.npz", ("a bag",), where)
 
 
 def test_a_page_of_a_long_motion_is_small(tmp_path: Path) -> None:
@@ -236,8 +251,10 @@ def test_words_and_tables_come_before_any_script(name: str, tmp_path: Path) -> N
 
 
 def test_the_fall_of_one_effect_is_that_of_its_joint(tmp_path: Path) -> None:
-    record = lineage()
-    record["steps"][-1]["joints"]["joint_2"] = {"before": 1.06, "after": 0.629}
-    assert heading(tmp_path, "history", record).startswith(
+    history = lineage()
+    first, second = history.steps
+    joints = {**second.joints, "joint_2": ErrorChange(1.06, 0.629)}
+    history = replace(history, steps=(first, replace(second, joints=joints)))
+    assert heading(tmp_path, "history", history).startswith(
         "With torque ripple on joint_2, 41 % of the error of joint_2 is gone: 1.06 → 0.629 N·m"
     )

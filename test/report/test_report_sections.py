@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from diagnosis_examples import diagnosis, fault
+from diagnosis_examples import run as run_of
 from page_examples import compared
 from report_examples import JOINTS, comparison, effects, runs
 from test_report_html import PICTURE, texts
@@ -38,13 +40,15 @@ def test_the_share_inside_the_intervals_is_said_if_it_is_known(tmp_path: Path) -
     shown = texts(torque_section(found, PICTURE, "Torque", "lead").body)
     for joint, share in zip(JOINTS, ("93 %", "41 %"), strict=True):
         assert shown[shown.index(joint) + 5] == share
-    record = {**compared(), **interval.record()}
-    shown = texts(errors_section(record).body)
+    without = compared()
+    sure = replace(without.where.comparison, interval=interval)
+    record = replace(without, where=replace(without.where, comparison=sure))
+    shown = texts(errors_section(record.where).body)
     for joint, share in zip(JOINTS, ("93 %", "41 %"), strict=True):
         assert shown[len(shown) - shown[::-1].index(joint) + 3] == share
     page = compare_page(tmp_path / "page.html", record).read_text("utf-8")
     assert "only 41% of elbow lie inside" in page
-    page = compare_page(tmp_path / "page.html", compared()).read_text("utf-8")
+    page = compare_page(tmp_path / "page.html", without).read_text("utf-8")
     assert "lie inside" not in page
 
 
@@ -60,8 +64,7 @@ def test_the_tracking_section_shows_the_record() -> None:
 
 
 def test_the_effects_section_shows_values_intervals_and_truth() -> None:
-    record = effects()
-    section = effects_section(record, {("coulomb", "F_c"): [1.4, 2.6]}, remark="a remark")
+    section = effects_section(effects(), {("coulomb", "F_c"): [1.4, 2.6]}, remark="a remark")
     shown = texts(section.body)
     assert "τ = F_c tanh(qd / v0)" in shown
     assert "F_c [N·m]" in shown
@@ -69,10 +72,10 @@ def test_the_effects_section_shows_values_intervals_and_truth() -> None:
     assert shown[-1] == "a remark"
     for n, joint in enumerate(JOINTS):
         row = shown.index(joint)
-        found = record["effects"][n]["parameters"]["F_c"]
+        found = effects()[n].parameters["F_c"]
         assert shown[row + 1 : row + 5] == [
-            typeset(found["value"]),
-            f"{typeset(found['low'])} … {typeset(found['high'])}",
+            typeset(found.value),
+            f"{typeset(found.low)} … {typeset(found.high)}",
             typeset((1.4, 2.6)[n]),
             typeset(0.02),
         ]
@@ -83,7 +86,7 @@ def test_without_truth_there_is_no_column_for_it() -> None:
 
 
 def test_a_model_without_effects_says_so() -> None:
-    assert "no effects" in effects_section({"effects": []}).body
+    assert "no effects" in effects_section([]).body
 
 
 @pytest.mark.parametrize("name", ["none", "some"])
@@ -96,14 +99,14 @@ def test_the_record_of_a_run_is_in_rad(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("finding", "told"),
+    ("text", "told"),
     [
         ("the effort of elbow rests at 10 N·m", "The effort of elbow rests at 10 N·m. Go slower."),
         ("it is noisy", "elbow: It is noisy. Go slower."),
     ],
 )
-def test_a_fault_names_its_joint_once(finding: str, told: str) -> None:
-    check = {"joint": "elbow", "finding": finding, "serious": True, "advice": "go slower"}
-    section = serious_section({"preflight": [check]})
+def test_a_fault_names_its_joint_once(text: str, told: str) -> None:
+    check = fault(finding=text, advice="go slower")
+    section = serious_section(run_of(diagnosis(), checks=(check,)))
     assert section is not None
     assert texts(section.body) == [told]

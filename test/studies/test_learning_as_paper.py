@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.problem import Prior, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples, groups
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
@@ -65,7 +65,7 @@ def test_it_solves_the_sum_of_the_two_kernels(name: str) -> None:
 def test_without_friction_it_is_what_identification_solves(name: str) -> None:
     ones = np.ones(JOINTS)
     kernel, samples = KERNELS[name].start(X), Samples(Inputs.of(X), TAU)
-    problem = Problem(samples, kernel, GAMMA * len(X), Scaling(ones, ones), Basis(()))
+    problem = Problem(samples, Prior(kernel, GAMMA * len(X), Scaling(ones, ones), Basis(())))
     known = exact(problem).weights
     found = Relaxed.learned(setting(name, friction=False), X, TAU)
     expected = kernel.apply(ASKED, X, known)

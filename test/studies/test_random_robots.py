@@ -102,7 +102,7 @@ def test_folds_are_as_large_as_each_other_and_in_no_order() -> None:
 def test_friction_and_noise_leave_the_rest_as_it_was() -> None:
     clean, rough = draw_samples(SMALL, 0, 2, 1), draw_samples(ROUGH, 0, 2, 1)
     np.testing.assert_array_equal(clean.x.q, rough.x.q)
-    np.testing.assert_array_equal(clean.ideal, rough.ideal)
+    np.testing.assert_array_equal(clean.unit, rough.unit)
     noise = rough.tau - clean.tau - rough.friction
     assert 0.045 < noise.std() < 0.055
     robot = draw_robot(0, 2, 1)

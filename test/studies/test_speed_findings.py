@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from lagrangian_ff.studies.arm import Errors, ends
-from lagrangian_ff.studies.loaded import loaded_findings
-from lagrangian_ff.studies.speeds import prediction_findings
+from lagrangian_ff.studies.speeds import loaded_findings, prediction_findings
 from lagrangian_ff.studies.tracking import tracking_findings
 
 

@@ -11,8 +11,7 @@ import pytest
 from counting import Square
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.studies import workers
-from lagrangian_ff.studies.workers import cluster, processes
+from lagrangian_ff.studies.workers import Workers, cluster, processes
 
 HERE = Path(__file__).parent
 
@@ -43,6 +42,7 @@ def test_fewer_than_one_process_is_refused() -> None:
 
 
 SCHEDULER = ("scheduler", "--host", "127.0.0.1", "--no-dashboard", "--port")
+WORKER = ("--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard")
 
 
 def _free_port() -> int:
@@ -59,10 +59,7 @@ def scheduler() -> Iterator[str]:
     address = f"tcp://127.0.0.1:{port}"
     started = [_dask(*SCHEDULER, str(port))]
     try:
-        started += [
-            _dask("worker", address, "--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard")
-            for _ in range(2)
-        ]
+        started += [_dask("worker", address, *WORKER) for _ in range(2)]
         yield address
     finally:
         # Workers first, and waited for: without their scheduler they take seconds to end.
@@ -71,8 +68,8 @@ def scheduler() -> Iterator[str]:
             process.wait(20.0)
 
 
-def _dask(*arguments: str) -> subprocess.Popen[bytes]:
-    path = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+def _dask(*arguments: str, first: Path = HERE) -> subprocess.Popen[bytes]:
+    path = os.pathsep.join([str(first), str(HERE), os.environ.get("PYTHONPATH", "")])
     return subprocess.Popen(
         [sys.executable, "-m", "dask", *arguments],
         env={**os.environ, "PYTHONPATH": path},
@@ -81,9 +78,14 @@ def _dask(*arguments: str) -> subprocess.Popen[bytes]:
     )
 
 
+def patient(address: str) -> Workers:
+    """Return the workers of a scheduler on a machine that may be busy."""
+    return cluster(address, answer=60.0, workers=60.0)
+
+
 def test_a_cluster_does_what_one_process_does(scheduler: str, tmp_path: Path) -> None:
     cases = [*squares(tmp_path), Square(-1, tmp_path)]
-    lines = {line["case"]: line for line in cluster(scheduler)(cases)}
+    lines = {line["case"]: line for line in patient(scheduler)(cases)}
     assert [lines[f"square-{number}"]["square"] for number in range(4)] == [0, 1, 4, 9]
     assert lines["square--1"]["failed"] == "ValueError: negative"
     assert os.getpid() not in {line.get("process") for line in lines.values()}
@@ -91,41 +93,44 @@ def test_a_cluster_does_what_one_process_does(scheduler: str, tmp_path: Path) ->
 
 def test_a_killed_worker_costs_its_case_a_try(scheduler: str, tmp_path: Path) -> None:
     deadly = Square(7, tmp_path, deadly=True)
-    lines = list(cluster(scheduler)([deadly, *squares(tmp_path)]))
+    lines = list(patient(scheduler)([deadly, *squares(tmp_path)]))
     assert sorted(line["square"] for line in lines) == [0, 1, 4, 9, 49]
     assert deadly.tries() == 2
     assert all(case.tries() <= 2 for case in squares(tmp_path))
 
 
-def test_workers_of_another_version_are_refused(
-    scheduler: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(workers, "__version__", "9.9.9")
-    with pytest.raises(UserError, match=r"the worker tcp://.* expected 9\.9\.9"):
-        list(cluster(scheduler)(squares(tmp_path)))
-
-
-def test_a_scheduler_that_is_not_there_is_reported(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_workers_of_another_version_are_refused(tmp_path: Path) -> None:
     pytest.importorskip("distributed", reason="Dask is not installed")
-    monkeypatch.setattr(workers, "CONNECT_SECONDS", 1.0)
+    (tmp_path / "sitecustomize.py").write_text(
+        "import lagrangian_ff\nlagrangian_ff.__version__ = '9.9.9'\n"
+    )
+    port = _free_port()
+    address = f"tcp://127.0.0.1:{port}"
+    started = [_dask(*SCHEDULER, str(port)), _dask("worker", address, *WORKER, first=tmp_path)]
+    try:
+        with pytest.raises(UserError, match=r"the worker tcp://.* has lagrangian_ff 9\.9\.9, exp"):
+            list(patient(address)(squares(tmp_path)))
+    finally:
+        for process in reversed(started):
+            process.terminate()
+            process.wait(20.0)
+
+
+def test_a_scheduler_that_is_not_there_is_reported(tmp_path: Path) -> None:
+    pytest.importorskip("distributed", reason="Dask is not installed")
     with pytest.raises(UserError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
-        list(cluster("tcp://127.0.0.1:9")(squares(tmp_path)))
+        list(cluster("tcp://127.0.0.1:9", answer=1.0)(squares(tmp_path)))
     with pytest.raises(UserError, match="no Dask scheduler answers at nonsense"):
         list(cluster("nonsense://here")(squares(tmp_path)))
 
 
-def test_a_scheduler_without_workers_is_reported(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_scheduler_without_workers_is_reported(tmp_path: Path) -> None:
     pytest.importorskip("distributed", reason="Dask is not installed")
-    monkeypatch.setattr(workers, "WORKERS_SECONDS", 0.2)
     port = _free_port()
     process = _dask(*SCHEDULER, str(port))
     try:
         with pytest.raises(UserError, match="has no workers"):
-            list(cluster(f"tcp://127.0.0.1:{port}")(squares(tmp_path)))
+            list(cluster(f"tcp://127.0.0.1:{port}", answer=60.0, workers=0.2)(squares(tmp_path)))
     finally:
         process.terminate()
         process.wait(20.0)

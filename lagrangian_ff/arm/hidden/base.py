@@ -145,6 +145,12 @@ def dry(v: float, turn: float = 0.02) -> tuple[float, float]:
     return sign, sign / v
 
 
+def rub(height: float, v: float) -> tuple[float, float]:
+    """Return dry friction of a height in N·m at velocity v, and its slope."""
+    sign, chord = dry(v)
+    return height * sign, height * chord
+
+
 def recorded(moment: JointMoment) -> float:
     """Return s since the beginning of the recording, which follows the arm's settling."""
     return moment.time - SETTLING
@@ -176,9 +182,8 @@ class HiddenEffect:
     """One kind of hidden physics.
 
     Attributes:
-        name: in this list, and in the catalogue of effects if it is known there.
-        physics: one sentence.
         install: builds it at a site with a strength, in the unit of the effect.
+        physics: one sentence.
         torque: (M, 6) N·m of the effect along the site's run: the additional torque of the motors,
             or for sensors, of the reported motion.
         known: whether the catalogue of effects has it.
@@ -191,9 +196,8 @@ class HiddenEffect:
         strongest: the largest possible strength.
     """
 
-    name: str
-    physics: str
     install: Callable[[Site, float], Installed]
+    physics: str
     torque: Torque = replay
     known: bool = True
     joints: tuple[int, ...] = ALL_JOINTS
@@ -202,6 +206,11 @@ class HiddenEffect:
     largest: float = 0.2
     start: float = 1.0
     strongest: float = np.inf
+
+    @property
+    def name(self) -> str:
+        """Return the name of its function, the one in the catalogue of effects if it is known."""
+        return self.install.__name__
 
     @property
     def catalogue(self) -> tuple[str, ...]:

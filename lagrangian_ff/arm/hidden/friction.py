@@ -4,7 +4,7 @@ from math import cos, exp, log10, pi
 
 import numpy as np
 
-from lagrangian_ff.arm.hidden.base import Installed, Law, OneJoint, Site, dry
+from lagrangian_ff.arm.hidden.base import Installed, Law, OneJoint, Site, dry, rub
 from lagrangian_ff.arm.joint_effect import JointMoment
 from lagrangian_ff.arm.parameters import ArmParameters
 
@@ -18,9 +18,7 @@ def stribeck(site: Site, strength: float) -> Installed:
     speed = 10.0 ** site.random.uniform(log10(0.04), log10(0.15))
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
-        height = strength / (1.0 + (v / speed) ** 2)
-        sign, chord = dry(v)
-        return height * sign, height * chord
+        return rub(strength / (1.0 + (v / speed) ** 2), v)
 
     facts = {"extra at rest [N·m]": strength, "Stribeck speed [rad/s]": speed}
     return Installed((Law(site.joint, law),), facts=facts)

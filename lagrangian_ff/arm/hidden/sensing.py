@@ -45,11 +45,9 @@ def delay_torque(installed: Installed, site: Site) -> Floats:
     """Return the reported torque less the true one."""
     (sensor,) = installed.sensors
     assert isinstance(sensor, LateEffort)
-    run, j = site.along, sensor.joint
-    torque = np.zeros_like(run.motor)
-    late = np.interp(run.time - sensor.delay, run.time, run.motor[:, j])
-    torque[:, j] = late - run.motor[:, j]
-    return torque
+    run, true = site.along, site.along.motor[:, sensor.joint]
+    late = np.interp(run.time - sensor.delay, run.time, true)
+    return _on_joint(site, sensor.joint, late - true)
 
 
 class ClippedEffort(SensorEffect):
@@ -74,10 +72,15 @@ def saturation_torque(installed: Installed, site: Site) -> Floats:
     """Return the reported torque less the true one."""
     (sensor,) = installed.sensors
     assert isinstance(sensor, ClippedEffort)
-    j = sensor.joint
+    true = site.along.motor[:, sensor.joint]
+    clipped = np.clip(true, -sensor.limit, sensor.limit)
+    return _on_joint(site, sensor.joint, clipped - true)
+
+
+def _on_joint(site: Site, joint: int, values: Floats) -> Floats:
+    """Return (M, 6) N·m: values (M,) on a joint, zero on the others."""
     torque = np.zeros_like(site.along.motor)
-    true = site.along.motor[:, j]
-    torque[:, j] = np.clip(true, -sensor.limit, sensor.limit) - true
+    torque[:, joint] = values
     return torque
 
 

@@ -4,7 +4,16 @@ from math import cos, exp, pi, sin
 
 import numpy as np
 
-from lagrangian_ff.arm.hidden.base import Installed, Law, OneJoint, Site, dry, partner, recorded
+from lagrangian_ff.arm.hidden.base import (
+    Installed,
+    Law,
+    OneJoint,
+    Site,
+    dry,
+    partner,
+    recorded,
+    rub,
+)
 from lagrangian_ff.arm.joint_effect import JointMoment
 from lagrangian_ff.arrays import Floats
 
@@ -20,9 +29,7 @@ def pitting(site: Site, strength: float) -> Installed:
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
         x = (float(moment.q[joint]) - centre) / 0.15
-        height = strength * exp(-0.5 * x * x) if abs(x) < 6.0 else 0.0
-        sign, chord = dry(v)
-        return height * sign, height * chord
+        return rub(strength * exp(-0.5 * x * x) if abs(x) < 6.0 else 0.0, v)
 
     return Installed((Law(joint, law),), facts={"height [N·m]": strength, "angle [rad]": centre})
 
@@ -52,9 +59,7 @@ def capstan(site: Site, strength: float) -> Installed:
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
         apart = 1.6 * float(moment.q[joint] - moment.q[other]) + phase
-        height = strength * (1.0 - cos(apart))
-        sign, chord = dry(v)
-        return height * sign, height * chord
+        return rub(strength * (1.0 - cos(apart)), v)
 
     return Installed((Law(joint, law),), facts={"grip [N·m]": strength, "phase [rad]": phase})
 
@@ -70,8 +75,7 @@ def pinched(site: Site, strength: float) -> Installed:
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
         closed = 0.5 + 0.5 * dry(float(moment.q[other]) - edge, 0.2)[0]
-        sign, chord = dry(v)
-        return strength * closed * sign, strength * closed * chord
+        return rub(strength * closed, v)
 
     facts = {"height [N·m]": strength, "angle of the other [rad]": edge}
     return Installed((Law(site.joint, law),), facts=facts)
@@ -90,10 +94,8 @@ def debris(site: Site, strength: float) -> Installed:
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
         last = int(np.searchsorted(begins, recorded(moment))) - 1
-        if last < 0 or recorded(moment) > ends[last]:
-            return 0.0, 0.0
-        sign, chord = dry(v)
-        return strength * sign, strength * chord
+        over = last < 0 or recorded(moment) > ends[last]
+        return (0.0, 0.0) if over else rub(strength, v)
 
     facts = {"height [N·m]": strength, "bursts": float(len(begins))}
     return Installed((Law(site.joint, law),), facts=facts)
@@ -114,8 +116,7 @@ class Starved(OneJoint):
         self._worn, self._before = 0.0, 0.0
 
     def law(self, v: float, moment: JointMoment) -> tuple[float, float]:
-        sign, chord = dry(v)
-        return self._height * self._worn * sign, self._height * self._worn * chord
+        return rub(self._height * self._worn, v)
 
     def advance(self, moment: JointMoment) -> None:
         v = float(moment.qd[self.joint])

@@ -1,4 +1,4 @@
-"""The commands, listed once; a new one is one file here.
+"""The commands; a new one is one file here and its name in the list.
 
 A command is a module with NAME, SUMMARY (one line in the list of commands), USAGE (its arguments in
 short), DESCRIPTION (what it does), EPILOG (examples and what the output means), `add_arguments` and
@@ -6,23 +6,8 @@ short), DESCRIPTION (what it does), EPILOG (examples and what the output means),
 """
 
 from argparse import ArgumentParser, Namespace
-from typing import Protocol
-
-from lagrangian_ff.cli.commands import (
-    add,
-    compare,
-    demo,
-    diagnose,
-    effects,
-    excite,
-    feedforward,
-    history,
-    identify,
-    info,
-    predict,
-    simulate,
-    study,
-)
+from importlib import import_module
+from typing import Protocol, cast
 
 
 class Command(Protocol):
@@ -45,7 +30,10 @@ class Command(Protocol):
         """
 
 
-COMMANDS: tuple[Command, ...] = (
-    identify, compare, diagnose, add, history, excite, effects, predict, feedforward, simulate,
-    info, demo, study,
+_FILES = (
+    "identify", "compare", "diagnose", "add", "history", "excite", "effects", "predict",
+    "feedforward", "simulate", "info", "demo", "study",
 )  # fmt: skip
+"""The file of each command beside this one, in the order in which they are listed."""
+
+COMMANDS = tuple(cast(Command, import_module(f"{__name__}.{file}")) for file in _FILES)

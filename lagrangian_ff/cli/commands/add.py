@@ -1,11 +1,9 @@
 """`add`: a model with one more effect, refitted from the data that it keeps."""
 
-import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
@@ -14,11 +12,14 @@ from lagrangian_ff.cli.text.effects import say_equations
 from lagrangian_ff.cli.text.history import before_after_table
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.numbers import number
-from lagrangian_ff.record_json import why_of
+from lagrangian_ff.record_json import by_name
 
 if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis.record import SavedFinding
     from lagrangian_ff.effects import Effect
     from lagrangian_ff.identification import Model
+    from lagrangian_ff.identification.history import Step
+    from lagrangian_ff.identification.records import FittedEffect
 
 NAME = "add"
 SUMMARY = "add a physical effect to a model, refit it, and see the error fall"
@@ -41,39 +42,23 @@ what comes out:
 
 What the model has already, by this name or as the same torque under another, is refused."""
 
-NEEDED = {"effect", "joints", "shape", "why", "verdict", "evidence_gain", "p_value"}
-"""Fields that are read of a finding."""
-
-
-@dataclass(frozen=True)
-class Because:
-    """The reason for which an effect is added to a joint.
-
-    Attributes:
-        why: for the model's history.
-        shape: the numbers that the effect is not linear in, as the diagnosis found them.
-    """
-
-    why: Mapping[str, object]
-    shape: Mapping[str, float]
-
 
 def add_arguments(parser: ArgumentParser) -> None:
     options.add_model(parser)
-    parser.add_argument(
-        "effect", metavar="EFFECT", help="its name; lagrangian_ff effects lists them"
+    effect, joint = (
+        ("effect", str, "EFFECT", "its name; lagrangian_ff effects lists them"),
+        ("--joint", str, "JOINT", "the joint it acts on; may be given several times"),
     )
-    parser.add_argument("--joint", action="append", default=[], metavar="JOINT",
-        help="the joint it acts on; may be given several times")  # fmt: skip
-    options.add_list(
-        parser, "--shape", "NAME=VALUE",
-        "what the effect is not linear in; what is not given is searched",
-    )  # fmt: skip
-    parser.add_argument("--because", type=Path, metavar="DIAGNOSIS.json",
-        help="what diagnose --json wrote: the history holds its evidence, and its shape is used",
-    )  # fmt: skip
-    parser.add_argument("--output", type=Path, metavar="NEW.npz",
-        help="the model file to write (default: MODEL+EFFECT@JOINT.npz beside MODEL)")  # fmt: skip
+    options.add_rows(parser, [effect])
+    options.add_rows(parser, [joint], action="append", default=[])
+    options.add_rows(parser, (
+        ("--shape", list, "NAME=VALUE",
+         "what the effect is not linear in; what is not given is searched"),
+        ("--because", Path, "DIAGNOSIS.json",
+         "what diagnose --json wrote: the history holds its evidence, and its shape is used"),
+        ("--output", Path, "NEW.npz",
+         "the model file to write (default: MODEL+EFFECT@JOINT.npz beside MODEL)"),
+    ))  # fmt: skip
     options.add_common(parser)
 
 
@@ -90,56 +75,68 @@ def run(arguments: Namespace) -> int:
     options.load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import add
     from lagrangian_ff.identification import Model
+    from lagrangian_ff.identification.history import Step
 
     model = before = Model.load(arguments.model)
     effect = options.effect_named(arguments.effect)
     shape = _shape(effect, arguments.shape, model.joints)
-    reasons = [_because(arguments.because, effect.name, joint) for joint in joints]
-    for joint, because in zip(joints, reasons, strict=True):
+    why: dict[str, Mapping[str, object]] = {joint: {"why": "added by hand"} for joint in joints}
+    shapes = dict.fromkeys(joints, shape)
+    if arguments.because is not None:
+        for joint in joints:
+            finding = _because(arguments.because, effect.name, joint)
+            why[joint], shapes[joint] = finding.history, shape or finding.shape
+    for joint in joints:
         with progress_bar(f"adding {effect.name} on {joint}") as progress:
-            model = add(model, effect.name, joint, shape or because.shape, because.why, progress)
+            model = add(model, effect.name, joint, shapes[joint], why[joint], progress)
     with whole(arguments.output) as path:
         model.save(path)
-    record = _record(before, model, effect.name, joints, arguments)
+    step = Step.between(effect.name, before.identified, model.identified)
+    there = [one for one in model.identified.effects if one.effect == effect.name]
+    added = [one for one in there if one.joint in joints]
+    record = {
+        "model": str(arguments.model),
+        "output": str(arguments.output),
+        "model_name": model.name,
+        "effect": effect.name,
+        "joint_names": list(joints),
+        "error_before": step.error_before,
+        "error_after": step.error_after,
+        "joints": {joint: by_name(error) for joint, error in step.joints.items()},
+        "judged_on": step.judged_on,
+        "effects": [by_name(one) for one in added],
+    }
     write_record(arguments.json, record)
-    _say(record, effect.caution, console)
+    _say(model, effect, step, added, console)
+    saved = arguments.output
+    console.say([f"saved: {saved}", "next:", f"  lagrangian_ff history {saved}"])
     return 0
 
 
-def _because(diagnosis: Path | None, effect: str, joint: str) -> Because:
-    """Return why an effect is added to a joint: the finding of a diagnosis, if one is given.
+def _because(file: Path, effect: str, joint: str) -> "SavedFinding":
+    """Return the finding of a diagnosis for which an effect is added to a joint.
 
     Raises:
         UserError: there is no such file, it is no diagnosis, or it found no such effect to add.
     """
-    if diagnosis is None:
-        return Because({"why": "added by hand"}, {})
-    findings = _findings(diagnosis)
-    for one in findings:
-        if one["effect"] == effect and joint in one["joints"] and one["why"]:
-            return Because(why_of(one), one["shape"])
-    others = [f"{one['effect']} on {one['joints'][0]}" for one in findings if one["why"]]
-    raise UserError(
-        f"--because {diagnosis}: it does not find {effect} on {joint}; it finds "
-        f"{', '.join(others) or 'nothing to add'}"
-    )
+    from lagrangian_ff.diagnosis.record import saved_findings
 
-
-def _findings(path: Path) -> list[dict[str, Any]]:
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
+        findings = [one for one in saved_findings(file.read_text(encoding="utf-8")) if not one.once]
     except OSError as error:
-        raise UserError(f"--because {path}: {error.strerror or error}") from None
+        raise UserError(f"--because {file}: {error.strerror or error}") from None
     except ValueError:
-        record = None
-    findings = record.get("findings") if isinstance(record, dict) else None
-    if not isinstance(findings, list) or not all(
-        isinstance(one, dict) and one.keys() >= NEEDED for one in findings
-    ):
         raise UserError(
-            f"--because {path}: expected the file that lagrangian_ff diagnose --json writes"
-        )
-    return findings
+            f"--because {file}: expected the file that lagrangian_ff diagnose --json writes"
+        ) from None
+    for one in findings:
+        if one.effect == effect and joint in one.joints:
+            return one
+    others = ", ".join(f"{one.effect} on {one.joints[0]}" for one in findings)
+    raise UserError(
+        f"--because {file}: it does not find {effect} on {joint}; it finds "
+        f"{others or 'nothing to add'}"
+    )
 
 
 def _usual_output(model: Path, effect: str, joints: Sequence[str]) -> Path:
@@ -181,40 +178,23 @@ def _shape(
     return values
 
 
-def _record(
-    before: "Model", after: "Model", effect: str, joints: Sequence[str], arguments: Namespace
-) -> dict[str, Any]:
-    old: Mapping[str, Any] = before.record
-    new: Mapping[str, Any] = after.record
-    return {
-        "model": str(arguments.model), "output": str(arguments.output), "model_name": after.name,
-        "effect": effect, "joint_names": list(joints), "error_before": old["rmse"],
-        "error_after": new["rmse"],
-        "joints": {
-            name: {"before": old["joints"][name]["rmse"], "after": new["joints"][name]["rmse"]}
-            for name in after.joints
-        },
-        "judged_on": new["judged_on"],
-        "effects": [
-            one for one in new["effects"] if one["effect"] == effect and one["joint"] in joints
-        ],
-    }  # fmt: skip
-
-
-def _say(record: Mapping[str, Any], caution: str, console: Console) -> None:
-    console.say(f"{record['model_name']}, judged on {record['judged_on']}")
-    console.say(before_after_table(record["joints"]))
-    say_equations("what was added, torque", record["effects"], console)
+def _say(
+    model: "Model",
+    effect: "Effect",
+    step: "Step",
+    added: "Sequence[FittedEffect]",
+    console: Console,
+) -> None:
+    console.say(f"{model.name}, judged on {step.judged_on}")
+    console.say(before_after_table(step.joints))
+    say_equations("what was added, torque", added, console)
     console.say()
-    if caution:
-        console.note(f"{record['effect']}: {caution}")
-    worst = [joint for joint in record["joint_names"]
-             if record["joints"][joint]["after"] >= record["joints"][joint]["before"]]  # fmt: skip
+    if effect.caution:
+        console.note(f"{effect.name}: {effect.caution}")
+    worst = [one.joint for one in added if not step.joints[one.joint].fell]
     if worst:
         console.note(
             f"the error on {', '.join(worst)} did not fall: on this data the effect is not missed"
         )
-    before, after = number(record["error_before"]), number(record["error_after"])
+    before, after = number(step.error_before), number(step.error_after)
     console.say(f"error of all joints: {before} -> {after} N·m")
-    console.say([f"saved: {record['output']}", "next:"])
-    console.say(f"  lagrangian_ff history {record['output']}")

@@ -48,7 +48,7 @@ def run(arguments: Namespace) -> int:
     from threadpoolctl import threadpool_limits
 
     from lagrangian_ff.diagnosis import compare
-    from lagrangian_ff.diagnosis.where import locate
+    from lagrangian_ff.diagnosis.where import Compared, locate
     from lagrangian_ff.recording.motion import concatenate
 
     loaded = LoadedModel.of(arguments, console)
@@ -59,27 +59,23 @@ def run(arguments: Namespace) -> int:
         comparison = compare(model, motion, progress=progress, intervals=True)
     with progress_bar("looking where it fails") as progress, threadpool_limits(1):
         where = locate(model, comparison, progress=progress)
-    names = {
-        "model": str(arguments.model),
-        "sources": [str(source) for source in arguments.sources],
-    }
-    record = {**names, **where.record()}
+    found = Compared(str(arguments.model), tuple(map(str, arguments.sources)), where)
     if arguments.report is not None:
         from lagrangian_ff.report import compare_page
 
         with whole(arguments.report) as path:
-            compare_page(path, {**names, **where.record(series=True)})
-    write_record(arguments.json, record)
+            compare_page(path, found)
+    write_record(arguments.json, found.record())
     console.say(f"{arguments.model} ({model.name}) on {motion.source}")
-    say_errors(record, console)
+    say_errors(comparison.score, console)
     away = out_of_range(model, motion.time, (motion.q, motion.qd, motion.qdd))
     away.warn("motion", "the model", f": {away.when()}. There it guesses", console)
-    if record.get("too_sure"):
-        console.note(str(record["too_sure"]))
+    if comparison.warning:
+        console.note(comparison.warning)
     console.say()
-    say_where(record, console)
+    say_where(where, console)
     console.say()
     if arguments.report is not None:
         console.say(f"saved: {arguments.report}")
-    console.say(next_step(record))
+    console.say(next_step(found.model, found.sources))
     return 0

@@ -4,6 +4,8 @@ from argparse import SUPPRESS, ArgumentParser, Namespace
 from dataclasses import fields
 from pathlib import Path
 
+from lagrangian_ff.cli.common.options import add_rows
+
 NAME = "demo"
 SUMMARY = "record, identify and drive the simulated arm over ROS 2"
 USAGE = "[--output FOLDER] [options]"
@@ -26,28 +28,25 @@ Needs rclpy: source ROS 2 Jazzy, or pip install -e '.[ros]' in the source folder
 
 def add_arguments(parser: ArgumentParser) -> None:
     # Defaults stand in the demo's Options alone: what is not given is absent.
-
-    def option(name: str, kind: type, metavar: str, help_: str) -> None:
-        flag = f"--{name.replace('_', '-')}"
-        parser.add_argument(flag, type=kind, default=SUPPRESS, metavar=metavar, help=help_)
-
-    parser.add_argument("--output", type=Path, default=SUPPRESS, metavar="FOLDER",
-        help="the folder to write to, made if it is missing (default: out)")  # fmt: skip
-    parser.add_argument(
-        "--quick", action="store_true", help="shorter motions and fewer samples; a worse model"
-    )
-    option("speed", int, "1..10", "speed of both motions (default: 5)")
-    option("seed", int, "N", "seed of the motion that is learned from (default: 0)")
-    option("duration", float, "SECONDS", "length of the motion that is learned from (default: 24)")
-    option("unseen_duration", float, "SECONDS", "length of the motion never seen (default: 16)")
-    option("model", str, "NAME", "kernel and effects, as for identify (default: auto+fri)")
-    option("samples", int, "M", "training samples the model is built on (default: 1000)")
-    option("train", float, "FRACTION", "share of the recording that is learned from (default: 1)")
-    option("through", str, "stream|trajectory", "how the torque reaches the arm: one by one while "
-        "it moves, or with the points of the trajectory before (default: stream)")  # fmt: skip
-    option("clock_speed", float, "FACTOR", "speed of the arm's clock over real time, if the "
-        "machine can keep up (default: 2)")  # fmt: skip
-    option("domain", int, "N", "ROS domain to use (default: one that nobody uses)")
+    add_rows(parser, (
+        ("--output", Path, "FOLDER",
+         "the folder to write to, made if it is missing (default: out)"),
+        ("--quick", bool, "", "shorter motions and fewer samples; a worse model"),
+        ("--speed", int, "1..10", "speed of both motions (default: 5)"),
+        ("--seed", int, "N", "seed of the motion that is learned from (default: 0)"),
+        ("--duration", float, "SECONDS",
+         "length of the motion that is learned from (default: 24)"),
+        ("--unseen-duration", float, "SECONDS", "length of the motion never seen (default: 16)"),
+        ("--model", str, "NAME", "kernel and effects, as for identify (default: auto+fri)"),
+        ("--samples", int, "M", "training samples the model is built on (default: 1000)"),
+        ("--train", float, "FRACTION", "share of the recording that is learned from (default: 1)"),
+        ("--through", str, "stream|trajectory",
+         "how the torque reaches the arm: one by one while it moves, or with the points of the "
+         "trajectory before (default: stream)"),
+        ("--clock-speed", float, "FACTOR",
+         "speed of the arm's clock over real time, if the machine can keep up (default: 2)"),
+        ("--domain", int, "N", "ROS domain to use (default: one that nobody uses)"),
+    ), default=SUPPRESS)  # fmt: skip
 
 
 def run(arguments: Namespace) -> int:

@@ -1,28 +1,32 @@
 """`diagnose`: which physical effect a model lacks."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
-from lagrangian_ff.cli.common.diagnosing import Round, checked, diagnosed, falls
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
 from lagrangian_ff.cli.common.sources import LoadedModel
 from lagrangian_ff.cli.text.diagnose import (
+    fall_table,
     next_steps,
     say_changed,
     say_checks,
     say_diagnosis,
     say_not_observable,
 )
-from lagrangian_ff.cli.text.history import fall_table
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import DiagnosisRun, Round
+    from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Motion
+
+    Motions = Sequence[Motion]
 
 NAME = "diagnose"
 SUMMARY = "find out which physical effect a model lacks, with the evidence for it"
@@ -54,24 +58,40 @@ With --confirm the motion that was not used is another recording of the same arm
 without, the last third of SOURCE is held back for it. Nothing less than confirmed is ever added by
 itself; lagrangian_ff add adds what you want."""
 
+CHECKED_EACH = ("stamps",)
+"""Checks that are shown of each recording even if nothing is serious."""
+
 
 def add_arguments(parser: ArgumentParser) -> None:
     # Defaults of the search stand in the engine alone.
     options.add_model(parser)
     options.add_sources(parser, "searched together")
     options.add_list(
-        parser, "--confirm", "SOURCE",
+        parser,
+        "--confirm",
+        "SOURCE",
         "other recordings of the same arm, to confirm on (default: the last third of SOURCE is "
-        "held back)", Path,
-    )  # fmt: skip
-    parser.add_argument("--steps", type=int, metavar="N",
+        "held back)",
+        Path,
+    )
+    parser.add_argument(
+        "--steps",
+        type=int,
+        metavar="N",
         help="look for at most N effects; with --apply also for at most N rounds of looking and "
-        "adding (default: 6)")  # fmt: skip
-    parser.add_argument("--since", action="store_true",
+        "adding (default: 6)",
+    )
+    parser.add_argument(
+        "--since",
+        action="store_true",
         help="also ask what changed since the model was identified, friction or masses: SOURCE "
-        "against the data that the model keeps")  # fmt: skip
-    parser.add_argument("--apply", action="store_true",
-        help="add what is confirmed, look again until nothing is, and write the model")  # fmt: skip
+        "against the data that the model keeps",
+    )
+    parser.add_argument(
+        "--apply",
+        action="store_true",
+        help="add what is confirmed, look again until nothing is, and write the model",
+    )
     parser.add_argument(
         "--output", type=Path, metavar="NEW.npz", help="with --apply: the model file to write"
     )
@@ -84,111 +104,134 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check(arguments)
     options.load_own_effects(arguments, console)
-    from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
+    from lagrangian_ff.diagnosis import run_record
 
     loaded = LoadedModel.of(arguments, console)
-    model, motions = loaded.model, loaded.motions(arguments.sources, console)
+    motions = loaded.motions(arguments.sources, console)
     confirm = loaded.motions(arguments.confirm, console)
     if not confirm:
         console.note("no --confirm: the last third of the motion is held back to confirm on")
         console.say()
-    checks = checked(model, motions, confirm)
+    checks = _checks(loaded.model, motions, confirm)
     say_checks(checks, console)
-    steps = MOST_STEPS if arguments.steps is None else arguments.steps
-    changed = _changed(model, motions, steps) if arguments.since else None
-    rounds = diagnosed(model, motions, confirm, steps, apply=arguments.apply)
-    record = {**_record(rounds, arguments), "preflight": checks}
-    if changed is not None:
-        record["changed"] = changed
-    after = next((one.after for one in reversed(rounds) if one.after is not None), None)
+    found = replace(_found(loaded.model, motions, confirm, arguments), checks=checks)
+    after = next((one.after for one in reversed(found.rounds) if one.after is not None), None)
     if after is not None:
         with whole(arguments.output) as path:
             after.save(path)
-    if arguments.json is not None or arguments.report is not None:
-        _write(record, model, motions, arguments)
-    _say(rounds, record, arguments, console)
-    return 0
-
-
-def _changed(model: "Model", motions: "Sequence[Motion]", steps: int) -> list[dict[str, Any]]:
-    """Return what differs from the data that the model was identified from."""
-    from lagrangian_ff.diagnosis import changed_since
-    from lagrangian_ff.recording.motion import concatenate
-
-    with progress_bar("looking for what changed") as progress:
-        found = changed_since(model, concatenate(motions), steps, progress)
-    return [one.record() for one in found]
-
-
-def _record(rounds: Sequence[Round], arguments: Namespace) -> dict[str, Any]:
-    """Return what was found in the model as it was given, and what adding it led to."""
-    first = rounds[0].record
-    record = {
-        **first,
-        "model": str(arguments.model),
-        "model_name": first["model"],
-        "sources": [str(source) for source in arguments.sources],
-        "confirm": [str(source) for source in arguments.confirm],
-    }
-    if arguments.apply:
-        record["steps"] = falls(rounds)
-        record["applied"] = {
-            "output": str(arguments.output) if rounds[0].after is not None else None,
-            "added": [name for one in rounds for name in one.added],
-            "rounds": [{"verdict": one.record["verdict"], "added": one.added} for one in rounds],
-        }
-    return record
-
-
-def _write(
-    record: dict[str, Any], model: "Model", motions: "Sequence[Motion]", arguments: Namespace
-) -> None:
-    """Write the JSON and the page, both with where the model fails."""
-    from lagrangian_ff.diagnosis import compare
-    from lagrangian_ff.diagnosis.where import locate
-    from lagrangian_ff.recording.motion import concatenate
-
-    with progress_bar("looking where it fails") as progress:
-        compared = compare(model, concatenate(motions), intervals=True)
-        where = locate(model, compared, progress=progress)
     if arguments.report is not None:
         from lagrangian_ff.report import diagnose_page
 
         with whole(arguments.report) as path:
-            diagnose_page(path, {**record, "compare": where.record(series=True)})
-    write_record(arguments.json, {**record, "compare": where.record()})
+            diagnose_page(path, found)
+    if arguments.json is not None:
+        write_record(arguments.json, run_record(found))
+    _say(found, arguments, console)
+    return 0
 
 
-def _say(
-    rounds: Sequence[Round], record: dict[str, Any], arguments: Namespace, console: Console
-) -> None:
-    model = str(arguments.model)
+def _checks(model: "Model", motions: "Motions", confirm: "Motions") -> "tuple[Check, ...]":
+    """Return what the checks of the measurement find, what is serious first.
+
+    What the motion covers is checked for all that is searched together, faults for each recording.
+    """
+    from lagrangian_ff.diagnosis.preflight import preflight
+    from lagrangian_ff.recording.motion import concatenate
+
+    every = [*motions, *confirm]
+    alone = len(motions) == 1
+    with progress_bar("checking the measurement") as progress:
+        checks = preflight(model, concatenate(motions), confirm)
+        checks = [one for one in checks if alone or one.check not in CHECKED_EACH]
+        known = {(one.check, one.joint) for one in checks if one.serious}
+        for number, motion in enumerate(confirm if alone else every):
+            progress(number / len(every), motion.source)
+            for one in preflight(model, motion):
+                new = (one.check, one.joint) not in known
+                if (one.serious and new) or one.check in CHECKED_EACH:
+                    checks.append(replace(one, source=motion.source))
+    return tuple(sorted(checks, key=lambda one: not one.serious))
+
+
+def _found(
+    model: "Model", motions: "Motions", confirm: "Motions", arguments: Namespace
+) -> "DiagnosisRun":
+    """Return all that the arguments ask for; nothing is written."""
+    from lagrangian_ff.diagnosis import DiagnosisRun, changed_since, compare
+    from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
+    from lagrangian_ff.diagnosis.where import locate
+    from lagrangian_ff.recording.motion import concatenate
+
+    steps = MOST_STEPS if arguments.steps is None else arguments.steps
+    changed = where = None
+    if arguments.since:
+        with progress_bar("looking for what changed") as progress:
+            changed = changed_since(model, concatenate(motions), steps, progress)
+    rounds = tuple(_rounds(model, motions, confirm, steps, apply=arguments.apply))
+    if arguments.json is not None or arguments.report is not None:
+        with progress_bar("looking where it fails") as progress:
+            compared = compare(model, concatenate(motions), intervals=True)
+            where = locate(model, compared, progress=progress)
+    return DiagnosisRun(
+        model_file=str(arguments.model),
+        sources=tuple(map(str, arguments.sources)),
+        confirm=tuple(map(str, arguments.confirm)),
+        rounds=rounds,
+        changed=changed,
+        where=where,
+        output=str(arguments.output) if arguments.apply else "",
+    )
+
+
+def _rounds(
+    model: "Model", motions: "Motions", confirm: "Motions", steps: int, *, apply: bool
+) -> "Iterator[Round]":
+    """Diagnose; with `apply` add what is confirmed and diagnose again until nothing is confirmed.
+
+    Args:
+        steps: the most effects a round, and the most rounds.
+    """
+    from lagrangian_ff import diagnosis as engine
+
+    for number in range(1, steps + 1):
+        title = "diagnosing" if number == 1 else f"diagnosing again, round {number}"
+        with progress_bar(title) as progress:
+            found = engine.diagnose(model, motions, confirm, steps=steps, progress=progress)
+        with progress_bar("watching the error fall") as progress:
+            found = engine.with_consequences(found, progress)
+        if not apply or not found.confirmed:
+            yield engine.Round(found)
+            return
+        with progress_bar("adding what is confirmed") as progress:
+            model = engine.apply(found, progress)
+        yield engine.Round(found, model)
+
+
+def _say(found: "DiagnosisRun", arguments: Namespace, console: Console) -> None:
     saved = "" if arguments.json in (None, "-") else str(arguments.json)
-    following = next_steps(record, model, record["sources"], record["confirm"], saved)
-    for number, one in enumerate(rounds, start=1):
-        if len(rounds) > 1:
+    for number, one in enumerate(found.rounds, start=1):
+        if len(found.rounds) > 1:
             console.say(["", f"round {number}: {one.diagnosis.model.name}"])
-        say_diagnosis(one.record, console)
+        say_diagnosis(one.diagnosis, console)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])
-    if arguments.since:
-        say_changed(record["changed"], model, console)
-    say_not_observable(rounds[-1].record, model, console)
+    if found.changed is not None:
+        say_changed(found.changed, found.model_file, console)
+    say_not_observable(found.rounds[-1].diagnosis, found.model_file, console)
     console.say()
-    if record["steps"] and arguments.apply:
-        console.say(f"the fall of the error, rms in N·m, on {record['confirmed_on']}")
-        console.say(fall_table(record["steps"]))
+    if found.tried and found.output:
+        console.say(f"the fall of the error, rms in N·m, on {found.diagnosis.confirmed_on}")
+        console.say(fall_table(found.tried))
         console.say()
     if arguments.report is not None:
         console.say(f"saved: {arguments.report}")
-    if not arguments.apply:
-        console.say(following)
-    elif rounds[0].after is None:
+    if found.rounds[0].after is not None:
+        console.say([f"saved: {found.output}", "next: how it came to be what it is"])
+        console.say(f"  lagrangian_ff history {found.output}")
+        return
+    if found.output:
         console.say("nothing is confirmed: nothing was added and no model was written")
-        console.say(following)
-    else:
-        console.say([f"saved: {arguments.output}", "next: how it came to be what it is"])
-        console.say(f"  lagrangian_ff history {arguments.output}")
+    console.say(next_steps(found, saved))
 
 
 def _check(arguments: Namespace) -> None:
@@ -203,9 +246,8 @@ def _check(arguments: Namespace) -> None:
     if arguments.steps is not None and arguments.steps < 1:
         raise UserError(f"--steps {arguments.steps}: expected a whole number from 1 up")
     if arguments.apply != (arguments.output is not None):
-        raise UserError(
-            "--apply needs --output NEW.npz, the model file to write" if arguments.apply
-            else "--output names the model that --apply writes: give both, or neither"
-        )  # fmt: skip
+        both = "--output names the model that --apply writes: give both, or neither"
+        missing = "--apply needs --output NEW.npz, the model file to write"
+        raise UserError(missing if arguments.apply else both)
     reads = [arguments.model, *arguments.sources, *arguments.confirm]
     check_outputs(arguments, reads, ".npz")

@@ -46,20 +46,21 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     if arguments.picture is not None and arguments.effect is None:
-        raise UserError("--picture draws one effect: name it, as in lagrangian_ff effects "
-                        f"stribeck --picture {arguments.picture}")  # fmt: skip
+        raise UserError(
+            "--picture draws one effect: name it, as in lagrangian_ff effects stribeck --picture "
+            f"{arguments.picture}"
+        )
     check_outputs(arguments, [])
     load_own_effects(arguments, console)
     from lagrangian_ff.effects import EFFECTS, effect_record
 
     if arguments.effect is None:
-        records = [effect_record(effect) for effect in EFFECTS.values()]
-        say_catalogue(records, console)
+        say_catalogue(EFFECTS.values(), console)
         console.say("lagrangian_ff effects EFFECT explains one of them")
-        write_record(arguments.json, {"effects": records})
+        write_record(arguments.json, {"effects": list(map(effect_record, EFFECTS.values()))})
         return 0
     effect = effect_named(arguments.effect)
-    say_effect(effect_record(effect), type(effect).__doc__ or "", console)
+    say_effect(effect, console)
     write_record(arguments.json, effect_record(effect))
     if arguments.picture is not None:
         from lagrangian_ff.report.effect_picture import signature_figure

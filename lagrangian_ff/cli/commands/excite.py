@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lagrangian_ff.arm import Trajectory
-    from lagrangian_ff.arrays import Floats
+    from lagrangian_ff.arrays import Floats, Ints
 
 
 NAME = "excite"
@@ -47,33 +47,36 @@ the motions:
 On a real arm: bring it to the start pose first, and make sure that the way is clear. A model knows
 how far each joint went, not which poses touch."""
 
+CLOSE = 5e-6
+"""The largest error of the quintics between the points of a message, rad."""
+LONGEST_ARGUMENT = 128 * 1024
+"""Bytes a shell takes as one argument."""
+_DIGITS = 7
+
 
 def add_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "what", metavar="EFFECT|MOTION", help="an effect to be shown, or a motion by its name"
-    )
-    parser.add_argument(
-        "--joint", metavar="J", help="the joint to look at (default: all, one after the other)"
-    )
+    what = [
+        ("what", str, "EFFECT|MOTION", "an effect to be shown, or a motion by its name"),
+        ("--joint", str, "J", "the joint to look at (default: all, one after the other)"),
+    ]
+    options.add_rows(parser, what)
+    where = [
+        ("--model", Path, "MODEL.npz", "no farther and faster than this model knows"),
+        ("--arm", bool, "", "what the simulated arm can do without contact"),
+    ]
     group = parser.add_argument_group("where it may go").add_mutually_exclusive_group(required=True)
-    group.add_argument("--model", type=Path, metavar="MODEL.npz",
-        help="no farther and faster than this model knows")  # fmt: skip
-    group.add_argument(
-        "--arm", action="store_true", help="what the simulated arm can do without contact"
-    )
-    parser.add_argument("--output", required=True, type=Path, metavar="FILE",
-        help="a .csv for simulate and feedforward, or a .yaml (trajectory_msgs/JointTrajectory)",
-    )  # fmt: skip
-    options.add_list(
-        parser, "--start", "JOINT=RAD",
-        "where it begins, and holds the other joints (default: a pose that loads the joint)",
-    )  # fmt: skip
-    parser.add_argument("--duration", type=float, metavar="SECONDS", help="about how long")
-    parser.add_argument("--reach", type=float, default=1.0, metavar="SHARE",
-        help="share of the way from the start to the limits, 0 to 1 (default: 1)")  # fmt: skip
-    parser.add_argument(
-        "--seed", type=int, default=0, help="seed of the random numbers (default: 0)"
-    )
+    options.add_rows(group, where)
+    output = "a .csv for simulate and feedforward, or a .yaml (trajectory_msgs/JointTrajectory)"
+    parser.add_argument("--output", required=True, type=Path, metavar="FILE", help=output)
+    options.add_rows(parser, (
+        ("--start", list, "JOINT=RAD",
+         "where it begins, and holds the other joints (default: a pose that loads the joint)"),
+        ("--duration", float, "SECONDS", "about how long"),
+        ("--reach", float, "SHARE",
+         "share of the way from the start to the limits, 0 to 1 (default: 1)"),
+        ("--seed", int, "", "seed of the random numbers (default: 0)"),
+    ))  # fmt: skip
+    parser.set_defaults(reach=1.0, seed=0)
     options.add_common(parser)
 
 
@@ -130,9 +133,14 @@ def _of_arm(arguments: Namespace, motion: str) -> "Trajectory":
     start = _start(arguments.start, JOINTS, np.array(HOME)) if arguments.start else None
     with progress_bar("finding a motion within limits and free of contact") as progress:
         return clear_motion(
-            motion, arguments.joint, start, arguments.duration, arguments.reach, arguments.seed,
+            motion,
+            arguments.joint,
+            start,
+            arguments.duration,
+            arguments.reach,
+            arguments.seed,
             progress,
-        )  # fmt: skip
+        )
 
 
 def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
@@ -145,9 +153,14 @@ def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
     limits = Limits.within(model.range, model.joints)
     start = _start(arguments.start, model.joints, seen_pose(model, arguments.joint, limits))
     found = excite(
-        motion, model.joints, limits.around(start, arguments.reach), joint=arguments.joint,
-        start=start, duration=arguments.duration, seed=arguments.seed,
-    )  # fmt: skip
+        motion,
+        model.joints,
+        limits.around(start, arguments.reach),
+        joint=arguments.joint,
+        start=start,
+        duration=arguments.duration,
+        seed=arguments.seed,
+    )
     return Trajectory(found.time, found.q, found.qd, found.qdd, model.joints)
 
 
@@ -171,7 +184,6 @@ def _start(texts: "list[str]", joints: "Sequence[str]", usual: "Floats") -> "Flo
 def _write(path: Path, trajectory: "Trajectory", title: str) -> int:
     """Write the file, and return its size in bytes."""
     from lagrangian_ff.arm import write_trajectory
-    from lagrangian_ff.cli.common.trajectory_yaml import joint_trajectory_yaml
 
     with whole(path) as made:
         if path.suffix == ".csv":
@@ -185,20 +197,27 @@ def _record(arguments: Namespace, motion: str, trajectory: "Trajectory") -> dict
     from lagrangian_ff.diagnosis.excite import NEXT_MOTIONS
 
     chosen = NEXT_MOTIONS[motion]
-    q, speed = trajectory.q, abs(trajectory.qd)
+    q, speed, hardness = trajectory.q, abs(trajectory.qd), abs(trajectory.qdd)
+    columns = {
+        "start": q[0],
+        "low": q.min(axis=0),
+        "high": q.max(axis=0),
+        "fastest": speed.max(axis=0),
+        "hardest": hardness.max(axis=0),
+    }
     return {
-        "asked": arguments.what, "motion": motion, "joint": arguments.joint,
-        "seconds": trajectory.duration, "meaning": chosen.meaning, "by_hand": chosen.by_hand,
+        "asked": arguments.what,
+        "motion": motion,
+        "joint": arguments.joint,
+        "seconds": trajectory.duration,
+        "meaning": chosen.meaning,
+        "by_hand": chosen.by_hand,
         "joints": {
-            name: {
-                "start": float(q[0, n]), "low": float(q[:, n].min()), "high": float(q[:, n].max()),
-                "fastest": float(speed[:, n].max()),
-                "hardest": float(abs(trajectory.qdd[:, n]).max()),
-            }
+            name: {key: float(values[n]) for key, values in columns.items()}
             for n, name in enumerate(trajectory.joints)
         },
         "output": str(arguments.output),
-    }  # fmt: skip
+    }
 
 
 def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Console) -> None:
@@ -226,8 +245,6 @@ def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Conso
 
 
 def _say_publish(path: Path, size: int, console: Console) -> None:
-    from lagrangian_ff.cli.common.trajectory_yaml import LONGEST_ARGUMENT
-
     how = f'"$(cat {path})"' if size < LONGEST_ARGUMENT else f"--yaml-file {path}"
     console.say("next: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\")
     console.say(f"        trajectory_msgs/msg/JointTrajectory {how}")
@@ -236,3 +253,59 @@ def _say_publish(path: Path, size: int, console: Console) -> None:
             "the message is too long for an argument of the shell, and older ros2 topic pub have "
             "no --yaml-file: --duration makes it shorter"
         )
+
+
+def joint_trajectory_yaml(trajectory: "Trajectory", title: str) -> str:
+    """Return the message as `ros2 topic pub` takes it; the title becomes a comment.
+
+    Controllers that get positions, velocities and accelerations follow quintics between the
+    points, so that long smooth parts need few.
+    """
+    lines = [f"# {title}", f"joint_names: [{', '.join(trajectory.joints)}]", "points:"]
+    for k in _points(trajectory).tolist():
+        nanoseconds = round((trajectory.time[k] - trajectory.time[0]) * 1e9)
+        seconds, rest = divmod(nanoseconds, 1_000_000_000)
+        for mark, label, values in (
+            ("-", "positions", trajectory.q[k]),
+            (" ", "velocities", trajectory.qd[k]),
+            (" ", "accelerations", trajectory.qdd[k]),
+        ):
+            lines.append(f"{mark} {label}: [{', '.join(map(_number, values.tolist()))}]")
+        lines.append(f"  time_from_start: {{sec: {seconds}, nanosec: {rest}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    text = f"{value:.{_DIGITS}g}" if abs(value) > 1e-9 else "0.0"
+    # ROS takes 1 for a whole number and refuses it; YAML takes 1e-05 for a text.
+    if "e" in text:
+        text = f"{value:.12f}".rstrip("0")
+    return text if "." in text else f"{text}.0"
+
+
+def _points(trajectory: "Trajectory") -> "Ints":
+    """Return (P,) the points to keep: pieces of the motion are halved until the quintics fit."""
+    import numpy as np
+
+    kept = [0]
+    waiting = [(0, len(trajectory) - 1)] if len(trajectory) > 1 else []
+    while waiting:
+        first, last = waiting.pop()
+        if last - first > 1 and not _fits(trajectory, first, last):
+            middle = (first + last) // 2
+            waiting += [(middle, last), (first, middle)]
+        else:
+            kept.append(last)
+    return np.array(kept, dtype=np.int64)
+
+
+def _fits(trajectory: "Trajectory", first: int, last: int) -> bool:
+    import numpy as np
+
+    from lagrangian_ff.arm import Trajectory
+
+    ends, inner = [first, last], slice(first, last + 1)
+    t = trajectory
+    quintic = Trajectory(t.time[ends], t.q[ends], t.qd[ends], t.qdd[ends], t.joints)
+    q, _, _ = quintic.sample(trajectory.time[inner])
+    return bool(np.abs(q - trajectory.q[inner]).max() <= CLOSE)

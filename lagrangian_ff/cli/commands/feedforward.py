@@ -41,17 +41,16 @@ This is not a safety function: the controller that takes the torque must have it
 
 def add_arguments(parser: ArgumentParser) -> None:
     options.add_model(parser)
-    parser.add_argument(
-        "trajectory", type=Path, metavar="TRAJECTORY.csv", help="the motion, see below"
-    )
+    text = "the motion, see below"
+    parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY.csv", help=text)
     parser.add_argument(
         "--output", required=True, type=Path, metavar="TORQUE.csv", help="the CSV to write"
     )
-    options.add_list(
-        parser, "--without", "PART",
+    text = (
         "leave out parts of the torque: gravity, inertia, coriolis, friction, each with the "
-        "effects that go with it (docs/nodes.md), or an effect by its name, such as coulomb",
-    )  # fmt: skip
+        "effects that go with it (docs/nodes.md), or an effect by its name, such as coulomb"
+    )
+    options.add_list(parser, "--without", "PART", text)
     options.add_common(parser)
 
 

@@ -34,21 +34,18 @@ def run(arguments: Namespace) -> int:
     check_outputs(arguments, [arguments.model])
     options.load_own_effects(arguments, console)
     from lagrangian_ff.identification import Model
+    from lagrangian_ff.identification.history import History
 
     model = Model.load(arguments.model)
-    record = {
-        "model": str(arguments.model),
-        "model_name": model.name,
-        "steps": [dict(step) for step in model.steps],
-    }
+    found = History(str(arguments.model), model.name, model.history)
     if arguments.report is not None:
         from lagrangian_ff.report import history_page
 
         with whole(arguments.report) as path:
-            history_page(path, record)
-    write_record(arguments.json, record)
-    console.say(f"{arguments.model}: {model.name}")
-    say_history(record, console)
+            history_page(path, found)
+    write_record(arguments.json, found.record())
+    console.say(f"{found.file}: {found.model}")
+    say_history(found.steps, console)
     if arguments.report is not None:
         console.say(["", f"saved: {arguments.report}"])
     return 0

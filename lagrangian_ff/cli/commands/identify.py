@@ -1,6 +1,7 @@
 """`identify`: from recordings to a model file, and how good it is."""
 
 from argparse import ArgumentParser, Namespace
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,7 @@ from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
 from lagrangian_ff.cli.text.advice import FAIR, Findings, advice, usable
 from lagrangian_ff.cli.text.errors import verdict, worse_than
-from lagrangian_ff.cli.text.model import say_record
+from lagrangian_ff.cli.text.model import say_identified
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import Identification, Settings
@@ -58,51 +59,44 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--output", required=True, type=Path, metavar="MODEL.npz", help="the model file to write"
     )
-    parser.add_argument(
-        "--model", metavar="NAME", help="kernel and effects, see below (default: auto+fri)"
-    )
-    options.add_list(
-        parser, "--joints", "JOINT",
-        "learn these only, a,b or a b (default: all that were recorded)",
-    )  # fmt: skip
-    parser.add_argument("--urdf", type=Path, metavar="FILE",
-        help="the robot's description: its rigid bodies become part of the model, their masses "
-        "corrected from those of the file, and the kernel corrects the rest (needs the extra urdf)",
-    )  # fmt: skip
-    options.add_list(
-        parser, "--prismatic", "JOINT",
-        "these slide, in m and N, a,b or a b; auto, chain and energy need to know it, a URDF "
-        "says it itself (default: all turn)",
-    )  # fmt: skip
-    group = parser.add_argument_group("how it is learned and judged")
-    group.add_argument("--train", type=float, metavar="FRACTION",
-        help="the part of each recording to learn from, from its beginning (default: 2/3); with "
-        "1.0 all of it, and judged on blocks left out in turn")  # fmt: skip
-    group.add_argument("--samples", type=int, metavar="M",
-        help="training samples an exact model is built on, evenly spread (default: 500); the time "
-        "grows with the cube; more than 1500 of six joints turn to --landmarks")  # fmt: skip
-    group.add_argument("--landmarks", type=int, metavar="C",
-        help="build the kernel on C samples and learn from all of them, in time linear in the "
-        "recording; 0: an exact model of --samples (default: 0 for up to two minutes of training "
-        "motion, 300 for more)")  # fmt: skip
-    group.add_argument("--block", dest="block_seconds", type=float, metavar="SECONDS",
-        help="length of the blocks of cross-validation (default: 3)")  # fmt: skip
-    group.add_argument(
-        "--folds", type=int, help="in how many turns the blocks are left out (default: 5)"
-    )
-    group.add_argument("--selection", choices=("validation", "evidence"),
-        help="what hyperparameters are chosen by (default: validation, blocks left out)",
-    )  # fmt: skip
-    group.add_argument("--scale", choices=("auto", "joint", "common"),
-        help="joint: each torque counts by its own spread; common: one unit for all, so that the "
-        "torques derive from one Lagrangian; auto: whichever does better (default: auto)",
-    )  # fmt: skip
-    group.add_argument("--positive", action="store_true",
-        help="keep the mass matrix positive definite along the training motion, for simulation and "
-        "control with it; the joints then have one torque scale")  # fmt: skip
-    group.add_argument("--loss", choices=("square", "huber"),
-        help="what a residual costs: huber is for recordings with contacts or other gross errors, "
-        "which it weighs down and reports (default: square)")  # fmt: skip
+    options.add_rows(parser, (
+        ("--model", str, "NAME", "kernel and effects, see below (default: auto+fri)"),
+        ("--joints", list, "JOINT",
+         "learn these only, a,b or a b (default: all that were recorded)"),
+        ("--urdf", Path, "FILE",
+         "the robot's description: its rigid bodies become part of the model, their masses "
+         "corrected from those of the file, and the kernel corrects the rest (needs the extra "
+         "urdf)"),
+        ("--prismatic", list, "JOINT",
+         "these slide, in m and N, a,b or a b; auto, chain and energy need to know it, a URDF "
+         "says it itself (default: all turn)"),
+    ))  # fmt: skip
+    options.add_rows(parser.add_argument_group("how it is learned and judged"), (
+        ("--train", float, "FRACTION",
+         "the part of each recording to learn from, from its beginning (default: 2/3); with 1.0 "
+         "all of it, and judged on blocks left out in turn"),
+        ("--samples", int, "M",
+         "training samples an exact model is built on, evenly spread (default: 500); the time "
+         "grows with the cube; more than 1500 of six joints turn to "
+         "--inducing-points"),
+        ("--inducing-points --landmarks", int, "C",
+         "build the kernel on C samples and learn from all of them, in time linear in the "
+         "recording; 0: an exact model of --samples (default: 0 for up to two minutes of training "
+         "motion, 300 for more)"),
+        ("--block", float, "SECONDS", "length of the blocks of cross-validation (default: 3)"),
+        ("--folds", int, "", "in how many turns the blocks are left out (default: 5)"),
+        ("--selection", ("validation", "evidence"), "",
+         "what hyperparameters are chosen by (default: validation, blocks left out)"),
+        ("--scale", ("auto", "joint", "common"), "",
+         "joint: each torque counts by its own spread; common: one unit for all, so that the "
+         "torques derive from one Lagrangian; auto: whichever does better (default: auto)"),
+        ("--positive", bool, "",
+         "keep the mass matrix positive definite along the training motion, for simulation and "
+         "control with it; the joints then have one torque scale"),
+        ("--loss", ("square", "huber"), "",
+         "what a residual costs: huber is for recordings with contacts or other gross errors, "
+         "which it weighs down and reports (default: square)"),
+    ))  # fmt: skip
     options.add_reading(parser)
     options.add_common(parser)
 
@@ -132,31 +126,25 @@ def run(arguments: Namespace) -> int:
     with whole(arguments.output) as path:
         found.model.save(path)
     write_record(arguments.json, found.record)
-    for note in _own_notes(found, readings):
-        console.note(note, "  ")
+    known = {note for reading in readings for note in reading.motion.notes}  # they are out already
+    for note in found.model.identified.notes:
+        if note not in known:
+            console.note(note, "  ")
     _say(found, readings, arguments.output, console)
     return 0
-
-
-def _own_notes(found: "Identification", readings: list[sources.Reading]) -> list[str]:
-    """Return the notes of the identification itself; those of the recordings are out already."""
-    known = {note for reading in readings for note in reading.motion.notes}
-    notes = found.record["notes"]
-    assert isinstance(notes, list)
-    return [note for note in notes if note not in known]
 
 
 def _settings(arguments: Namespace) -> "Settings":
     from lagrangian_ff.identification import Settings
     from lagrangian_ff.identification.spec import parse, require_sliding
 
-    known = (
-        "model", "train", "samples", "block_seconds", "folds", "selection", "scale", "positive",
-        "landmarks", "loss",
-    )  # fmt: skip
-    given = {name: getattr(arguments, name) for name in known}
+    known = {field.name for field in fields(Settings)}
+    given = {name: v for name, v in vars(arguments).items() if name in known and v is not None}
     given["prismatic"] = options.names(arguments.prismatic)
-    settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    for option, name in (("block", "block_seconds"), ("inducing_points", "landmarks")):
+        if (value := getattr(arguments, option)) is not None:
+            given[name] = value
+    settings = Settings(**given)
     settings.check()
     require_sliding(parse(settings.model), settings.prismatic, known=arguments.urdf is not None)
     return settings
@@ -165,8 +153,8 @@ def _settings(arguments: Namespace) -> "Settings":
 def _say(
     found: "Identification", readings: list[sources.Reading], output: Path, console: Console
 ) -> None:
-    say_record(found.record, console)
-    held_out = found.held_out
+    identified, held_out = found.model.identified, found.held_out
+    say_identified(identified, console)
     away = sources.out_of_range(found.model, held_out.time, (held_out.q, held_out.qd, held_out.qdd))
     still = tuple(
         dict.fromkeys(
@@ -174,11 +162,11 @@ def _say(
         )
     )
     console.say()
-    console.paragraph(f"{verdict(found.record)} {usable(found.record)}")
-    for text in advice(Findings(found.record, away.share, away.worst, still)):
+    console.paragraph(f"{verdict(identified.score)} {usable(identified.score)}")
+    for text in advice(Findings(identified, away.share, away.worst, still)):
         console.bullet(text)
     console.say(f"saved: {output}")
-    if not worse_than(found.record, FAIR):
+    if not worse_than(identified.score, FAIR):
         console.say(f"""next:
   lagrangian_ff compare {output} OTHER_RECORDING      where does it fail?
   lagrangian_ff diagnose {output} OTHER_RECORDING     what is missing in it?

@@ -8,7 +8,7 @@ from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, write_record
 from lagrangian_ff.cli.common.sources import read, say_inspection
-from lagrangian_ff.cli.text.model import range_table, say_record
+from lagrangian_ff.cli.text.model import range_table, say_identified
 from lagrangian_ff.errors import RecordingError
 
 NAME = "info"
@@ -55,11 +55,10 @@ def _model(path: Path, console: Console) -> dict[str, object]:
 
     model = Model.load(path)
     console.say(f"{path}: model {model.name} of {', '.join(model.joints)}")
-    sources = model.record.get("sources")
-    if isinstance(sources, list):
-        console.say(f"identified from {', '.join(map(str, sources))}")
+    if model.identified.sources:
+        console.say(f"identified from {', '.join(model.identified.sources)}")
     console.say()
-    say_record(model.record, console)
+    say_identified(model.identified, console)
     console.say(["", "the motion it was identified on"])
     console.say(range_table(model.range, model.joints))
     return {"kind": "model", "joint_names": list(model.joints), **model.record}

@@ -47,8 +47,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--terms", action="store_true", help="with --output: the parts of the torque too"
     )
-    parser.add_argument("--intervals", action="store_true",
-        help="how sure the model is: a 90 %% interval of every torque")  # fmt: skip
+    parser.add_argument(
+        "--intervals",
+        action="store_true",
+        help="how sure the model is: a 90 %% interval of every torque",
+    )
     options.add_reading(parser)
     options.add_common(parser)
 
@@ -71,17 +74,16 @@ def run(arguments: Namespace) -> int:
     if arguments.output is not None:
         parts = _parts(model, comparison, terms=arguments.terms)
         write_table(arguments.output, motion.time, parts, model.joints)
-    record = {"model": str(arguments.model), **comparison.record()}
-    write_record(arguments.json, record)
+    write_record(arguments.json, {"model": str(arguments.model), **comparison.record()})
     console.say(f"{arguments.model} ({model.name}) on {motion.source}")
-    say_errors(record, console)
+    say_errors(comparison.score, console)
     away = out_of_range(model, motion.time, (motion.q, motion.qd, motion.qdd))
     then = "There it guesses; identify from this recording too if such motions matter"
     away.warn("motion", "the model", f": {away.when()}. {then}", console)
     if comparison.interval is not None:
-        console.paragraph(covered(record))
-        if record["too_sure"]:
-            console.note(str(record["too_sure"]))
+        console.paragraph(covered(comparison.interval))
+        if comparison.warning:
+            console.note(comparison.warning)
     if arguments.output is not None:
         console.say(f"saved: {arguments.output}")
     return 0

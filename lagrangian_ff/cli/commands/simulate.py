@@ -40,31 +40,30 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--output", required=True, type=Path, metavar="BAG", help="the bag folder to write"
     )
     group = parser.add_argument_group("the motion")
-    group.add_argument("--speed", type=int, choices=range(1, 11), metavar="1..10",
-        help=f"speed of an exciting trajectory through the workspace (default: {simulated.SPEED})",
-    )  # fmt: skip
-    group.add_argument("--seed", type=int, default=0,
-        help="seed of that trajectory and of the sensors' noise (default: 0)")  # fmt: skip
-    group.add_argument("--duration", type=float, metavar="SECONDS",
-        help="length of that trajectory (default: 30 to 40)")  # fmt: skip
-    group.add_argument("--trajectory", type=Path, metavar="FILE.csv", help="drive this one instead")
-    group.add_argument(
-        "--save-trajectory", type=Path, metavar="FILE.csv", help="write the reference as CSV"
+    speed = f"speed of an exciting trajectory through the workspace (default: {simulated.SPEED})"
+    group.add_argument("--speed", type=int, choices=range(1, 11), metavar="1..10", help=speed)
+    options.add_rows(
+        group,
+        [
+            ("--seed", int, "", "seed of that trajectory and of the sensors' noise (default: 0)"),
+            ("--duration", float, "SECONDS", "length of that trajectory (default: 30 to 40)"),
+            ("--trajectory", Path, "FILE.csv", "drive this one instead"),
+            ("--save-trajectory", Path, "FILE.csv", "write the reference as CSV"),
+        ],
     )
     group = parser.add_argument_group("the arm")
-    options.add_list(
-        group, "--loads", "JOINT=KG",
-        "masses on the links that these joints move, or `paper` for 2.5 kg and 1 kg on the "
-        "first two",
-    )  # fmt: skip
-    options.add_list(
-        group, "--hidden", "EFFECT@JOINT:SIZE",
-        "physics that the arm's description does not mention, such as stribeck@joint_3:0.1; "
-        "SIZE is its torque (rms) over that of the joint",
-    )  # fmt: skip
-    group.add_argument("--feedforward", default="none", metavar="none|true|MODEL.npz|TORQUE.csv",
-        help="torque added to the position loop: none, the arm's own true torque, that of a model, "
-        "or that of a CSV of the command feedforward (default: none)")  # fmt: skip
+    options.add_rows(group, (
+        ("--loads", list, "JOINT=KG",
+         "masses on the links that these joints move, or `paper` for 2.5 kg and 1 kg on the first "
+         "two"),
+        ("--hidden", list, "EFFECT@JOINT:SIZE",
+         "physics that the arm's description does not mention, such as stribeck@joint_3:0.1; "
+         "SIZE is its torque (rms) over that of the joint"),
+        ("--feedforward", str, "none|true|MODEL.npz|TORQUE.csv",
+         "torque added to the position loop: none, the arm's own true torque, that of a model, or "
+         "that of a CSV of the command feedforward (default: none)"),
+    ))  # fmt: skip
+    parser.set_defaults(seed=0, feedforward="none")
     options.add_common(parser)
 
 
@@ -85,9 +84,13 @@ def run(arguments: Namespace) -> int:
     with progress_bar("simulating") as progress:
         try:
             done = simulate(
-                trajectory, feedforward, loads=PAPER_LOADS if paper else given, **inside.arm,
-                seed=arguments.seed, progress=progress,
-            )  # fmt: skip
+                trajectory,
+                feedforward,
+                loads=PAPER_LOADS if paper else given,
+                **inside.arm,
+                seed=arguments.seed,
+                progress=progress,
+            )
         except ArmError as error:
             raise ArmError(f"{source}: {error}" if source else str(error)) from error
     with whole(arguments.output) as path, progress_bar("writing") as progress:
@@ -124,14 +127,18 @@ def _check_arguments(arguments: Namespace) -> None:
 def _record(done: "Run", inside: simulated.Hidden, arguments: Namespace) -> dict[str, Any]:
     error = done.tracking_error
     return {
-        "bag": str(arguments.output), "feedforward": arguments.feedforward, "seed": arguments.seed,
-        "hidden": list(inside.records), "seconds": float(done.recording.time[-1]), **_sizes(error),
+        "bag": str(arguments.output),
+        "feedforward": arguments.feedforward,
+        "seed": arguments.seed,
+        "hidden": list(inside.records),
+        "seconds": float(done.recording.time[-1]),
+        **_sizes(error),
         "joints": {
             name: {**_sizes(error[:, n]), "saturated": float(done.saturated[:, n].mean())}
             for n, name in enumerate(done.recording.joints)
         },
         "unit": "rad",
-    }  # fmt: skip
+    }
 
 
 def _sizes(error: Any) -> dict[str, float]:

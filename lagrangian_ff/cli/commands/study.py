@@ -5,7 +5,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from lagrangian_ff.cli.common.console import Console, progress_bar
-from lagrangian_ff.cli.common.options import add_common, check_seed, names
+from lagrangian_ff.cli.common.options import add_common, add_rows, check_seed, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record
 from lagrangian_ff.studies.catalogue import STUDIES, study_class
 
@@ -37,33 +37,29 @@ Interrupt it with Ctrl-C; the same command continues where it stopped."""
 
 def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("study", metavar="NAME", help=", ".join(STUDIES))
-    parser.add_argument("--output", type=Path, metavar="FOLDER",
-        help="default: study_NAME; made if it is missing")  # fmt: skip
+    add_rows(parser, [("--output", Path, "FOLDER", "default: study_NAME; made if it is missing")])
     parser.add_argument(
         "--quick", "--small", action="store_true", help="a small study, to see it work"
     )
-    parser.add_argument(
-        "--seed", type=int, default=0, help="seed of all random numbers (default: 0)"
-    )
-    parser.add_argument(
-        "--robots", type=int, metavar="N", help="how many random robots of each kind"
-    )
-    parser.add_argument("--models", nargs="+", default=[], metavar="MODEL",
-        help="only these, as in vrbfs or motor+fri")  # fmt: skip
-    parser.add_argument(
-        "--cases", default="*", metavar="PATTERN", help="only the cases of this name, with * and ?"
-    )
-    parser.add_argument("--list", action="store_true", help="only name the cases")
-    parser.add_argument(
-        "--keep", action="store_true", help="keep the recordings, and use those that are there"
-    )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--jobs", type=int, metavar="N", help="processes of one thread (default: the processors)"
-    )
-    where.add_argument(
-        "--scheduler", metavar="ADDRESS", help="address of a Dask cluster that does the work"
-    )
+    before = [
+        ("--seed", int, "", "seed of all random numbers (default: 0)"),
+        ("--robots", int, "N", "how many random robots of each kind"),
+    ]
+    add_rows(parser, before)
+    models = "only these, as in vrbfs or motor+fri"
+    parser.add_argument("--models", nargs="+", default=[], metavar="MODEL", help=models)
+    after = [
+        ("--cases", str, "PATTERN", "only the cases of this name, with * and ?"),
+        ("--list", bool, "", "only name the cases"),
+        ("--keep", bool, "", "keep the recordings, and use those that are there"),
+    ]
+    add_rows(parser, after)
+    workers = [
+        ("--jobs", int, "N", "processes of one thread (default: the processors)"),
+        ("--scheduler", str, "ADDRESS", "address of a Dask cluster that does the work"),
+    ]
+    add_rows(parser.add_mutually_exclusive_group(), workers)
+    parser.set_defaults(seed=0, cases="*")
     add_common(parser, effects=False)
 
 
@@ -81,9 +77,13 @@ def run(arguments: Namespace) -> int:
 
     output: Path = arguments.output or Path(f"study_{arguments.study}")
     request = Request(
-        seed=arguments.seed, quick=arguments.quick, only=arguments.cases, robots=arguments.robots,
-        models=names(arguments.models), keep=arguments.keep,
-    )  # fmt: skip
+        seed=arguments.seed,
+        quick=arguments.quick,
+        only=arguments.cases,
+        robots=arguments.robots,
+        models=names(arguments.models),
+        keep=arguments.keep,
+    )
     study = kind(request, output)
     if arguments.list:
         console.say(case.name for case in study.cases())

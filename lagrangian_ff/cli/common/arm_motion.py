@@ -24,9 +24,14 @@ _REACH = 0.5  # of the range, that poses are drawn from
 
 
 def clear_motion(
-    motion: str, joint: str | None, start: "Floats | None" = None, duration: float | None = None,
-    reach: float = 1.0, seed: int = 0, progress: Progress = silent,
-) -> "Trajectory":  # fmt: skip
+    motion: str,
+    joint: str | None,
+    start: "Floats | None" = None,
+    duration: float | None = None,
+    reach: float = 1.0,
+    seed: int = 0,
+    progress: Progress = silent,
+) -> "Trajectory":
     """Return the widest motion that the arm can follow; poses that load the joint come first.
 
     Args:
@@ -45,7 +50,8 @@ def clear_motion(
     """
     import numpy as np
 
-    from lagrangian_ff.arm import HOME, JOINTS, check_limits
+    from lagrangian_ff.arm import HOME, JOINTS, Trajectory, check_limits
+    from lagrangian_ff.diagnosis.excite import excite
 
     home = np.array(HOME) if start is None else start
     poses = [home] if start is not None or joint is None else _poses(joint)
@@ -58,7 +64,18 @@ def clear_motion(
         begin = np.clip(home, limits.q_low, limits.q_high) if start is None else home
         held = pose if start is None else None
         for tempo in TEMPOS:
-            trajectory = _made(motion, joint, limits.gentler(tempo), begin, held, duration, seed)
+            gentle = limits.gentler(tempo)
+            made = excite(
+                motion,
+                JOINTS,
+                gentle,
+                joint=joint,
+                start=begin,
+                pose=held,
+                duration=duration,
+                seed=seed,
+            )
+            trajectory = Trajectory(made.time, made.q, made.qd, made.qdd, JOINTS)
             if not _too_hard(trajectory):
                 break
         else:
@@ -100,19 +117,6 @@ def _poses(joint: str) -> "list[Floats]":
     load = np.abs(true_torque(drawn, still, still, friction=False)[:, JOINTS.index(joint)])
     heaviest = np.argsort(-load, kind="stable")[:_TRIED]
     return [*drawn[heaviest], np.array(HOME)]
-
-
-def _made(
-    motion: str, joint: str | None, limits: "Limits", start: "Floats", pose: "Floats | None",
-    duration: float | None, seed: int,
-) -> "Trajectory":  # fmt: skip
-    from lagrangian_ff.arm import JOINTS, Trajectory
-    from lagrangian_ff.diagnosis.excite import excite
-
-    found = excite(
-        motion, JOINTS, limits, joint=joint, start=start, pose=pose, duration=duration, seed=seed
-    )
-    return Trajectory(found.time, found.q, found.qd, found.qdd, JOINTS)
 
 
 def _too_hard(trajectory: "Trajectory") -> bool:

@@ -36,11 +36,14 @@ class Console:
         """Print a text wrapped to the terminal; file names stay whole."""
         self.say(
             textwrap.wrap(
-                text, width=self._width, initial_indent=indent,
-                subsequent_indent=indent if hanging is None else hanging, break_long_words=False,
+                text,
+                width=self._width,
+                initial_indent=indent,
+                subsequent_indent=indent if hanging is None else hanging,
+                break_long_words=False,
                 break_on_hyphens=False,
             )
-        )  # fmt: skip
+        )
 
     def bullet(self, text: str) -> None:
         """Print an item of a list."""
@@ -91,9 +94,12 @@ def _bar(title: str) -> Iterator[Progress]:
     from rich import console, progress
 
     columns = (
-        progress.SpinnerColumn(), progress.TextColumn("{task.description}", markup=False),
-        progress.BarColumn(), progress.TaskProgressColumn(), progress.TimeElapsedColumn(),
-    )  # fmt: skip
+        progress.SpinnerColumn(),
+        progress.TextColumn("{task.description}", markup=False),
+        progress.BarColumn(),
+        progress.TaskProgressColumn(),
+        progress.TimeElapsedColumn(),
+    )
     terminal = console.Console(stderr=True)
     with progress.Progress(*columns, console=terminal, transient=True) as bars:
         task = bars.add_task(title, total=1.0)

@@ -2,10 +2,10 @@
 
 import warnings
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.errors import UserError
@@ -23,6 +23,40 @@ SOURCE_HELP = (
 )
 
 
+Row = tuple[str, Callable[[str], object] | tuple[str, ...], str, str]
+"""An option: its flag, kind, the name of its value and its help."""
+
+
+def add_rows(where: "_ActionsContainer", rows: Iterable[Row], **how: Any) -> None:
+    """Declare options.
+
+    Args:
+        where: parser or group.
+        rows: the kind is the type of the value, its choices, bool for a switch without one, or
+            list for several values, given at once or in turn; a flag with a type may have other
+            names behind it.
+        how: further arguments of `add_argument`, for all that have one value.
+    """
+    for flag, kind, metavar, text in rows:
+        if kind is list:
+            add_list(where, flag, metavar, text)
+        elif kind is bool:
+            where.add_argument(flag, action="store_true", help=text)
+        elif isinstance(kind, tuple):
+            where.add_argument(flag, choices=kind, help=text, **how)
+        else:
+            where.add_argument(*flag.split(), type=kind, metavar=metavar or None, help=text, **how)
+
+
+def add_list(
+    where: "_ActionsContainer", option: str, metavar: str, help_: str, kind: type = str
+) -> None:
+    """Declare an option that takes several values and may be given several times."""
+    where.add_argument(
+        option, type=kind, nargs="+", action="extend", default=[], metavar=metavar, help=help_
+    )
+
+
 def add_model(parser: ArgumentParser, help_: str = "a model file of identify") -> None:
     """Declare MODEL."""
     parser.add_argument("model", type=Path, metavar="MODEL", help=help_)
@@ -36,63 +70,46 @@ def add_sources(parser: ArgumentParser, together: str) -> None:
 
 def add_report(parser: ArgumentParser) -> None:
     """Declare --report."""
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="write a page with interactive figures"
-    )
+    add_rows(parser, [("--report", Path, "FILE.html", "write a page with interactive figures")])
 
 
 def add_reading(parser: ArgumentParser) -> None:
     """Declare --topic and the options of the chain from a recording to a motion."""
     add_topic(parser)
-    group = parser.add_argument_group("how the recording is made ready")
-    add_list(
-        group, "--effort-scale", "JOINT=VALUE",
-        "N·m per unit of effort, if the driver reports current or the other sign; "
-        "1 for joints not named",
-    )  # fmt: skip
-    add_list(
-        group, "--effort-offset", "JOINT=VALUE",
-        "N·m added to the torque after scaling; 0 for joints not named",
-    )  # fmt: skip
-    group.add_argument("--bandwidth", type=float, metavar="HZ",
-        help="cut-off of the low-pass on position and torque (default: 25; lower for slow "
-        "recordings)")  # fmt: skip
-    group.add_argument("--rate", type=float, metavar="HZ",
-        help="sample rate of the motion that is made (default: that of the recording)")  # fmt: skip
-    group.add_argument("--clock", choices=("auto", "stamps", "steady"),
-        help="stamps: believe the stamps; steady: samples were taken by a steady clock and stamped "
-        "late; auto: whichever the motion follows (default: auto)")  # fmt: skip
-
-
-def add_list(
-    where: "_ActionsContainer", option: str, metavar: str, help_: str, kind: type = str
-) -> None:
-    """Declare an option that takes several values and may be given several times."""
-    where.add_argument(
-        option, type=kind, nargs="+", action="extend", default=[], metavar=metavar, help=help_
-    )
+    add_rows(parser.add_argument_group("how the recording is made ready"), (
+        ("--effort-scale", list, "JOINT=VALUE", "N·m per unit of effort, if the driver reports "
+         "current or the other sign; 1 for joints not named"),
+        ("--effort-offset", list, "JOINT=VALUE",
+         "N·m added to the torque after scaling; 0 for joints not named"),
+        ("--bandwidth", float, "HZ", "cut-off of the low-pass on position and torque (default: 25; "
+         "lower for slow recordings)"),
+        ("--rate", float, "HZ",
+         "sample rate of the motion that is made (default: that of the recording)"),
+        ("--clock", ("auto", "stamps", "steady"), "", "stamps: believe the stamps; steady: samples "
+         "were taken by a steady clock and stamped late; auto: whichever the motion follows "
+         "(default: auto)"),
+    ))  # fmt: skip
 
 
 def add_topic(parser: ArgumentParser) -> None:
     """Declare --topic."""
-    parser.add_argument(
-        "--topic", metavar="T", help="the JointState topic of a bag that holds several"
-    )
+    add_rows(parser, [("--topic", str, "T", "the JointState topic of a bag that holds several")])
 
 
 def add_common(parser: ArgumentParser, *, effects: bool = True) -> None:
     """Declare --effects-file, unless effects play no part, --json and --force."""
     if effects:
-        parser.add_argument("--effects-file", type=Path, action="append", default=[],
-            metavar="FILE.py",
-            help="a Python file that defines your own effects (see lagrangian_ff effects --help); "
-            "may be given several times")  # fmt: skip
-    parser.add_argument("--json", metavar="FILE",
-        help="write the findings as JSON; - for standard output (the text then goes to standard "
-        "error)")  # fmt: skip
-    parser.add_argument(
-        "--force", action="store_true", help="replace output files that exist already"
-    )
+        text = (
+            "a Python file that defines your own effects (see lagrangian_ff effects --help); may "
+            "be given several times"
+        )
+        row = ("--effects-file", Path, "FILE.py", text)
+        add_rows(parser, [row], action="append", default=[])
+    add_rows(parser, (
+        ("--json", str, "FILE", "write the findings as JSON; - for standard output (the text then "
+         "goes to standard error)"),
+        ("--force", bool, "", "replace output files that exist already"),
+    ))  # fmt: skip
 
 
 def names(texts: Sequence[str]) -> tuple[str, ...]:

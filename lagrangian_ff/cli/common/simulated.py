@@ -198,11 +198,14 @@ def hidden(asked: Sequence[Wanted], recording: int) -> Hidden:
         parts.append(part)
         records.append(
             {
-                "effect": one.effect.name, "joint": JOINTS[one.joint],
-                "size": size(one.effect, part, site), "wanted": one.size,
-                "physics": one.effect.physics, "facts": dict(part.facts),
+                "effect": one.effect.name,
+                "joint": JOINTS[one.joint],
+                "size": size(one.effect, part, site),
+                "wanted": one.size,
+                "physics": one.effect.physics,
+                "facts": dict(part.facts),
             }
-        )  # fmt: skip
+        )
     attached = [part.attached for part in parts if part.attached is not None]
     if len(attached) > 1:
         raise UserError("--hidden: the arm can take up one load only; name one payload")

@@ -67,12 +67,12 @@ def require_same_joints(recordings: Sequence["Recording"]) -> None:
     for other in recordings[1:]:
         if set(other.joints) != set(first.joints):
             common = [name for name in first.joints if name in other.joints]
+            shared = f"use those of both: --joints {','.join(common)}"
             raise RecordingError(
                 f"{first.source} holds the joints {', '.join(first.joints)}, but {other.source} "
                 f"holds {', '.join(other.joints)}; "
-                + (f"use those of both: --joints {','.join(common)}" if common
-                   else "they share none: identify them apart")
-            )  # fmt: skip
+                f"{shared if common else 'they share none: identify them apart'}"
+            )
 
 
 @dataclass(frozen=True)
@@ -95,13 +95,10 @@ class LoadedModel:
     def of(cls, arguments: Namespace, console: Console) -> "LoadedModel":
         """Load the model as `Model.load` does, and say how efforts are scaled."""
         from lagrangian_ff.identification import Model
-        from lagrangian_ff.recording import Conditioning
 
         model = Model.load(arguments.model)
-        conditioning = conditioning_of(
-            arguments, Conditioning.from_record(model.record.get("conditioning"))
-        )
-        console.say(scaling(conditioning.record()))
+        conditioning = conditioning_of(arguments, model.identified.conditioning)
+        console.say(scaling(conditioning))
         return cls(model, arguments.model, conditioning, arguments.topic)
 
     def motions(self, sources: Iterable[Path], console: Console) -> "list[Motion]":

@@ -1,11 +1,15 @@
 """Advice on the result of an identification: one small rule each."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.text.effects import negative_friction
-from lagrangian_ff.cli.text.errors import grade, worse_than
+from lagrangian_ff.cli.text.errors import worse_than
+from lagrangian_ff.words import grade
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification.records import Identified, Score
 
 FAIR, GOOD = 0.2, 0.05
 SHORT_SECONDS = 20.0
@@ -17,13 +21,13 @@ class Findings:
     """The input of the rules.
 
     Attributes:
-        record: of the identification.
+        identified: of the identification itself.
         outside: share of the judged motion outside the range of the training motion.
         worst: the joint and quantity farthest outside, in words.
         still: joints that did not move.
     """
 
-    record: Mapping[str, Any]
+    identified: "Identified"
     outside: float = 0.0
     worst: str = ""
     still: tuple[str, ...] = ()
@@ -31,12 +35,12 @@ class Findings:
     @property
     def weak(self) -> list[str]:
         """Return the joints that are not even fair."""
-        return worse_than(self.record, FAIR)
+        return worse_than(self.identified.score, FAIR)
 
     @property
     def apart(self) -> bool:
         """Return whether the error is of motion that came after the training part."""
-        return float(self.record["settings"]["train"]) < 1.0
+        return self.identified.settings.train < 1.0
 
 
 def _outside(found: Findings) -> str | None:
@@ -46,7 +50,7 @@ def _outside(found: Findings) -> str | None:
         f"{found.outside:.0%} of the held-out motion lies outside what was trained on "
         f"({found.worst}). There the model guesses"
     )
-    if not worse_than(found.record, GOOD):
+    if not worse_than(found.identified.score, GOOD):
         return f"{text}, well so far."
     return (
         f"{text}, and this alone can make the error large. Learn from the whole recording with "
@@ -56,8 +60,8 @@ def _outside(found: Findings) -> str | None:
 
 
 def _changed(found: Findings) -> str | None:
-    inside = found.record["validation"]["nmse"]
-    if not found.apart or found.outside > 0.05 or inside is None or not found.weak:
+    inside = found.identified.validation.mean_nmse
+    if not found.apart or found.outside > 0.05 or not found.weak:
         return None
     if grade(inside) not in ("very good", "good"):
         return None
@@ -69,7 +73,7 @@ def _changed(found: Findings) -> str | None:
 
 
 def _short(found: Findings) -> str | None:
-    seconds = float(found.record["training_seconds"])
+    seconds = found.identified.training_seconds
     if not found.weak or seconds >= SHORT_SECONDS:
         return None
     more = " or use more of it with --train 1.0" if found.apart else ""
@@ -80,22 +84,20 @@ def _short(found: Findings) -> str | None:
 
 
 def _few(found: Findings) -> str | None:
-    settings = found.record["settings"]
-    few = settings["samples"] < FEW_SAMPLES and found.record["samples"] == settings["samples"]
-    if not few or not worse_than(found.record, GOOD):
+    asked, samples = found.identified.settings.samples, found.identified.samples
+    if asked >= FEW_SAMPLES or samples != asked or not worse_than(found.identified.score, GOOD):
         return None
-    return f"Only {settings['samples']} samples were used: --samples 500 usually lowers the error."
+    return f"Only {samples} samples were used: --samples 500 usually lowers the error."
 
 
 def _no_friction(found: Findings) -> str | None:
-    if found.record["effects"] or not worse_than(found.record, GOOD):
+    if found.identified.effects or not worse_than(found.identified.score, GOOD):
         return None
-    model = found.record["model"]
-    return f"The model has no friction, most arms have: try --model {model}+fri."
+    return f"The model has no friction, most arms have: try --model {found.identified.model}+fri."
 
 
 def _traded(found: Findings) -> str | None:
-    _, joints = negative_friction(found.record["effects"])
+    _, joints = negative_friction(found.identified.effects)
     if not joints:
         return None
     return (
@@ -106,10 +108,11 @@ def _traded(found: Findings) -> str | None:
 
 
 def _driving(found: Findings) -> str | None:
-    joints, _ = negative_friction(found.record["effects"])
+    joints, _ = negative_friction(found.identified.effects)
     if not joints:
         return None
-    known = (found.record.get("conditioning") or {}).get("effort_scale") or {}
+    conditioning = found.identified.conditioning
+    known = conditioning.effort_scale if conditioning else {}
     flips = " ".join(f"{joint}={-known.get(joint, 1.0):g}" for joint in joints)
     return (
         f"The friction found on {', '.join(joints)} drives the motion instead of braking it. "
@@ -139,15 +142,23 @@ def _unknown_cause(found: Findings) -> str | None:
 
 
 RULES: tuple[Callable[[Findings], str | None], ...] = (
-    _outside, _changed, _short, _few, _no_friction, _driving, _traded, _still, _unknown_cause,
-)  # fmt: skip
+    _outside,
+    _changed,
+    _short,
+    _few,
+    _no_friction,
+    _driving,
+    _traded,
+    _still,
+    _unknown_cause,
+)
 
 
-def usable(record: Mapping[str, Any]) -> str:
+def usable(score: "Score") -> str:
     """Return whether feedforward with the model is recommended."""
-    if weak := worse_than(record, FAIR):
+    if weak := worse_than(score, FAIR):
         return f"Do not drive {', '.join(weak)} with it."
-    if worse_than(record, GOOD):
+    if worse_than(score, GOOD):
         return "Feedforward with it helps, less on the joints that are only fair."
     return "Feedforward with it should take away most of the tracking error."
 

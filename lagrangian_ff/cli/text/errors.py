@@ -1,14 +1,16 @@
 """The errors of a model in text: the table, its meaning, and the regions."""
 
-import math
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console, table
 from lagrangian_ff.numbers import number
+from lagrangian_ff.words import GRADES, grade
 
-GRADES = ((0.01, "very good"), (0.05, "good"), (0.2, "fair"), (0.5, "poor"))
-"""The nmse up to which each word holds; above the last it is `bad`."""
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis.compare import Interval
+    from lagrangian_ff.diagnosis.where import Localisation
+    from lagrangian_ff.identification import Score
 
 LEGEND = (
     "rmse: typical error of the predicted torque. nmse: its square over the variance of the "
@@ -27,43 +29,28 @@ MOST = 12
 NOWHERE = "nowhere in particular: the error is spread evenly over the motion"
 
 
-def grade(nmse: float | None) -> str:
-    """Return an nmse as a word."""
-    if nmse is None or not math.isfinite(nmse):
-        return "not judged: its torque did not vary"
-    return next((word for limit, word in GRADES if nmse <= limit), "bad")
+def error_table(score: "Score", half: Mapping[str, float] | None = None) -> list[str]:
+    """Return the error of each joint and of all.
 
-
-def error_table(record: Mapping[str, Any]) -> list[str]:
-    """Return the error of each joint and of all, from `joints`, `rmse` and `nmse` of a record.
-
-    A robust model has one more column, the error that outliers do not move; see `medians`.
+    Args:
+        score: the errors.
+        half: the median error of each joint in N·m, which outliers do not move; of robust models.
     """
-    half = medians(record)
     rows = [
-        [name, number(error["rmse"]), *([number(half[name])] if half else []),
-         number(error["nmse"]), grade(error["nmse"])]
-        for name, error in record["joints"].items()
-    ]  # fmt: skip
+        [name, number(rmse), *([number(half[name])] if half else []), number(nmse), grade(nmse)]
+        for name, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)
+    ]
     blank = [""] if half else []
-    rows.append(["all joints", number(record["rmse"]), *blank, number(record["nmse"]), ""])
+    rows.append(["all joints", number(score.total), *blank, number(score.mean_nmse), ""])
     header = ["half below [N·m]"] if half else []
     return table(["joint", "rmse [N·m]", *header, "nmse", "in words"], rows)
 
 
-def medians(record: Mapping[str, Any]) -> dict[str, float]:
-    """Return by joint the median error of held-out torques; empty unless the loss is robust."""
-    joints = record.get("outliers", {}).get("joints", {})
-    return {
-        name: one["held_out_median"] for name, one in joints.items() if "held_out_median" in one
-    }
-
-
-def verdict(record: Mapping[str, Any]) -> str:
+def verdict(score: "Score") -> str:
     """Return in one sentence whether the model is good or bad, and on which joints."""
     words: dict[str, list[str]] = {}
-    for name, error in record["joints"].items():
-        words.setdefault(grade(error["nmse"]), []).append(name)
+    for name, nmse in zip(score.joints, score.nmse, strict=True):
+        words.setdefault(grade(nmse), []).append(name)
     if len(words) == 1:
         return f"The model is {next(iter(words))} on every joint."
     order = [*(word for _, word in GRADES), "bad", grade(None)]
@@ -71,33 +58,30 @@ def verdict(record: Mapping[str, Any]) -> str:
     return f"The model is {'; '.join(parts)}."
 
 
-def covered(record: Mapping[str, Any]) -> str:
+def covered(interval: "Interval") -> str:
     """Return in one sentence which share of the measured torques lies inside the intervals."""
-    shares = ", ".join(f"{share:.0%} of {name}" for name, share in record["covered"].items())
+    found = zip(interval.joints, interval.covered, strict=True)
+    shares = ", ".join(f"{share:.0%} of {name}" for name, share in found)
     return f"Of the measured torques, {shares} lie inside the model's 90 % intervals."
 
 
-def worse_than(record: Mapping[str, Any], nmse: float) -> list[str]:
+def worse_than(score: "Score", nmse: float) -> list[str]:
     """Return the joints whose nmse is above this."""
-    return [
-        name
-        for name, error in record["joints"].items()
-        if error["nmse"] is not None and math.isfinite(error["nmse"]) and error["nmse"] > nmse
-    ]
+    return [name for name, one in zip(score.joints, score.nmse, strict=True) if one > nmse]
 
 
-def say_errors(record: Mapping[str, Any], console: Console) -> None:
+def say_errors(score: "Score", console: Console) -> None:
     """Print the errors of a comparison, what they mean, and whether they are good or bad."""
-    console.say(error_table(record))
+    console.say(error_table(score))
     console.paragraph(LEGEND, "  ")
     console.say()
-    console.paragraph(verdict(record))
+    console.paragraph(verdict(score))
 
 
-def say_where(record: Mapping[str, Any], console: Console) -> None:
+def say_where(where: "Localisation", console: Console) -> None:
     """Print the regions that hold most of the error of a comparison."""
-    words = record["words"]
-    if len(record["evenly"]) == len(record["joints"]) and len(words) == 1:
+    words = where.words()
+    if len(where.evenly) == len(where.comparison.score.joints) and len(words) == 1:
         words = [NOWHERE]
     console.say("where it fails")
     for text in words[:MOST]:
@@ -106,10 +90,9 @@ def say_where(record: Mapping[str, Any], console: Console) -> None:
         console.say(f"  and {len(words) - MOST} more places, see --report or --json")
 
 
-def next_step(record: Mapping[str, Any]) -> list[str]:
+def next_step(model: str, sources: Sequence[str]) -> list[str]:
     """Return the command that looks for what is missing."""
-    sources = " ".join(map(str, record["sources"]))
     return [
         "next: which physical effect is missing?",
-        f"  lagrangian_ff diagnose {record['model']} {sources}",
+        f"  lagrangian_ff diagnose {model} {' '.join(sources)}",
     ]

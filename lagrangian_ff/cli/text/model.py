@@ -1,21 +1,16 @@
 """A model in words: its error, effects, hyperparameters and range."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common.console import Console, table
 from lagrangian_ff.cli.text.effects import say_equations
-from lagrangian_ff.cli.text.errors import HALF_LEGEND, LEGEND, error_table, medians
+from lagrangian_ff.cli.text.errors import HALF_LEGEND, LEGEND, error_table
 from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import MotionRange
-
-
-NEEDED = (
-    "model", "samples", "training_seconds", "seconds", "judged_on", "held_out_seconds", "joints",
-    "rmse", "nmse", "effects", "hyperparameters",
-)  # fmt: skip
+    from lagrangian_ff.identification.records import Identified, KnownMechanism
+    from lagrangian_ff.recording import Conditioning
 
 SCALES = {
     "common": "one for all joints, whose torques derive from one Lagrangian",
@@ -23,89 +18,89 @@ SCALES = {
 }
 
 
-def say_record(record: Mapping[str, Any], console: Console) -> None:
+def say_identified(found: "Identified", console: Console) -> None:
     """Print the errors, effects, hyperparameters and mass matrix of an identification."""
-    missing = [name for name in NEEDED if name not in record]
-    if missing:
-        console.note(f"the model's record has no {', '.join(missing)}", "  ")
+    if found.missing:
+        console.note(f"the model's record has no {', '.join(found.missing)}", "  ")
         return
     console.say(
-        f"model {record['model']} of {record['samples']} samples from "
-        f"{record['training_seconds']:.1f} s of motion, found in {record['seconds']:.1f} s"
+        f"model {found.model} of {found.samples} samples from "
+        f"{found.training_seconds:.1f} s of motion, found in {found.seconds:.1f} s"
     )
-    if record.get("landmarks"):
+    if found.landmarks:
         console.paragraph(
             f"all training samples were learned from, with the kernel built on "
-            f"{record['landmarks']} of them; --landmarks 0 makes an exact model of --samples"
+            f"{found.landmarks} of them; --inducing-points 0 makes an exact model of --samples"
         )
-    for text in scaling(record.get("conditioning")):
-        console.say(text)
-    console.say(known(record.get("mechanism")))
-    sliding = record.get("settings", {}).get("prismatic")
-    if sliding:
-        console.say(f"sliding joints, all of whose numbers are in m and N: {', '.join(sliding)}")
-    console.say(f"judged on {record['judged_on']}, {record['held_out_seconds']:.1f} s")
-    outliers = record.get("outliers")
-    if outliers:
-        console.paragraph(outliers["words"])
-    console.say(error_table(record))
-    console.paragraph(f"{LEGEND} {HALF_LEGEND}" if medians(record) else LEGEND, "  ")
-    if record["effects"]:
-        say_equations("effects, torque", record["effects"], console, "their")
+    console.say(scaling(found.conditioning))
+    console.say(known(found.mechanism))
+    if found.settings.prismatic:
+        sliding = ", ".join(found.settings.prismatic)
+        console.say(f"sliding joints, all of whose numbers are in m and N: {sliding}")
+    console.say(f"judged on {found.judged_on}, {found.held_out_seconds:.1f} s")
+    half = None
+    if found.outliers:
+        console.paragraph(found.outliers.words)
+        half = found.outliers.medians
+    console.say(error_table(found.score, half))
+    console.paragraph(f"{LEGEND} {HALF_LEGEND}" if half else LEGEND, "  ")
+    if found.effects:
+        say_equations("effects, torque", found.effects, console, "their")
     console.say(["", "hyperparameters"])
-    console.say(hyperparameter_table(record))
-    if record.get("scale") in SCALES:
-        console.paragraph(f"torque scale {record['scale']}: {SCALES[record['scale']]}", "  ")
-    mass = record.get("mass_matrix", {})
-    if mass.get("defined"):
-        console.paragraph(mass["words"], "  ")
+    console.say(hyperparameter_table(found))
+    if found.scale in SCALES:
+        console.paragraph(f"torque scale {found.scale}: {SCALES[found.scale]}", "  ")
+    if found.mass_matrix.defined:
+        console.paragraph(found.mass_matrix.words, "  ")
 
 
-def scaling(conditioning: Mapping[str, Any] | None) -> list[str]:
+def scaling(conditioning: "Conditioning | None") -> list[str]:
     """Return how the effort of the recordings was scaled; empty if it was not."""
-    lines = []
-    for name, unit in (("effort_scale", "N·m per unit"), ("effort_offset", "N·m")):
-        values = (conditioning or {}).get(name)
-        if values:
-            shown = ", ".join(f"{joint} {number(value)}" for joint, value in values.items())
-            lines.append(f"{name.replace('_', ' ')} in {unit}: {shown}")
-    return lines
-
-
-def known(mechanism: Mapping[str, Any] | None) -> list[str]:
-    """Return what was known of the arm before; empty if nothing was."""
-    if not mechanism or mechanism.get("kind") != "urdf":
+    if conditioning is None:
         return []
-    lines = [
-        f"the bodies of {mechanism['name']} are known ({number(mechanism['mass'])} kg); "
-        "the kernel corrects them"
+    scaled = (
+        ("effort scale in N·m per unit", conditioning.effort_scale),
+        ("effort offset in N·m", conditioning.effort_offset),
+    )
+    return [
+        f"{what}: {', '.join(f'{joint} {number(value)}' for joint, value in values.items())}"
+        for what, values in scaled
+        if values
     ]
-    for what, key in (
-        ("sliding joints", "prismatic"),
-        ("not recorded and taken to stand at zero", "still"),
-    ):
-        lines += [f"{what}: {', '.join(mechanism[key])}"] if mechanism[key] else []
-    return lines
 
 
-def hyperparameter_table(record: Mapping[str, Any]) -> list[str]:
+def known(mechanism: "KnownMechanism | None") -> list[str]:
+    """Return what was known of the arm before; empty if nothing was."""
+    if mechanism is None or mechanism.mass is None:
+        return []
+    bodies = f"the bodies of {mechanism.name} are known ({number(mechanism.mass)} kg)"
+    joints = (
+        ("sliding joints", mechanism.prismatic),
+        ("not recorded and taken to stand at zero", mechanism.still),
+    )
+    return [
+        f"{bodies}; the kernel corrects them",
+        *(f"{what}: {', '.join(names)}" for what, names in joints if names),
+    ]
+
+
+def hyperparameter_table(found: "Identified") -> list[str]:
     """Return name, value (one a joint if joints chose apart), unit and meaning."""
-    meanings = _meanings(str(record["model"]))
-    rows = []
-    for name, value in record["hyperparameters"].items():
-        values = value if isinstance(value, list) else [value]
-        unit, meaning = meanings.get(name, ("", ""))
-        rows.append([name, ", ".join(map(number, values)), unit, meaning])
+    meanings = _meanings(found.model)
+    rows = [
+        [name, ", ".join(map(number, values)), *meanings.get(name, ("", ""))]
+        for name, values in found.hyperparameters.items()
+    ]
     return table(["", "value", "unit", "meaning"], rows)
 
 
 def range_table(known: "MotionRange", joints: tuple[str, ...]) -> list[str]:
     """Return the range of motion that a model knows."""
+    columns = (known.q_low, known.q_high, known.qd_max, known.qdd_max, known.tau_max)
     rows = [
-        [name, *(number(float(values[n])) for values in (
-            known.q_low, known.q_high, known.qd_max, known.qdd_max, known.tau_max))]
-        for n, name in enumerate(joints)
-    ]  # fmt: skip
+        [name, *map(number, values)]
+        for name, *values in zip(joints, *(column.tolist() for column in columns), strict=True)
+    ]
     header = ["joint", "from [rad]", "to [rad]", "speed [rad/s]", "acc. [rad/s²]", "torque [N·m]"]
     return table(header, rows)
 

@@ -12,7 +12,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
 
 SHORTEST, LONGEST = 5.0, 3600.0
-"""s"""
+"""Ends of what may be asked for as duration, s."""
 _SLACK = 1e-9  # rad
 _LOOKED_AT = 400
 _WAY_COUNTS = 0.3  # a pose at the end of every range must carry this share more of the torque
@@ -55,13 +55,8 @@ def excite(
         raise ModelError(f"there is no joint {joint}; there are {', '.join(joints)}")
     if duration is not None and not SHORTEST <= duration <= LONGEST:
         raise ModelError(f"a duration of {duration:g} s: expected {SHORTEST:g} to {LONGEST:g} s")
-    held = start if pose is None else pose
-    held = _inside(
-        "start" if pose is None else "pose",
-        limits.middle if held is None else held,
-        joints,
-        limits,
-    )
+    what, held = ("start", start) if pose is None else ("pose", pose)
+    held = _inside(what, limits.middle if held is None else held, joints, limits)
     first = held if start is None else _inside("start", start, joints, limits)
     path = Path(first, limits)
     number = None if joint is None else list(joints).index(joint)
@@ -82,7 +77,7 @@ def excite(
 
 
 def _inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits) -> Floats:
-    """Return (N,) rad after checking that they lie within the limits."""
+    """Return a pose (N,) in rad after checking that it lies within the limits."""
     pose = np.asarray(values, dtype=np.float64)
     if pose.shape != (len(joints),) or not np.isfinite(pose).all():
         raise ModelError(f"{what}: expected {len(joints)} finite values, one a joint")
@@ -96,7 +91,7 @@ def _inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits)
 
 
 def seen_pose(model: Model, joint: str | None, limits: Limits) -> Floats:
-    """Return (N,) rad, a pose of the model's own data: the arm has been there.
+    """Return a pose (N,) in rad of the model's own data: the arm has been there.
 
     It is the one in which gravity loads the joint most, of poses not far from the middle of the
     ranges; without a joint the one nearest to the middle.

@@ -10,15 +10,15 @@ from lagrangian_ff.diagnosis.excite.path import REST, Path
 from lagrangian_ff.diagnosis.excite.waves import chirp, pair, random_wave
 
 CREEP = 0.005
-"""rad/s, the slowest speed."""
+"""The slowest speed, rad/s."""
 SWEEP = 0.3
-"""rad/s, the fastest slow sweep: 60 periods a turn are then sampled 35 times each at 100 Hz."""
+"""The fastest slow sweep, rad/s: 60 periods a turn are then sampled 35 times each at 100 Hz."""
 CREEPING = (0.005, 0.015, 0.05, 0.15)
-"""rad/s"""
+"""Speeds at which a joint creeps, rad/s."""
 STROKES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.15)
-"""rad, of the reversals."""
+"""Strokes of the reversals, rad."""
 STROKE_SPEEDS = (0.02, 0.1)
-"""rad/s, at their middle."""
+"""Speeds at the middle of a stroke, rad/s."""
 _SHORTEST_STROKE = 0.25  # s: a servo follows no faster
 _LONGEST_STROKE = 1.6  # s at its highest speed
 _SHORT, _SHORT_AGAIN = 0.3, 3  # s at its highest speed, and how often a shorter stroke is done
@@ -27,7 +27,7 @@ _WIDE = 0.3  # rad, a range that has places
 _SPEEDS = 8
 _MOST_RUNS = 4
 ROUND = 12.0
-"""s, of the short motion that a warm-up repeats."""
+"""Duration of the short motion that a warm-up repeats, s."""
 _REACH = 0.8  # of the way from the middle of a pair's motion to the nearer limit
 _AT_REST = 1e-6  # rad, a narrower range does not move
 
@@ -37,8 +37,7 @@ Maker = Callable[[Path, int | None, float, int], None]
 
 def speeds(path: Path, joint: int, seconds: float) -> None:
     """Append runs at constant speeds both ways, in equal ratios from creeping to the limit."""
-    low, high = path.limits.q_low[joint], path.limits.q_high[joint]
-    middle, width = 0.5 * (low + high), high - low
+    middle, width = path.limits.middle[joint], path.limits.width[joint]
     fastest = min(path.limits.qd_max[joint], np.sqrt(0.4 * path.limits.qdd_max[joint] * width))
     share = seconds / _SPEEDS
     for speed in np.geomspace(min(CREEP, 0.5 * fastest), fastest, _SPEEDS):
@@ -87,7 +86,7 @@ def reversals(path: Path, joint: int, seconds: float) -> None:
 
 
 def _time_of(plan: list[tuple[float, float]]) -> float:
-    """Return s that strokes forth and back take."""
+    """Return the time in s that strokes forth and back take."""
     return sum(2 * duration + REST for _, duration in plan)
 
 
@@ -154,7 +153,7 @@ def warm_up(path: Path, joint: int | None, seconds: float, seed: int) -> None:
 def payloads(path: Path, joint: int | None, seconds: float, seed: int) -> None:
     """Append all joints at all speeds, then strokes at two speeds under the pose's load."""
     pose = path.at
-    path.wave(random_wave(pose, movable(path), path.limits, seconds / 2, seed), seconds / 2)
+    exciting(path, joint, seconds / 2, seed)
     joints = movable(path) if joint is None else [joint]
     for n in joints:
         strokes_at_two_speeds(path, n, seconds / 2 / len(joints))
@@ -164,11 +163,8 @@ def payloads(path: Path, joint: int | None, seconds: float, seed: int) -> None:
 def movable(path: Path) -> list[int]:
     """Return the joints that have room to move."""
     limits = path.limits
-    return [
-        n
-        for n in range(len(path.at))
-        if limits.width[n] > _AT_REST and limits.qd_max[n] > 0.0 and limits.qdd_max[n] > 0.0
-    ]
+    free = (limits.width > _AT_REST) & (limits.qd_max > 0.0) & (limits.qdd_max > 0.0)
+    return [int(n) for n in np.flatnonzero(free)]
 
 
 @dataclass(frozen=True)
@@ -190,7 +186,7 @@ class NextMotion:
     by_hand: str = "Record joint states from a second before it begins to a second after its end."
 
     def usual(self, joints: int) -> float:
-        """Return s that it should last for this many joints."""
+        """Return the time in s that it should last for this many joints."""
         return self.seconds * max(1.0, 0.5 * joints) if self.one_each else self.seconds
 
 
@@ -234,13 +230,13 @@ NEXT_MOTIONS: dict[str, NextMotion] = {
         _each(reversals),
         60.0,
         "One joint reverses again and again, with strokes of 0.1 mrad to 0.15 rad at two speeds. "
-        "It tells dry friction, hysteresis before sliding and backlash apart.",
+        "It separates dry friction, hysteresis before sliding, and backlash.",
         one_each=True,
     ),
     "chirp": NextMotion(
         _each(rising),
         40.0,
-        "One joint trembles by a few mrad, from 0.3 to 10 Hz. It tells a delay (grows with the "
+        "One joint trembles by a few mrad, from 0.3 to 10 Hz. It separates a delay (grows with the "
         "frequency) from elasticity (grows with its square).",
         one_each=True,
     ),

@@ -70,12 +70,8 @@ class Limits:
 
     def around(self, pose: Floats, reach: float) -> "Limits":
         """Return the limits with positions within a share of the way from a pose (N,) to them."""
-        return Limits(
-            pose + reach * (self.q_low - pose),
-            pose + reach * (self.q_high - pose),
-            self.qd_max,
-            self.qdd_max,
-        )
+        low, high = (pose + reach * (end - pose) for end in (self.q_low, self.q_high))
+        return Limits(low, high, self.qd_max, self.qdd_max)
 
     def gentler(self, factor: float) -> "Limits":
         """Return the same positions, with speed by a factor and acceleration by its square."""
@@ -206,10 +202,7 @@ class Path:
     def _excess(self, qd: Floats, qdd: Floats) -> float:
         """Return the factor by which the motion is too fast."""
         worst = 0.0
-        for values, most, power in (
-            (qd, self.limits.qd_max, 1.0),
-            (qdd, self.limits.qdd_max, 0.5),
-        ):
+        for values, most, power in ((qd, self.limits.qd_max, 1.0), (qdd, self.limits.qdd_max, 0.5)):
             peak = np.abs(values).max(axis=0)
             moving = peak > 1e-12
             worst = max(worst, float(((peak[moving] / most[moving]) ** power).max(initial=0.0)))

@@ -34,6 +34,7 @@ class Check:
         serious: whether it must be mended before any effect is believed.
         advice: what to do; empty for nothing.
         values: the numbers behind it, by name; s, rad, N·m.
+        source: the recording, if it is one of several.
     """
 
     check: str
@@ -42,17 +43,7 @@ class Check:
     serious: bool = False
     advice: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
-
-    def record(self) -> dict[str, object]:
-        """Return it for JSON."""
-        return {
-            "check": self.check,
-            "joint": self.joint,
-            "finding": self.finding,
-            "serious": self.serious,
-            "advice": self.advice,
-            "values": {name: float(value) for name, value in self.values.items()},
-        }
+    source: str = ""
 
 
 @dataclass(frozen=True)

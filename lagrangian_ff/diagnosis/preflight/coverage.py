@@ -6,13 +6,13 @@ from lagrangian_ff.diagnosis.preflight.base import MARGIN, Case, Check, duration
 from lagrangian_ff.kernels import States
 
 SHORT = 20.0
-"""s"""
+"""Duration in s below which chance cannot be separated from cause."""
 STILL = 1e-3
-"""rad"""
+"""Range in rad, and speed in rad/s, below which a joint stands still."""
 OUTSIDE = 0.25
 """Share of samples outside the model's range that makes this the cause of its error."""
 SLOW, SLOW_SHARE = 0.05, 0.01
-"""rad/s below which a joint creeps, and the least share of the time for it."""
+"""Speed in rad/s below which a joint creeps, and the least share of the time for it."""
 FAST = 0.4
 """Least share of the speed that the model knows."""
 _SAMPLED = 80.0  # Hz
@@ -56,7 +56,7 @@ def check_range(case: Case) -> list[Check]:
         f"{worst}: there the model guesses"
     )
     advice = (
-        "Errors there tell of the model's reach, not of a missing effect: identify from a motion "
+        "Errors there show the model's reach, not a missing effect: identify from a motion "
         "that goes there, or record inside"
     )
     serious = share > OUTSIDE
@@ -68,7 +68,7 @@ def check_still(case: Case) -> list[Check]:
     found = []
     for n in np.flatnonzero(np.ptp(case.motion.q, axis=0) < STILL).tolist():
         name = case.joints[n]
-        finding = f"{name} stands still: no effect of its own can be seen"
+        finding = f"{name} stands still: no effect on it can be seen"
         advice = f"lagrangian_ff excite exciting --joint {name} makes it move"
         found.append(Check("still", name, finding, advice=advice))
     return found
@@ -92,7 +92,7 @@ def check_speeds(case: Case) -> list[Check]:
         top, known = float(speed.max()), float(case.model.range.qd_max[n])
         if top < STILL:
             continue
-        slow = float(((speed < SLOW) & (speed > 1e-3)).mean())
+        slow = float(((speed < SLOW) & (speed > STILL)).mean())
         values = {"slow": slow, "top": top}
         if slow < SLOW_SHARE:
             finding = (

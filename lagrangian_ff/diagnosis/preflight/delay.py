@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
 
 WINDOW = 3.0
-"""s, over which spectra are taken, half overlapping."""
+"""Length of the windows of the spectra, s; they overlap by half."""
 BAND = (0.7, 10.0)
-"""Hz"""
+"""Frequencies looked at, Hz."""
 COHERENT = 0.7
 """Least coherence of a frequency whose phase counts."""
 CLEAR = 3.0
@@ -20,7 +20,7 @@ CERTAIN = 9.0
 """Least ratio to believe the delay of one joint alone: a model that fits it badly is late there
 too, by some ms at 3 to 6 times the error."""
 TOGETHER, TOGETHER_CLEAR = 0.004, 4.0
-"""s, and least ratio, to believe a delay of all joints."""
+"""Least delay in s, and least ratio, to believe a delay of all joints."""
 _FLOOR = 0.0015  # s: what the model's own error makes of a delay on joints that have none
 _FEWEST = 5  # windows, and frequencies
 
@@ -32,11 +32,7 @@ def check_delay(case: Case) -> list[Check]:
     and masses that are a little wrong turn it too, but not along a line through zero: how much
     the slope changes when the line need not go through zero is the error of d.
     """
-    found: dict[int, tuple[float, float]] = {}
-    for n in range(len(case.joints)):
-        one = _delay(case, n)
-        if one is not None:
-            found[n] = one
+    found = {n: one for n in range(len(case.joints)) if (one := _delay(case, n))}
     if not found:
         return []
     delay, error = (np.array(values) for values in zip(*found.values(), strict=True))
@@ -45,17 +41,17 @@ def check_delay(case: Case) -> list[Check]:
     agree = np.mean(delay * np.sign(common) > 0.5 * TOGETHER) > 0.5
     if len(found) > 1 and agree and abs(common) > max(TOGETHER, TOGETHER_CLEAR * scatter):
         return [_check(None, common, scatter)]
-    late = [_check(case.joints[n], *one) for n, one in found.items() if _is_clear(*one)]
+    late = [
+        _check(case.joints[n], d, e)
+        for n, (d, e) in found.items()
+        if d > CLEAR * e or -d > CLEAR_EARLY * e
+    ]
     finding = (
         f"no clear delay between torque and position ({1e3 * common:.1f} ± {1e3 * scatter:.1f} ms "
         "over the joints)"
     )
     values = {"delay": common, "error": scatter}
     return late or [Check("delay", None, finding, values=values)]
-
-
-def _is_clear(delay: float, error: float) -> bool:
-    return delay > CLEAR * error or -delay > CLEAR_EARLY * error
 
 
 def _check(joint: str | None, delay: float, error: float) -> Check:
@@ -76,7 +72,7 @@ def _check(joint: str | None, delay: float, error: float) -> Check:
 
 
 def _delay(case: Case, n: int) -> tuple[float, float] | None:
-    """Return s of one joint, and its error; None if too little is coherent."""
+    """Return the delay of one joint and its error, s; None if too little is coherent."""
     rate = rate_of(case.thin)
     size = round(WINDOW * rate)
     frequency = np.fft.rfftfreq(size, 1.0 / rate)
@@ -104,7 +100,7 @@ def _slope(omega: Floats, phase: Floats, weight: Floats, offset: bool = False) -
     return float(weight @ (omega * phase) / (weight @ omega**2))
 
 
-def _spectra(values: Floats, segment: NDArray[np.int64], size: int) -> NDArray[np.complex128]:
+def _spectra(values: Floats, segment: Ints, size: int) -> NDArray[np.complex128]:
     """Return (K, F) spectra of windows that lie within a segment, half overlapping."""
     window, step = np.hanning(size), max(1, size // 2)
     starts = [

@@ -1,9 +1,8 @@
 """Checks of the effort: its unit, its sign, and a limit that cuts it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
 
 SERIOUS = 1.5
@@ -61,9 +60,7 @@ def check_unit(case: Case) -> list[Check]:
     found = [_one(case, int(n)) for n in clear if _off(case.slope[n]) >= NOTED]
     low, high = float(factor.min()), float(factor.max())
     finding = f"the measured torque is {low:.2f} to {high:.2f} times the model's: the same unit"
-    return found or [
-        Check("effort unit", None, finding, values={"lowest": low, "highest": high}),
-    ]
+    return found or [Check("effort unit", None, finding, values={"lowest": low, "highest": high})]
 
 
 def check_sign(case: Case) -> list[Check]:
@@ -178,7 +175,7 @@ def _flat(case: Case, n: int, sign: float) -> tuple[float, float, float] | None:
     return sign * level, samples / len(tau), float(motion.time[same[0][0]])
 
 
-def _runs(tau: NDArray[np.float64], near: NDArray[np.int64], width: float) -> list[tuple[int, int]]:
+def _runs(tau: Floats, near: Ints, width: float) -> list[tuple[int, int]]:
     """Return the first and last samples of stretches near the top that stay within a width."""
     runs = []
     begin = last = int(near[0])
@@ -194,7 +191,7 @@ def _runs(tau: NDArray[np.float64], near: NDArray[np.int64], width: float) -> li
     return runs
 
 
-def _unusual(tau: NDArray[np.float64], level: float, samples: int, width: float) -> bool:
+def _unusual(tau: Floats, level: float, samples: int, width: float) -> bool:
     """Return whether far more samples lie at the level than in bands as wide below it."""
     below = [
         np.count_nonzero((tau > level - (k + 1.5) * width) & (tau <= level - (k + 0.5) * width))
@@ -248,7 +245,7 @@ def _piled(ordered: Floats, top: float, room: float, width: float) -> float | No
 
 
 def _noise(tau: Floats, rate: float) -> float:
-    """Return N·m, the deviation within 20 ms, from third differences."""
+    """Return the standard deviation in N·m within 20 ms, from third differences."""
     apart = max(1, round(0.02 * rate))
     third = np.diff(np.stack([tau[k * apart : len(tau) - (3 - k) * apart] for k in range(4)]), 3, 0)
     return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0))

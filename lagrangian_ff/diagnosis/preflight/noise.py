@@ -1,16 +1,15 @@
 """The noise floor: by how much the same motion differs from itself."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, duration_of, rate_of, thinned
 from lagrangian_ff.recording.motion import Motion
 
 SEARCHED = 10.0
 """Hz, at which repeats are looked for."""
 LEAST = 4.0
-"""s of moving together that a repeat must have."""
+"""Time in s that the two must move together."""
 AT_FLOOR = 1.3
 """Factor: an error below this times the floor leaves nothing to explain."""
 REPEATED = 0.5
@@ -66,7 +65,7 @@ def _repeated(case: Case, other: Motion, seconds: float) -> list[Check]:
     if other is case.motion or seconds < REPEATED * duration_of(other):
         return []
     finding = (
-        f"{other.source} repeats {seconds:.0f} s of the motion that is searched: it can tell that "
+        f"{other.source} repeats {seconds:.0f} s of the motion that is searched: it shows that "
         "an error comes again, but hardly what causes it"
     )
     advice = "Confirm on another motion"
@@ -74,7 +73,7 @@ def _repeated(case: Case, other: Motion, seconds: float) -> list[Check]:
 
 
 def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[float, float] | None:
-    """Return s by which the other runs behind where most of it repeats, and for how long."""
+    """Return the lag of the other where most of it repeats, and the time that repeats, s."""
     rate = min(SEARCHED, _MOST / max(len(one) / rate_of(one), len(other) / rate_of(other)))
     a, b = thinned(one, rate), thinned(other, rate)
     rate = rate_of(a)
@@ -84,7 +83,7 @@ def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[flo
     for size, x, y in ((spread[0], a.q, b.q), (spread[1], a.qd, b.qd)):
         for n in range(len(size)):
             same &= np.abs(x[:, n, None] - y[None, :, n]) < _CLOSE * size[n]
-    moving: NDArray[np.bool_] = np.any(np.abs(a.qd) > _MOVING * spread[1], axis=1)
+    moving: Flags = np.any(np.abs(a.qd) > _MOVING * spread[1], axis=1)
     same &= moving[:, None]
     i, j = np.nonzero(same)
     offset = np.round((b.time[j] - a.time[i]) * rate).astype(np.int64)
@@ -102,7 +101,7 @@ def _lag(one: Motion, other: Motion, spread: tuple[Floats, Floats]) -> tuple[flo
 def _floor(
     case: Case, other: Motion, lag: float, spread: tuple[Floats, Floats]
 ) -> tuple[Floats, float] | None:
-    """Return (N,) N·m of one repeat, and s that were compared.
+    """Return the noise (N,) in N·m of one repeat, and the time in s that was compared.
 
     The model's prediction for the small difference of the two motions is taken off.
     """
@@ -128,7 +127,7 @@ def _floor(
     return np.sqrt((difference[same] ** 2).mean(axis=0) / 2.0), seconds
 
 
-def _common(this: Motion, other: Motion, lag: float) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
+def _common(this: Motion, other: Motion, lag: float) -> tuple[Flags, Ints]:
     """Return the samples whose lagged time the other has without a gap, and where there."""
     time = this.time + lag
     at = np.clip(np.searchsorted(other.time, time), 1, len(other) - 1)
@@ -137,7 +136,7 @@ def _common(this: Motion, other: Motion, lag: float) -> tuple[NDArray[np.bool_],
     return inside, at[inside]
 
 
-def _at(other: Motion, at: NDArray[np.int64], time: Floats, values: Floats) -> Floats:
+def _at(other: Motion, at: Ints, time: Floats, values: Floats) -> Floats:
     """Return (K, N) values between the samples, on straight lines."""
     before, after = other.time[at - 1], other.time[at]
     share = ((time - before) / np.maximum(after - before, 1e-12))[:, None]

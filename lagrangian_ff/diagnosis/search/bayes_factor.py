@@ -14,15 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.identification.problem import Nuisance, Problem
 from lagrangian_ff.kernels import threads
-
-Ints = NDArray[np.intp]
 
 PRIOR_SHARE = 0.3
 """Standard deviation of an effect's torque a priori, relative to the joint's spread."""

@@ -16,27 +16,24 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import rigid_torque
-from lagrangian_ff.progress import Progress, silent
 
 SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
-"""s between the moments tried, and from them to the ends of a motion."""
+"""Time in s between the moments tried, and from them to the ends of a motion."""
 COARSE, EXACT = (2.5, 1.25, 0.625), (0.3, 0.15, 0.075, 0.04)
-"""s by which the moments are moved, on few samples and on all. Between the true moment and the one
+"""Shifts of the moments in s, on few samples and on all. Between the true moment and the one
 found lies a torque that would be taken for another effect."""
 LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
 SHUFFLES = 5
 OFFSETS = 0.15 * 1.5 ** np.arange(11)
-"""s by which a moment is moved, either way, for its interval."""
+"""Shifts of a moment in s, either way, for its interval."""
 HALF_CHI_SQUARE = 1.353
 """Nats by which the log evidence falls at the ends of a 90 % interval."""
 
 
-def change_of(
-    whitened: Whitened, progress: Progress = silent, beyond: float | None = None
-) -> Change | None:
+def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     """Return the interval in which a second Lagrangian has the largest log Bayes factor.
 
     Few samples find the interval roughly, all samples exactly. The result is None if the evidence
@@ -44,7 +41,6 @@ def change_of(
 
     Args:
         whitened: the motion.
-        progress: receives the share done, 0 to 1.
         beyond: the least ratio to the log Bayes factors of shuffled blocks; None takes that of the
             thresholds.
     """
@@ -59,9 +55,7 @@ def change_of(
     coarse = _log_bayes_factors(whitened, SAMPLES)
     tried = _Better(coarse, start, end)
     best = Change(start, np.inf, SHARE, -np.inf)
-    moments = np.arange(start + MARGIN, end - MARGIN, STEP).tolist()
-    for number, since in enumerate(moments):
-        progress(number / len(moments), "asking whether a load was taken up")
+    for since in np.arange(start + MARGIN, end - MARGIN, STEP).tolist():
         for length in LENGTHS:
             best = tried(best, since, since + length, SHARE)
     if best.log_bayes_factor < limits.change_promising:
@@ -125,20 +119,17 @@ def _with_ranges(
     least = log_bf(best) - HALF_CHI_SQUARE
 
     def end(moment: float, moved: Callable[[float], Change], way: float) -> float:
-        shifts = (way * float(offset) for offset in OFFSETS)
-        found = (moment + shift for shift in shifts if log_bf(moved(moment + shift)) < least)
+        tried = (moment + way * float(offset) for offset in OFFSETS)
+        found = (shifted for shifted in tried if log_bf(moved(shifted)) < least)
         return float(np.clip(next(found, way * np.inf), *motion))
 
-    def since(moment: float) -> Change:
-        return replace(best, since=moment)
+    def ends(moment: float, moved: Callable[[float], Change]) -> tuple[float, float]:
+        return end(moment, moved, -1.0), end(moment, moved, 1.0)
 
-    def until(moment: float) -> Change:
-        return replace(best, until=moment)
-
-    best = replace(best, since_range=(end(best.since, since, -1.0), end(best.since, since, 1.0)))
-    if np.isinf(best.until):
-        return replace(best, until_range=(np.inf, np.inf))
-    return replace(best, until_range=(end(best.until, until, -1.0), end(best.until, until, 1.0)))
+    since, until = ends(best.since, lambda at: replace(best, since=at)), (np.inf, np.inf)
+    if np.isfinite(best.until):
+        until = ends(best.until, lambda at: replace(best, until=at))
+    return replace(best, since_range=since, until_range=until)
 
 
 def _of_shuffled(whitened: Whitened, change: Change) -> list[float]:

@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import Score
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
-from lagrangian_ff.diagnosis.whitening.hyperparameters import BLOCK_SECONDS, ROWS
+from lagrangian_ff.diagnosis.whitening.hyperparameters import BLOCK_SECONDS
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Nuisance
 from lagrangian_ff.identification.samples import evenly
@@ -55,10 +55,10 @@ class HoldOutMotion:
         assumed = found.problem
         if assumed.change is not None:
             assumed = replace(assumed, change=change.prior if change else None)
-        index = evenly(len(motion), ROWS // len(motion.joints))
+        index = evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints))
         block = motion.blocks(BLOCK_SECONDS)[index]
         whole = Basis((*model.terms, *(c.term() for c, b in taken if c.named and len(b))))
-        assumed = replace(assumed, basis=whole, nuisance=())
+        assumed = replace(assumed.having(basis=whole), nuisance=())
         whitened = whiten(motion, index, block, found.inputs_of(motion), assumed)
         inputs = whitened.inputs_of(motion)
         x = replace(whitened, inputs=inputs).inputs_left_out()
@@ -73,7 +73,7 @@ class HoldOutMotion:
             tau[:, candidate.joint] -= torque
             torques.append(x.mean(torque))
         system = whitened.system
-        assumed = replace(assumed, basis=model, nuisance=tuple(nuisance))
+        assumed = replace(assumed.having(basis=model), nuisance=tuple(nuisance))
         left = replace(motion, tau=tau)
         whitened = whiten(left, index, block, inputs, assumed, x, system)
         return cls(whitened, tuple(torques))

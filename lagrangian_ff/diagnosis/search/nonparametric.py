@@ -1,8 +1,7 @@
 """Nonparametric alternatives to the effects: splines over a coordinate, and sinusoids of time.
 
 An effect that is not in the catalogue makes a wrong effect look good. Where a spline over one
-coordinate explains clearly more than every effect does, the finding is that coordinate, without a
-name.
+coordinate explains clearly more than every effect does, the finding is that coordinate.
 """
 
 import re
@@ -19,6 +18,7 @@ KNOTS, PRODUCT_KNOTS = 9, 5
 BAND = (1.0, 10.0)
 """Hz between which a sinusoid is searched: slower ones are the motion's own."""
 SHORTEST, PADDED = 200, 4
+WITH_SIGN = "changing sign with direction"
 
 
 @dataclass(frozen=True)
@@ -121,24 +121,30 @@ def _time(x: Inputs, joint: int) -> Floats:
 
 
 def _make(
-    name: str, words: str, reads: Callable[[Inputs, int], Floats], friction: bool
+    words: str, reads: Callable[[Inputs, int], Floats], *, friction: bool = False, name: str = ""
 ) -> Callable[[Inputs, int], Iterator[Spline]]:
+    """Return the maker of a spline over a coordinate, named after it unless a name is given."""
+    name = name or (f"friction over {words}" if friction else words)
+    coordinate = f"{words}, {WITH_SIGN}" if friction else words
+
     def make(x: Inputs, joint: int) -> Iterator[Spline]:
         knots = _knots(reads(x, joint))
         if len(knots) >= 3:
-            yield Spline(name, words, reads, knots, friction)
+            yield Spline(name, coordinate, reads, knots, friction)
 
     return make
 
 
 def _neighbours(
-    name: str, words: str, kind: str, friction: bool
+    words: str, kind: str, *, friction: bool = False
 ) -> Callable[[Inputs, int], Iterator[Spline]]:
+    """Return the maker of splines over a coordinate of each other joint."""
+
     def make(x: Inputs, joint: int) -> Iterator[Spline]:
         for other in range(x.joints):
             if other != joint:
-                label = words.replace("#", str(other))
-                yield from _make(f"{name} {other}", label, _of(kind, other), friction)(x, joint)
+                of = f"{words} of joint {other}"
+                yield from _make(of, _of(kind, other), friction=friction)(x, joint)
 
     return make
 
@@ -148,10 +154,9 @@ def _products(x: Inputs, joint: int) -> Iterator[SplineProduct]:
     for other in range(x.joints):
         its = _knots(x.q[:, other], PRODUCT_KNOTS)
         if other != joint and len(mine) >= 3 and len(its) >= 3:
-            words = f"its position and that of joint {other}, changing sign with direction"
-            yield SplineProduct(
-                f"friction over its position and joint {other}", words, other, (mine, its)
-            )
+            name = f"friction over its position and joint {other}"
+            words = f"its position and that of joint {other}, {WITH_SIGN}"
+            yield SplineProduct(name, words, other, (mine, its))
 
 
 def _knots(values: Floats, count: int = KNOTS) -> tuple[float, ...]:
@@ -162,22 +167,19 @@ def _knots(values: Floats, count: int = KNOTS) -> tuple[float, ...]:
 
 
 ALTERNATIVES: tuple[Callable[[Inputs, int], Iterator[Alternative]], ...] = (
-    _make("velocity", "velocity", _of("qd"), False),
-    _make("position", "position", _of("q"), False),
-    _make("acceleration", "acceleration", _of("qdd"), False),
-    _make("time", "time", _time, False),
-    _make("friction over position", "position, changing sign with direction", _of("q"), True),
-    _make("friction over time", "time, changing sign with direction", _time, True),
-    _make("friction over load", "load, changing sign with direction", _of("load"), True),
-    _make("friction over acceleration", "acceleration, changing sign with direction",
-          _of("qdd"), True),
-    _make("since reversal", "time since reversal, changing sign with direction",
-          Inputs.since_reversal, True),
-    _neighbours("velocity of joint", "velocity of joint #", "qd", False),
-    _neighbours("friction over position of joint",
-                "position of joint #, changing sign with direction", "q", True),
+    _make("velocity", _of("qd")),
+    _make("position", _of("q")),
+    _make("acceleration", _of("qdd")),
+    _make("time", _time),
+    _make("position", _of("q"), friction=True),
+    _make("time", _time, friction=True),
+    _make("load", _of("load"), friction=True),
+    _make("acceleration", _of("qdd"), friction=True),
+    _make("time since reversal", Inputs.since_reversal, friction=True, name="since reversal"),
+    _neighbours("velocity", "qd"),
+    _neighbours("position", "q", friction=True),
     _products,
-)  # fmt: skip
+)
 """Every alternative but the sinusoids; a new one joins here."""
 
 

@@ -7,8 +7,8 @@ one comparison.
 """
 
 from lagrangian_ff.diagnosis.where.bins import Bins, bins_of
-from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, PAIRS, Coordinate
-from lagrangian_ff.diagnosis.where.locate import Localisation, locate
+from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, PAIRS
+from lagrangian_ff.diagnosis.where.locate import Compared, Localisation, locate
 from lagrangian_ff.diagnosis.where.orders import Spectrum, order_spectrum
 from lagrangian_ff.diagnosis.where.regions import Condition, Region, find_regions
 from lagrangian_ff.diagnosis.where.series import ResidualSeries
@@ -17,8 +17,8 @@ __all__ = [
     "COORDINATES",
     "PAIRS",
     "Bins",
+    "Compared",
     "Condition",
-    "Coordinate",
     "Localisation",
     "Region",
     "ResidualSeries",

@@ -50,18 +50,15 @@ class Bins:
     explained: float
 
     def record(self) -> dict[str, object]:
-        """Return it for JSON, with the axis to draw it over."""
-        arrays = (
-            "low", "high", "mean", "mean_low", "mean_high", "rms", "share_of_error",
-            "share_of_time",
-        )  # fmt: skip
+        """Return the bins for JSON, with the axis to draw them over."""
+        arrays = {name: one for name, one in vars(self).items() if isinstance(one, np.ndarray)}
         return {
             "joint": self.joint,
             "coordinate": self.coordinate.name,
             "unit": self.coordinate.unit,
             "label": self.coordinate.label,
             "explained": self.explained,
-            **{name: getattr(self, name).tolist() for name in arrays},
+            **{name: values.tolist() for name, values in arrays.items()},
         }
 
 
@@ -84,9 +81,9 @@ def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Fl
         (M,) the bin of each sample, -1 where the coordinate has no value; (K,) the low and (K,)
         the high end of each bin. K is 0 where the coordinate does not vary.
     """
+    code = np.full(len(values), -1, dtype=np.int64)
     if coordinate.levels:
         found = np.array([level for level in coordinate.levels if np.any(values == level)])
-        code = np.full(len(values), -1, dtype=np.int64)
         if len(found) < 2:
             return code, np.zeros(0), np.zeros(0)
         for k, level in enumerate(found):
@@ -94,7 +91,7 @@ def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Fl
         return code, found, found
     edges = edges_of(values, count)
     if len(edges) < 3:
-        return np.full(len(values), -1, dtype=np.int64), np.zeros(0), np.zeros(0)
+        return code, np.zeros(0), np.zeros(0)
     inside = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
     return np.where(np.isfinite(values), inside, -1), edges[:-1], edges[1:]
 
@@ -139,7 +136,15 @@ def bins_of(
     owed = np.nanvar(means, axis=0) if len(means) > 1 else mean**2
     taken = float(np.sum(count_in * (mean**2 - owed)))
     return Bins(
-        coordinate, series.motion.joints[joint], low, high, mean, mean_low, mean_high,
-        np.sqrt(mean_square), squared / error if error > 0.0 else np.zeros(size),
-        count_in / len(r), min(1.0, max(0.0, taken / error)) if error > 0.0 else 0.0,
-    )  # fmt: skip
+        coordinate,
+        series.motion.joints[joint],
+        low,
+        high,
+        mean,
+        mean_low,
+        mean_high,
+        rms=np.sqrt(mean_square),
+        share_of_error=squared / error if error > 0.0 else np.zeros(size),
+        share_of_time=count_in / len(r),
+        explained=min(1.0, max(0.0, taken / error)) if error > 0.0 else 0.0,
+    )

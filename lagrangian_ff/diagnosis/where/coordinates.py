@@ -1,11 +1,12 @@
 """The coordinates that an error may depend on, listed once; a new one is one entry here."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.compare import OUTSIDE
 from lagrangian_ff.diagnosis.where.series import ResidualSeries
 from lagrangian_ff.effects.reversals import before_reversal, direction, since_reversal
 from lagrangian_ff.numbers import typeset
@@ -15,8 +16,6 @@ Words = Callable[[float, float, float, float], str]
 """From low, high, and the lowest and highest value met in the motion: an end of an interval that
 lies at the edge of the motion need not be said."""
 
-OUTSIDE = 0.05
-"""From which excess, in parts of the range, a state counts as outside what the model knows."""
 NEAR = 0.02
 """Of the width of all values: an end so close to the edge of the motion is the edge."""
 
@@ -31,7 +30,7 @@ class Coordinate:
         label: of an axis, without the unit.
         values: (M,) of a series and a joint; NaN where it has none.
         words: an interval as a person would say it, as in "below 0.1 rad/s".
-        levels: its values where it has only few, such as the two directions.
+        levels: its values with a word for each, where it has only few, such as the two directions.
         binned: whether the mean residual is averaged over it; a magnitude is for regions only.
     """
 
@@ -40,13 +39,8 @@ class Coordinate:
     label: str
     values: Values
     words: Words
-    levels: tuple[float, ...] = ()
+    levels: Mapping[float, str] = field(default_factory=dict)
     binned: bool = True
-
-
-def number(value: float) -> str:
-    """Return two significant digits, or whole numbers from 100 on, with a printed minus."""
-    return typeset(value, 2)
 
 
 def percent(share: float) -> str:
@@ -73,10 +67,10 @@ def _interval(
         if low <= lowest + slack and high >= highest - slack:
             return ""
         if low <= lowest + slack:
-            return f"{below} {number(high)} {unit}"
+            return f"{below} {typeset(high, 2)} {unit}"
         if high >= highest - slack:
-            return f"{above} {number(low)} {unit}"
-        return f"{between} {number(low)} {link} {number(high)} {unit}"
+            return f"{above} {typeset(low, 2)} {unit}"
+        return f"{between} {typeset(low, 2)} {link} {typeset(high, 2)} {unit}"
 
     return words
 
@@ -88,7 +82,7 @@ def _signed(unit: str, what: str) -> Words:
 def _velocity(low: float, high: float, lowest: float, highest: float) -> str:
     """Return the words of a signed velocity; one that is symmetric about zero is a speed."""
     if low < 0.0 < high and abs(low + high) < 1e-9 * (high - low):
-        return f"below {number(high)} rad/s"
+        return f"below {typeset(high, 2)} rad/s"
     return _signed("rad/s", "at velocities")(low, high, lowest, highest)
 
 
@@ -151,7 +145,8 @@ COORDINATES: dict[str, Coordinate] = {
         Coordinate(
             "direction", "", "direction of motion",
             lambda s, j: direction(s.motion.qd[:, j], s.motion.segment),
-            _either("moving forwards", "moving backwards"), levels=(-1.0, 1.0),
+            _either("moving forwards", "moving backwards"),
+            levels={-1.0: "backwards", 1.0: "forwards"},
         ),
         Coordinate(
             "outside_range", "", "outside the range the model knows",
@@ -160,7 +155,7 @@ COORDINATES: dict[str, Coordinate] = {
                 "outside the range the model was identified on",
                 "inside the range the model was identified on",
             ),
-            levels=(0.0, 1.0),
+            levels={0.0: "inside", 1.0: "outside"},
         ),
     )
 }  # fmt: skip

@@ -1,13 +1,14 @@
 """Localisation of the error in one comparison."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.compare import Comparison, every
+from lagrangian_ff.diagnosis.compare import OUTSIDE, Comparison
 from lagrangian_ff.diagnosis.where.bins import Bins, bins_of
-from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, OUTSIDE
-from lagrangian_ff.diagnosis.where.orders import NAMED_SHARE, Spectrum, order_spectrum
+from lagrangian_ff.diagnosis.where.coordinates import COORDINATES
+from lagrangian_ff.diagnosis.where.orders import Spectrum, order_spectrum
 from lagrangian_ff.diagnosis.where.regions import Region, find_regions
 from lagrangian_ff.diagnosis.where.series import BLOCK_SECONDS, FEWEST_BLOCKS, ResidualSeries
 from lagrangian_ff.identification import Model
@@ -15,6 +16,20 @@ from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, silent
 
 ERROR_BLOCK_SECONDS = 3.0
+
+
+@dataclass(frozen=True)
+class BlockError:
+    """The error in a block of 3 s.
+
+    Attributes:
+        begin, end: s since the first sample.
+        joints: the rms error of each joint by name, N·m.
+    """
+
+    begin: float
+    end: float
+    joints: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -37,14 +52,14 @@ class Localisation:
 
     @property
     def evenly(self) -> tuple[str, ...]:
-        """The joints whose error is spread evenly; none if the motion is too short."""
+        """Return the joints whose error is spread evenly; none if the motion is too short."""
         if self.series.too_short:
             return ()
         found = {region.joint for region in self.regions}
         return tuple(name for name in self.comparison.score.joints if name not in found)
 
     def words(self) -> list[str]:
-        """Return it in words, one sentence each."""
+        """Return the regions, waves and joints without either, a sentence each."""
         if self.series.too_short:
             least = FEWEST_BLOCKS * BLOCK_SECONDS
             return [
@@ -52,50 +67,42 @@ class Localisation:
                 f"{least:.0f} s or more"
             ]
         lines = [region.words for region in self.regions]
-        for spectrum in self.spectra:
-            lines += [
-                f"{spectrum.joint}: a wave of {line.amplitude:.2g} N·m over its angle, "
-                f"{line.order:.3g} to a turn"
-                for line in spectrum.lines[:1]
-                if spectrum.share(line) >= NAMED_SHARE
-            ]
+        lines += [
+            f"{one.joint}: a wave of {one.named.amplitude:.2g} N·m over its angle, "
+            f"{one.named.order:.3g} to a turn"
+            for one in self.spectra
+            if one.named
+        ]
         if self.evenly:
             lines.append(f"{', '.join(self.evenly)}: the error is spread evenly")
         return lines
 
-    def record(self, *, series: bool = False) -> dict[str, object]:
-        """Return it for JSON.
+    @property
+    def blocks(self) -> list[BlockError]:
+        """Return the error of each 3 s."""
+        number = self.series.motion.blocks(ERROR_BLOCK_SECONDS)
+        elapsed, squared = self.series.motion.elapsed, self.series.residual**2
+        found = []
+        for inside in (number == k for k in np.unique(number)):
+            rmse = np.sqrt(squared[inside].mean(axis=0)).tolist()
+            joints = dict(zip(self.series.motion.joints, rmse, strict=True))
+            time = elapsed[inside]
+            found.append(BlockError(float(time[0]), float(time[-1]), joints))
+        return found
 
-        Args:
-            series: with the torques over time, thinned, for a page to draw.
-        """
-        found: dict[str, object] = {
+    def record(self) -> dict[str, object]:
+        """Return the localisation and the comparison for JSON."""
+        return {
             **self.comparison.record(),
             "regions": [region.record() for region in self.regions],
             "evenly": list(self.evenly),
             "too_short": self.series.too_short,
             "words": self.words(),
-            "blocks": self._blocks(),
+            "blocks": [asdict(block) for block in self.blocks],
             "bins": [bins.record() for bins in self.bins],
             "spectra": [spectrum.record() for spectrum in self.spectra],
             "outside": self._outside(),
         }
-        if series:
-            found["series"] = self._series()
-        return found
-
-    def _blocks(self) -> list[dict[str, object]]:
-        """Return the error of each 3 s."""
-        number = self.series.motion.blocks(ERROR_BLOCK_SECONDS)
-        elapsed, squared = self.series.motion.elapsed, self.series.residual**2
-        rows = []
-        for k in np.unique(number):
-            inside = number == k
-            rmse = np.sqrt(squared[inside].mean(axis=0))
-            begin, end = float(elapsed[inside][0]), float(elapsed[inside][-1])
-            joints = dict(zip(self.series.motion.joints, rmse.tolist(), strict=True))
-            rows.append({"begin": begin, "end": end, "joints": joints})
-        return rows
 
     def _outside(self) -> dict[str, object]:
         """Return the error where the motion leaves what the model knows, and that elsewhere."""
@@ -111,33 +118,32 @@ class Localisation:
             }
         return {"share_of_time": float(away.mean()), "joints": joints}
 
-    def _series(self) -> dict[str, object]:
-        interval = self.comparison.interval
-        part = every(self.series.motion) if interval is None else interval.at
-        motion, predicted = self.series.motion.take(part), self.comparison.predicted[part]
-        return {
-            "time": self.series.motion.elapsed[part].tolist(),
-            "segment": motion.segment.tolist(),
-            "joints": {
-                name: {
-                    "measured": motion.tau[:, n].tolist(),
-                    "predicted": predicted[:, n].tolist(),
-                    **({"reach": interval.reach[:, n].tolist()} if interval else {}),
-                }
-                for n, name in enumerate(motion.joints)
-            },
-        }
+
+@dataclass(frozen=True)
+class Compared:
+    """A model file compared with recordings, as a page shows it and JSON holds it.
+
+    Attributes:
+        model: the file.
+        sources: the recordings.
+        where: the error and its localisation.
+    """
+
+    model: str
+    sources: tuple[str, ...]
+    where: Localisation
+
+    def record(self) -> dict[str, object]:
+        """Return the files and the localisation for JSON."""
+        return {"model": self.model, "sources": list(self.sources), **self.where.record()}
 
 
-def locate(
-    model: Model, comparison: Comparison, seed: int = 0, progress: Progress = silent
-) -> Localisation:
-    """Return where a model fails.
+def locate(model: Model, comparison: Comparison, progress: Progress = silent) -> Localisation:
+    """Return where a model fails; the same data give the same words.
 
     Args:
         model: the model; its load and its range are coordinates.
         comparison: of the model with a motion.
-        seed: of everything drawn at random, so that the same data give the same words.
         progress: receives the share done, 0 to 1.
     """
     motion = comparison.motion
@@ -147,19 +153,17 @@ def locate(
         load = model.inputs(*states, time=motion.time, segment=motion.segment).load
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd)).max(axis=1)
     series = ResidualSeries(motion, comparison.residual, load, excess)
-    bins: list[Bins | None] = []
+    bins: list[Bins] = []
     regions: list[Region] = []
-    spectra: list[Spectrum | None] = []
+    spectra: list[Spectrum] = []
     binned = [coordinate for coordinate in COORDINATES.values() if coordinate.binned]
     for joint, name in enumerate(motion.joints):
         progress(joint / len(motion.joints), name)
-        bins += [bins_of(series, joint, coordinate, seed=seed) for coordinate in binned]
-        regions += find_regions(series, joint, seed)
-        spectra.append(order_spectrum(series, joint, seed))
+        bins += [one for each in binned if (one := bins_of(series, joint, each))]
+        regions += find_regions(series, joint)
+        spectrum = order_spectrum(series, joint)
+        spectra += [spectrum] if spectrum else []
     progress(1.0, "done")
     weight = dict(zip(motion.joints, np.nan_to_num(comparison.score.nmse), strict=True))
     regions.sort(key=lambda region: -weight[region.joint] * region.strength)
-    return Localisation(
-        comparison, series, tuple(one for one in bins if one is not None), tuple(regions),
-        tuple(one for one in spectra if one is not None),
-    )  # fmt: skip
+    return Localisation(comparison, series, tuple(bins), tuple(regions), tuple(spectra))

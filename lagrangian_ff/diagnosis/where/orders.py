@@ -8,9 +8,8 @@ angles, so that the uneven sampling of a motion does no harm.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis.where.series import ResidualSeries, block_orders
 
 SAMPLES = 6000
@@ -61,15 +60,20 @@ class Spectrum:
     order: Floats
     amplitude: Floats
     noise: Floats
-    lines: tuple["Line", ...]
+    lines: tuple[Line, ...]
     spread: float
 
     def share(self, line: Line) -> float:
         """Return the share of a line in the residual's variance."""
         return min(1.0, 0.5 * (line.amplitude / self.spread) ** 2)
 
+    @property
+    def named(self) -> Line | None:
+        """Return the strongest line; None if it is not worth a sentence."""
+        return next((one for one in self.lines[:1] if self.share(one) >= NAMED_SHARE), None)
+
     def record(self) -> dict[str, object]:
-        """Return it for JSON."""
+        """Return the spectrum for JSON."""
         return {
             "joint": self.joint,
             "resolution": self.resolution,
@@ -144,9 +148,7 @@ def _refined(q: Floats, r: Floats, order: Floats, place: int) -> Line:
     return Line(float(around[top]), float(amplitude[top]))
 
 
-def _peaks(
-    order: Floats, amplitude: Floats, strong: NDArray[np.bool_], resolution: float
-) -> tuple[int, ...]:
+def _peaks(order: Floats, amplitude: Floats, strong: Flags, resolution: float) -> tuple[int, ...]:
     """Return the places of the strong orders, highest first, one within each resolution."""
     lines: list[int] = []
     for k in np.argsort(-amplitude):

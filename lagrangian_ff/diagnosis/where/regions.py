@@ -107,7 +107,7 @@ class Region:
         )
 
     def record(self) -> dict[str, object]:
-        """Return it for JSON: the first condition, and the other if there are two."""
+        """Return the region for JSON: the first condition, and the other if there are two."""
         listed = [
             {"coordinate": c.coordinate, "low": c.low, "high": c.high} for c in self.conditions
         ]
@@ -161,7 +161,7 @@ class Axis:
 
     @property
     def members(self) -> Floats:
-        """(I, K) 1 where an interval holds a bin."""
+        """Return (I, K), 1 where an interval holds a bin."""
         bins = np.arange(len(self.low))
         first, last = self.intervals[:, :1], self.intervals[:, 1:]
         return ((bins >= first) & (bins <= last)).astype(np.float64)
@@ -254,51 +254,36 @@ def find_regions(series: ResidualSeries, joint: int, seed: int = 0) -> list[Regi
         Up to three, and one of time; none if the error is spread evenly or the motion is too short.
     """
     small = series.thinned(SAMPLES)
-    error = small.residual[:, joint] ** 2
-    if series.too_short or not float(error.sum()) > 0.0:
+    squared = small.residual[:, joint] ** 2
+    if series.too_short or not float(squared.sum()) > 0.0:
         return []
     orders = block_orders(small.motion.time, SHUFFLES, seed)
-    names = [[name] for name in COORDINATES if name != "time"] + [list(pair) for pair in PAIRS]
-    scans = [scan for one in names if (scan := Scan.of(small, joint, one))]
-    when = Scan.of(small, joint, ["time"])
-    search = _Search(series, small, joint, orders, seed)
-    regions = search.greedily(scans, error, MOST, CHANCE)
-    return regions + search.greedily([when] if when else [], error, 1, CHANCE_OF_TIME)
 
-
-@dataclass(frozen=True)
-class _Search:
-    """A search for regions of one joint."""
-
-    series: ResidualSeries
-    small: ResidualSeries
-    joint: int
-    orders: Ints
-    seed: int
-
-    def greedily(
-        self, scans: Sequence[Scan], error: Floats, most: int, level: float
-    ) -> list[Region]:
+    def greedily(scans: Sequence[Scan], most: int, level: float) -> list[Region]:
         """Return up to `most` regions of these scans, each beside those before it."""
         regions: list[Region] = []
-        covered = np.zeros(len(error), dtype=np.bool_)
-        squared = error
+        error, covered = squared, np.zeros(len(squared), dtype=np.bool_)
         while scans and len(regions) < most and squared[covered].sum() < ENOUGH * squared.sum():
             strength, conditions = _strongest(scans, error)
             if strength <= 0.0:
                 break
-            region = _measured(self.series, self.joint, conditions, self.seed)
+            region = _measured(series, joint, conditions, seed)
             if region is None:
                 break
-            shuffled = error[self.orders]
+            shuffled = error[orders]
             chance = np.max([one.strength(shuffled).max(axis=(1, 2)) for one in scans], axis=0)
             if strength <= float(np.quantile(chance, 1.0 - level)):
                 break
             regions.append(region)
-            inside = _inside(self.small, self.joint, conditions)
+            inside = _inside(small, joint, conditions)
             covered |= inside
             error = np.where(inside, error[~inside].mean(), error)
         return regions
+
+    names = [[name] for name in COORDINATES if name != "time"] + [list(pair) for pair in PAIRS]
+    scans = [scan for one in names if (scan := Scan.of(small, joint, one))]
+    when = Scan.of(small, joint, ["time"])
+    return greedily(scans, MOST, CHANCE) + greedily([when] if when else [], 1, CHANCE_OF_TIME)
 
 
 def _strongest(scans: Sequence[Scan], error: Floats) -> Strongest:

@@ -1,7 +1,6 @@
 """A model's residual over time, and blocks of it, drawn again or in another order.
 
-Neighbouring samples of a motion are not independent: what chance alone would show is asked block by
-block.
+Neighbouring samples of a motion are not independent, so that chance is estimated block by block.
 """
 
 from dataclasses import dataclass, replace
@@ -40,7 +39,7 @@ class ResidualSeries:
 
     @property
     def too_short(self) -> bool:
-        """Whether there are too few blocks to separate anything from chance."""
+        """Return whether there are too few blocks to separate anything from chance."""
         blocks = self.motion.blocks(BLOCK_SECONDS)
         return not len(blocks) or int(blocks[-1]) + 1 < FEWEST_BLOCKS
 
@@ -59,19 +58,18 @@ class ResidualSeries:
         )
 
 
-def resampled(sums: "NDArray[Any]", seed: int, repeats: int = REPEATS) -> Floats:
+def resampled(sums: "NDArray[Any]", seed: int) -> Floats:
     """Return sums over blocks that are drawn with replacement.
 
     Args:
         sums: (B, ...) what each of B blocks adds.
         seed: of the draws.
-        repeats: R.
 
     Returns:
-        (R, ...) the sums over B blocks drawn R times.
+        (R, ...) the sums over B blocks drawn R = `REPEATS` times.
     """
     count = len(sums)
-    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), repeats)
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), REPEATS)
     return np.asarray(np.tensordot(drawn.astype(np.float64), sums, axes=1))
 
 

@@ -12,13 +12,9 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.choosing.evidence import (
-    Logarithms,
-    maximise_evidence,
-    quiet,
-)
+from lagrangian_ff.identification.choosing.evidence import Logarithms, maximise_evidence, quiet
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
-from lagrangian_ff.identification.problem import Nuisance, Problem, Scaling
+from lagrangian_ff.identification.problem import Nuisance, Prior, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples, evenly
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
@@ -29,13 +25,9 @@ from lagrangian_ff.kernels.structured.chain import Chain
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
 
-ROWS = 4800
-"""Torques (samples times joints) that are whitened; factoring takes about a second."""
 COARSE, FINE, SHAPES = 120, 240, 400
 """Numbers of samples. On the fewest alone, a flexible prior takes the noise for dynamics."""
 BLOCK_SECONDS = 2.0
-STAGES = ((60, 20), (COARSE, 6), (FINE, 2))
-"""Samples that the evidence is maximised on, and the largest number of steps."""
 AGAIN = 2
 """Largest number of steps of a refit."""
 LEAST_NOISE = 1e-7
@@ -47,9 +39,12 @@ START_NOISE = 1e-2
 
 
 def fit(
-    motion: Motion, inputs: Inputs, basis: Basis, progress: Progress = silent,
+    motion: Motion,
+    inputs: Inputs,
+    basis: Basis,
+    progress: Progress = silent,
     sliding: Floats | None = None,
-) -> Whitened:  # fmt: skip
+) -> Whitened:
     """Return a motion whitened, with all hyperparameters fitted by evidence.
 
     Args:
@@ -65,7 +60,7 @@ def fit(
     prior = _about(problem)
     with threadpool_limits(1):
         begin = 0.0
-        for (count, steps), end in zip(STAGES, (0.1, 0.3, 0.5), strict=True):
+        for (count, steps), end in zip(thresholds.EFFORT.stages, (0.1, 0.3, 0.5), strict=True):
             problem = problem.of(_few(motion, inputs, count))
             problem = _maximised(problem, prior, steps, part(progress, begin, end))
             begin = end
@@ -104,7 +99,7 @@ def refit(
         progress: receives the share done, 0 to 1.
     """
     change = change or whitened.problem.change
-    whole = replace(whitened.problem, basis=basis, nuisance=nuisance, change=change)
+    whole = replace(whitened.problem.having(basis=basis), nuisance=nuisance, change=change)
     problem = whole.thinned(FINE)
     samples = problem.samples
     sliding = sliding_of(problem.kernel, whitened.joints)
@@ -132,7 +127,7 @@ def _started(
         kernel = kernel.replace(prismatic=sliding)
     noise = START_NOISE * share * kernel.variance(states).mean()
     scaling = Scaling(np.full(tau.shape[1], unit), np.ones(tau.shape[1]))
-    return Problem(samples, kernel, noise, scaling, basis)
+    return Problem(samples, Prior(kernel, noise, scaling, basis))
 
 
 def _about(problem: Problem) -> HyperPrior:
@@ -142,7 +137,7 @@ def _about(problem: Problem) -> HyperPrior:
 
 def _few(motion: Motion, inputs: Inputs, count: int) -> Samples:
     """Return some samples of a motion, averaged as all of them are."""
-    window = window_of(evenly(len(motion), ROWS // len(motion.joints)), motion)
+    window = window_of(evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints)), motion)
     x = inputs.take(evenly(len(motion), count), window)
     return Samples(x, x.mean(motion.tau))
 
@@ -150,7 +145,7 @@ def _few(motion: Motion, inputs: Inputs, count: int) -> Samples:
 def _whitened(
     motion: Motion, inputs: Inputs, problem: Problem, like: System | None = None
 ) -> Whitened:
-    index = evenly(len(motion), ROWS // len(motion.joints))
+    index = evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints))
     block = motion.blocks(BLOCK_SECONDS)[index]
     return whiten(motion, index, block, inputs, problem, like=like)
 
@@ -185,7 +180,7 @@ def _with_gains(problem: Problem) -> Problem:
                 steps[joint] *= 0.4
     if best - first <= thresholds.USED.unit_floor:
         return problem
-    return replace(problem, scaling=Scaling(problem.unit[0] * gain, problem.scaling.noise))
+    return problem.having(scaling=replace(problem.prior.scaling, unit=problem.unit[0] * gain))
 
 
 def _by_gain(problem: Problem) -> Callable[[Floats], float]:
@@ -229,30 +224,30 @@ def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:
     if not places:
         return problem
     samples = _few(motion, inputs, SHAPES)
-    x = samples.x
     system = exact(problem.of(samples)).system
     white = system.white_design.copy()
     terms = list(problem.basis.terms)
+
+    def steps(joint: int, speeds: Floats) -> Floats:
+        """Return the whitened Coulomb steps (S N, V) of a joint, of V widths in rad/s."""
+        out = np.zeros((len(samples), samples.x.joints, len(speeds)))
+        for k, speed in enumerate(speeds):
+            torque = samples.x.mean(np.tanh(inputs.qd[:, joint] / speed))
+            out[:, joint, k] = torque / problem.unit[joint]
+        flat = out.reshape(-1, len(speeds))
+        return np.asarray(solve_triangular(system.upper, flat, trans=1, check_finite=False))
+
     for number, column in places:
         term = terms[number]
-        tried = np.zeros((len(samples), x.joints, len(SIGN_SPEEDS)))
-        unit = problem.unit[term.joint]
-        for k, speed in enumerate(SIGN_SPEEDS):
-            tried[:, term.joint, k] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
-        flat = tried.reshape(-1, len(SIGN_SPEEDS))
-        z = solve_triangular(system.upper, flat, trans=1, check_finite=False)
+        z = steps(term.joint, SIGN_SPEEDS)
         span, _ = np.linalg.qr(np.delete(white, column, axis=1))
         left = system.white_target - span @ (span.T @ system.white_target)
         z -= span @ (span.T @ z)
         fall = (z.T @ left) ** 2 / np.maximum(np.sum(z * z, axis=0), 1e-300)
         speed = float(np.exp(_peak(np.log(SIGN_SPEEDS), fall)))
         terms[number] = Term(term.effect, term.joint, {**term.shape, term.effect.sign_width: speed})
-        chosen = np.zeros((len(samples), x.joints))
-        chosen[:, term.joint] = x.mean(np.tanh(inputs.qd[:, term.joint] / speed)) / unit
-        white[:, column] = solve_triangular(
-            system.upper, chosen.ravel(), trans=1, check_finite=False
-        )
-    return replace(problem, basis=Basis(tuple(terms)))
+        white[:, column] = steps(term.joint, np.array([speed]))[:, 0]
+    return problem.having(basis=Basis(tuple(terms)))
 
 
 def _peak(at: Floats, values: Floats) -> float:

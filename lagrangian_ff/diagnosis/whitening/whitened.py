@@ -125,14 +125,18 @@ class Whitened:
         The factor is reused if they are the same objects.
         """
         mine = self.problem
-        names = ("kernel", "noise", "scaling", "change")
-        same = all(getattr(mine, name) is getattr(other, name) for name in names)
-        assumed = {name: getattr(other, name) for name in names}
-        return self._again(replace(mine, **assumed), self.system if same else None)
+        same = mine.change is other.change and all(
+            getattr(mine.prior, name) is getattr(other.prior, name)
+            for name in ("kernel", "noise", "scaling")
+        )
+        prior = replace(other.prior, basis=mine.basis)
+        problem = replace(mine, prior=prior, change=other.change)
+        return self._again(problem, self.system if same else None)
 
     def explaining(self, basis: Basis, nuisance: tuple[Nuisance, ...]) -> "Whitened":
         """Return the same motion with other effects and columns explained, with the same factor."""
-        return self._again(replace(self.problem, basis=basis, nuisance=nuisance), self.system)
+        problem = replace(self.problem.having(basis=basis), nuisance=nuisance)
+        return self._again(problem, self.system)
 
     def _again(self, problem: Problem, like: System | None) -> "Whitened":
         parts = self.motion, self.index, self.block, self.inputs

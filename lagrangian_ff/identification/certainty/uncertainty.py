@@ -29,6 +29,7 @@ from lagrangian_ff.identification.certainty.calibration import (
     calibrated,
 )
 from lagrangian_ff.identification.predicting import TorqueModel
+from lagrangian_ff.identification.records import Identified
 from lagrangian_ff.identification.solving.posterior import Posterior, Variance
 from lagrangian_ff.identification.solving.robust import heavy_tailed
 from lagrangian_ff.progress import Progress, silent
@@ -199,11 +200,10 @@ class Uncertainty:
 
 def quick_factor(model: TorqueModel) -> Floats | None:
     """Return (N,) the calibration of `Uncertainty.quick` in the record; None if it has none."""
-    kept = model.record.get("uncertainty")
-    quick = kept.get("quick") if isinstance(kept, dict) else None
-    if not isinstance(quick, dict) or list(quick) != list(model.joints):
+    kept = Identified.from_record(model.record).uncertainty
+    if kept is None or kept.quick is None or tuple(kept.quick) != model.joints:
         return None
-    return np.array(list(quick.values()), dtype=np.float64)
+    return np.array(list(kept.quick.values()), dtype=np.float64)
 
 
 def _data(model: TorqueModel) -> Inputs:

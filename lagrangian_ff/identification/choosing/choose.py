@@ -24,15 +24,13 @@ from lagrangian_ff.identification.choosing.evidence import (
     maximise_evidence,
     solvable,
 )
-from lagrangian_ff.identification.choosing.shapes import tuned
-from lagrangian_ff.identification.choosing.simplex import (
-    require_folds,
-    search,
-    validation_score,
-)
+from lagrangian_ff.identification.choosing.shapes import refit_shapes
+from lagrangian_ff.identification.choosing.simplex import require_folds, search, validation_score
 from lagrangian_ff.identification.predicting import CHUNK_SAMPLES
 from lagrangian_ff.identification.problem import Problem, Scaling
+from lagrangian_ff.identification.records import Tried
 from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import Posterior, exact, exact_solver, rebased
 from lagrangian_ff.identification.solving.robust import (
     ROUGH,
@@ -58,8 +56,6 @@ FIRST, SECOND, LAST = (60, 30), (120, 12), (240, 4)
 are not clearly worse than the best, and for the best."""
 WORSE = 1.5
 """Multiple of the least error on blocks left out beyond which a candidate is clearly worse."""
-EVALUATIONS = 90
-"""Value of `Settings.evaluations` that the steps belong to."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
 ENOUGH = 0.5
@@ -75,13 +71,13 @@ class Chosen:
     Attributes:
         spec: with one kernel.
         problem: of the samples it was chosen on, with the hyperparameters.
-        tried: record of each kernel and scaling tried, with its error or evidence.
+        tried: each kernel and scaling tried, with its error or evidence.
         posterior: of the problem; None if it was not solved.
     """
 
     spec: Spec
     problem: Problem
-    tried: tuple[dict[str, object], ...] = ()
+    tried: tuple[Tried, ...] = ()
     posterior: Posterior[System] | None = field(default=None, repr=False)
 
 
@@ -89,24 +85,24 @@ def choose(
     spec: Spec,
     samples: Samples,
     scalings: Sequence[Scaling],
-    criterion: str = "validation",
-    evaluations: int = 90,
+    settings: Settings,
     progress: Progress = silent,
     shaped: int = SHAPED_TORQUES,
 ) -> Chosen:
     """Choose kernel, scaling, hyperparameters, noise and shapes of friction.
 
     Args:
-        spec, samples, scalings, criterion, evaluations, progress: see `simplex.search`.
+        spec, samples, scalings, settings, progress: see `simplex.search`.
         shaped: see `SHAPED_TORQUES`.
 
     Raises:
         ModelError: there is one fold only to validate on, or no candidate can be solved.
     """
     if not spec.kernel.differentiable:
-        return Chosen(spec, search(spec, samples, scalings, criterion, evaluations, progress))
+        return Chosen(spec, search(spec, samples, scalings, settings, progress))
     require_folds(samples)
-    first, second, last = (_for(stage, evaluations) for stage in (FIRST, SECOND, LAST))
+    criterion = settings.selection
+    first, second, last = (_for(stage, settings) for stage in (FIRST, SECOND, LAST))
     count = len(spec.alternatives) * len(scalings)
     whole = count * (_work(first) + _work(second)) + _work(last)
     rough, fine = samples.thinned(ROUGH_SAMPLES), samples.thinned(JUDGED_SAMPLES)
@@ -126,9 +122,8 @@ def choose(
     kept: list[_Candidate] = []
     for kernel in spec.alternatives:
         # A scaling that is clearly worse with one kernel is so with the next.
-        left = [
-            scaling for scaling in scalings if any(one.latest.scaling is scaling for one in kept)
-        ]
+        used = [one.latest.prior.scaling for one in kept]
+        left = [scaling for scaling in scalings if any(one is scaling for one in used)]
         starts = [_Candidate.started(kernel, scaling, samples) for scaling in left or scalings]
         kept += [one for start in starts if (one := improved(start, first, rough))]
         kept = _not_clearly_worse(kept, criterion)
@@ -145,8 +140,8 @@ def choose(
         if final and (criterion == "evidence" or final.cost < best.cost):
             best = final
     shown = samples.thinned(shaped // samples.x.joints)
-    records = tuple(one.record(criterion) for one in tried)
-    chosen = Chosen(best.spec, best.choice.of(shown), records)
+    candidates = tuple(one.shown(criterion) for one in tried)
+    chosen = Chosen(best.spec, best.choice.of(shown), candidates)
     progress(1.0, "fitting")
     chosen = _reshaped(chosen)
     if len(shown) == len(samples):
@@ -157,10 +152,10 @@ def choose(
 Stage = tuple[int, int]
 
 
-def _for(stage: Stage, evaluations: int) -> Stage:
+def _for(stage: Stage, settings: Settings) -> Stage:
     """Return the stage with steps in proportion to the usual number of evaluations."""
     samples, steps = stage
-    return samples, max(1, round(steps * evaluations / EVALUATIONS))
+    return samples, max(1, round(steps * settings.evaluations / Settings.evaluations))
 
 
 def _work(stage: Stage) -> float:
@@ -212,15 +207,11 @@ class _Candidate:
             factor, choice, cost = _least_error(self.latest.of(samples), self.factor)
         return replace(self, factor=factor, choice=choice, cost=cost)
 
-    def record(self, criterion: str) -> dict[str, object]:
-        """Return kernel, scaling, samples, evidence and cost for JSON."""
-        return {
-            "kernel": self.spec.kernel.name,
-            "scale": "common" if np.ptp(self.latest.unit) == 0.0 else "joint",
-            "samples": self.samples,
-            "evidence": self.evidence,
-            criterion: self.cost,
-        }
+    def shown(self, criterion: str) -> Tried:
+        """Return kernel, scaling, samples, evidence and cost for the findings."""
+        scale = "common" if np.ptp(self.latest.unit) == 0.0 else "joint"
+        costs = {"evidence": self.evidence, criterion: self.cost}
+        return Tried(self.spec.kernel.name, scale, self.samples, **costs)
 
 
 def _not_clearly_worse(candidates: list[_Candidate], criterion: str) -> list[_Candidate]:
@@ -265,7 +256,7 @@ def _reshaped(chosen: Chosen) -> Chosen:
         return chosen
     basis = found.problem.basis
     for joint in range(chosen.problem.samples.x.joints):
-        basis = tuned(found, basis, joint)
+        basis = refit_shapes(found, basis, joint)
     found = rebased(found, basis)
     return replace(chosen, problem=found.problem, posterior=found)
 
@@ -274,8 +265,7 @@ def choose_robustly(
     spec: Spec,
     samples: Samples,
     scalings: Callable[[Floats, Floats], Sequence[Scaling]],
-    criterion: str = "validation",
-    evaluations: int = 90,
+    settings: Settings,
     progress: Progress = silent,
 ) -> tuple[Chosen, Floats]:
     """Choose as `choose` does, undisturbed by gross errors of torque.
@@ -284,7 +274,7 @@ def choose_robustly(
     found on a subset of the samples first. During a choice the weights stay as they are.
 
     Args:
-        spec, samples, criterion, evaluations, progress: see `choose`.
+        spec, samples, settings, progress: see `choose`.
         scalings: returns the scalings to try for torques (S, N) and their weights (S, N).
 
     Returns:
@@ -300,7 +290,7 @@ def choose_robustly(
         weight = heavy_tailed(_weights(chosen.problem.of(some)))
         known, tried = replace(some, weight=weight), scalings(some.tau, weight)
         share = part(progress, low, high)
-        chosen = choose(spec, known, tried, criterion, evaluations, share)
+        chosen = choose(spec, known, tried, settings, share)
     problem = chosen.problem.of(samples)
     chosen = replace(chosen, problem=problem, posterior=None)  # it has the square loss
     return chosen, _weights(problem)
@@ -319,7 +309,7 @@ def weights_beyond(problem: Problem, weight: Floats, x: Inputs, tau: Floats) -> 
     found = _solved(problem.weighted(heavy_tailed(weight)), exact)
     chunks = np.split(np.arange(len(x)), range(CHUNK_SAMPLES, len(x), CHUNK_SAMPLES))
     residual = tau - np.concatenate([found.torque(x.take(chunk)) for chunk in chunks])
-    return weights_of(residual, threshold_of(residual, problem.scaling.spread))
+    return weights_of(residual, threshold_of(residual, problem.prior.scaling.spread))
 
 
 def _weights(problem: Problem) -> Floats:
@@ -335,7 +325,7 @@ def _weights(problem: Problem) -> Floats:
     found = _solved(problem, solved)
     groups = problem.samples.groups()
     residual = found.left_out(groups) if len(groups) > 1 else found.residual
-    return weights_of(residual, threshold_of(residual, problem.scaling.spread))
+    return weights_of(residual, threshold_of(residual, problem.prior.scaling.spread))
 
 
 def _solved(problem: Problem, how: Callable[[Problem], Posterior]) -> Posterior:

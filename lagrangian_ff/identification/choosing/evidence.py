@@ -29,10 +29,7 @@ from lagrangian_ff.identification.choosing.levenberg_marquardt import (
 )
 from lagrangian_ff.identification.problem import Problem
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
-from lagrangian_ff.identification.solving.solution import (
-    NotPositiveDefiniteError,
-    with_least_noise,
-)
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError, with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, silent
@@ -73,7 +70,7 @@ class Logarithms:
         for (number, _, name), value in zip(self._shapes(self.like.basis), shapes, strict=True):
             terms[number] = replace(terms[number], shape={**terms[number].shape, name: value})
         kernel = self.like.kernel.replace(**held)
-        return replace(self.like, kernel=kernel, noise=noise, basis=Basis(tuple(terms)))
+        return self.like.having(kernel=kernel, noise=noise, basis=Basis(tuple(terms)))
 
     @property
     def prior(self) -> HyperPrior:

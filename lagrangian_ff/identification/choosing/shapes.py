@@ -68,11 +68,8 @@ def fall(found: Posterior[System], term: Term) -> tuple[float, float]:
     return float(np.sum((direction.T @ left) ** 2) / (left @ left)), own
 
 
-def tuned(
-    found: Posterior[System],
-    basis: Basis,
-    joint: int,
-    given: Collection[tuple[str, str]] = (),
+def refit_shapes(
+    found: Posterior[System], basis: Basis, joint: int, given: Collection[tuple[str, str]] = ()
 ) -> Basis:
     """Return the basis with the shapes of one joint's friction where the residual is least.
 

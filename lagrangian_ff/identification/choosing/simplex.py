@@ -16,6 +16,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import NOISE_START, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples
+from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
@@ -34,7 +35,7 @@ def validation_score(found: Posterior, groups: Sequence[Ints]) -> Floats:
     """
     residual = found.left_out(groups)
     weights = found.problem.samples.weights
-    errors = weights * (residual / found.problem.scaling.spread) ** 2
+    errors = weights * (residual / found.problem.prior.scaling.spread) ** 2
     seen = np.isfinite(errors)
     counted = np.sum(weights, axis=0, where=seen)
     with np.errstate(invalid="ignore"):
@@ -45,8 +46,7 @@ def search(
     spec: Spec,
     samples: Samples,
     scalings: Sequence[Scaling],
-    criterion: str = "validation",
-    evaluations: int = 90,
+    settings: Settings,
     progress: Progress = silent,
 ) -> Problem:
     """Return the problem with the kernel's numbers, the noise and the effects' shapes searched.
@@ -55,8 +55,8 @@ def search(
         spec: kernel family and effects.
         samples: with their folds.
         scalings: the ways to normalise torques that are tried; the better one is kept.
-        criterion: `validation` (blocked cross-validation, section IV-B) or `evidence`.
-        evaluations: number of points tried, for each joint if joints choose apart.
+        settings: the criterion, `validation` (blocked cross-validation, section IV-B) or
+            `evidence`, and the number of points tried, for each joint if joints choose apart.
         progress: receives the share done, 0 to 1.
 
     Raises:
@@ -68,15 +68,15 @@ def search(
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
         if not per_joint:
-            return _Search(criterion, None, _axes(spec)).run(start, scalings, evaluations, progress)
+            return _Search(settings, None, _axes(spec)).run(start, scalings, progress)
         joints = samples.x.joints
         for joint in range(joints):
 
             def report(share: float, label: str, done: int = joint) -> None:
                 progress((done + share) / joints, label)
 
-            one = _Search(criterion, joint, _axes(spec))
-            start = one.run(start, [start.scaling], evaluations, report)
+            one = _Search(settings, joint, _axes(spec))
+            start = one.run(start, [start.prior.scaling], report)
     return start
 
 
@@ -97,17 +97,11 @@ def require_folds(samples: Samples) -> None:
 class _Search:
     """Simplex search of the numbers that one joint, or all together, depend on."""
 
-    criterion: str
+    settings: Settings
     joint: int | None
     axes: "Sequence[_Axis]"
 
-    def run(
-        self,
-        start: Problem,
-        scalings: Sequence[Scaling],
-        evaluations: int,
-        progress: Progress,
-    ) -> Problem:
+    def run(self, start: Problem, scalings: Sequence[Scaling], progress: Progress) -> Problem:
         """Return the best problem found.
 
         Every scaling goes through all stages: a small subset favours joints learned apart.
@@ -115,9 +109,10 @@ class _Search:
         table = [(axis.low, axis.high, axis.start, axis.step) for axis in self.axes]
         low, high, first, step = np.array(table).T
         bounds = list(zip(low, high, strict=True))
-        planned = sum(share for _, share in STAGES) * len(scalings)
+        evaluations = self.settings.evaluations
+        planned = sum(share for _, share in STAGES) * len(scalings) * evaluations
         tried = 0
-        running = [(0.0, first, replace(start, scaling=scaling)) for scaling in scalings]
+        running = [(0.0, first, start.having(scaling=scaling)) for scaling in scalings]
         for samples, share in STAGES:
             finished = []
             for _, point, problem in running:
@@ -129,7 +124,7 @@ class _Search:
                 ) -> float:
                     nonlocal tried
                     tried += 1
-                    progress(min(1.0, tried / (planned * evaluations)), "choosing hyperparameters")
+                    progress(min(1.0, tried / planned), "choosing hyperparameters")
                     return self.cost(values, part, groups)
 
                 corners = np.vstack([point, point + np.diag(step)])
@@ -149,7 +144,7 @@ class _Search:
         """Return minus the log evidence, or the log of the left-out error."""
         try:
             found = exact(_at(part, self.axes, values, self.joint), self.joint)
-            if self.criterion == "evidence":
+            if self.settings.selection == "evidence":
                 return -found.log_evidence
             score = validation_score(found, groups)
         except (NotPositiveDefiniteError, np.linalg.LinAlgError):
@@ -206,10 +201,10 @@ def _at(problem: Problem, axes: Sequence[_Axis], values: Floats, joint: int | No
                 )
             )
     relative = np.exp([values[[axis.kind for axis in axes].index("noise")]])
-    problem = replace(problem, kernel=kernel, basis=basis)
+    problem = problem.having(kernel=kernel, basis=basis)
     fresh = problem.with_relative_noise(relative).noise
     new = _set(problem.noise, fresh if joint is None else fresh[[joint]], joint, joints)
-    return replace(problem, noise=new)
+    return problem.having(noise=new)
 
 
 def _set(old: Floats, new: Floats, joint: int | None, joints: int) -> Floats:

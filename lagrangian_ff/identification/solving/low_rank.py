@@ -165,11 +165,7 @@ class LowRank(Reduced):
 
     @classmethod
     def of(
-        cls,
-        points: InducingPoints,
-        rows: Rows,
-        groups: Sequence[Ints],
-        progress: Progress = silent,
+        cls, points: InducingPoints, rows: Rows, groups: Sequence[Ints], progress: Progress = silent
     ) -> "LowRank":
         """Sum over all samples, group by group.
 

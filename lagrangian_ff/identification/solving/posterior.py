@@ -256,7 +256,7 @@ def exact_solver(problem: Problem) -> Solver:
 
 def rebased(found: Posterior[System], basis: Basis) -> Posterior[System]:
     """Return the posterior with other shapes of the effects; the Gram matrix is the same."""
-    problem = replace(found.problem, basis=basis)
+    problem = found.problem.having(basis=basis)
     systems = []
     for joints, _, system in found.systems:
         rows = problem.rows(joints)
@@ -287,7 +287,7 @@ def inducing_solver(problem: Problem, at: States, groups: Sequence[Ints]) -> Sol
                 system = _tempered(system)
             noise[list(joints)] *= system.factor
             systems.append((joints, problem.basis.of_joints(joints), system))
-        return Posterior(replace(weighted, noise=noise), at, tuple(systems))
+        return Posterior(weighted.having(noise=noise), at, tuple(systems))
 
     return solve
 

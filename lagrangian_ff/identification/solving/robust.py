@@ -75,7 +75,7 @@ def huber(
         share(0.0, "weighing torques")
         residual = found.residual
         if threshold is None and (limit is None or step < SETTLED):
-            limit = threshold_of(residual, found.problem.scaling.spread)
+            limit = threshold_of(residual, found.problem.prior.scaling.spread)
         assert limit is not None
         wanted = weights_of(residual, limit)
         if np.max(np.abs((wanted - found.problem.samples.weights) * residual) / limit) < enough:

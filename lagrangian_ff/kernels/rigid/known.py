@@ -73,10 +73,13 @@ class KnownFamily(base.MechanismFamily):
             (True, True): KnownMechanical,
         }[self.has_lagrangian, bool(self.inner.differentiable)]
         return made(
-            self, kernel, bodies=np.array([spread**-2]), deviation=np.array([DEVIATION_START]),
+            self,
+            kernel,
+            bodies=np.array([spread**-2]),
+            deviation=np.array([DEVIATION_START]),
             armature=np.where(own > 0.0, own, spread) / moved,
             correction=np.array([CORRECTION_START / variance if variance > 0.0 else 1.0]),
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)

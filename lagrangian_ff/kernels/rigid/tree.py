@@ -71,12 +71,10 @@ class Tree:
     def regressor(self, x: States) -> Floats:
         """Return (M, N, 10 B) the torque of each joint per unit of each body's parameters."""
         out = np.zeros((len(x), x.joints, self.bodies, 10))
-        tree = (
-            self.parent, self.rotation, self.offset, self.axis, self.sliding, self.driver,
-            self.ratio, self.shift, np.asarray(self.gravity, dtype=np.float64),
-        )  # fmt: skip
-        sizes = x.joints, self.bodies, len(x)
-        loop("rigid_regressor")(*sizes, *contiguous(x), *map(np.ascontiguousarray, tree), out)
+        frames = self.parent, self.rotation, self.offset, self.axis, self.sliding
+        moved = self.driver, self.ratio, self.shift, np.asarray(self.gravity, dtype=np.float64)
+        sizes, tree = (x.joints, self.bodies, len(x)), map(np.ascontiguousarray, (*frames, *moved))
+        loop("rigid_regressor")(*sizes, *contiguous(x), *tree, out)
         return out.reshape(len(x), x.joints, -1)
 
     def momentum(self, x: States) -> Floats:

@@ -80,9 +80,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         Hyperparameter("rotor", "1", "ρ: weight of the rotors' own inertia", 1.0, 1.0),
         Hyperparameter("prismatic", "", "1 where a joint slides", 1.0, 1.0),
     )
-    differentiable: ClassVar[tuple[str, ...]] = (
-        "inertia", "link", "potential", "wave", "swing", "rotor",
-    )  # fmt: skip
+    differentiable = ("inertia", "link", "potential", "wave", "swing", "rotor")
     variances: ClassVar[tuple[str, ...]] = ("potential",)
 
     @classmethod
@@ -92,9 +90,13 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         links = joints if cls.serial else 1
         return cls(
             inertia=np.array([1.0 / largest(x.qd[:, n]) ** 2 for n in range(joints)]),
-            link=np.ones(links), potential=np.ones(links), wave=np.ones(joints),
-            swing=np.ones(joints), rotor=np.full(joints, ROTOR_START), prismatic=np.zeros(joints),
-        )  # fmt: skip
+            link=np.ones(links),
+            potential=np.ones(links),
+            wave=np.ones(joints),
+            swing=np.ones(joints),
+            rotor=np.full(joints, ROTOR_START),
+            prismatic=np.zeros(joints),
+        )
 
     def gram(self, x: States) -> Floats:
         out = np.empty((len(x), x.joints, len(x), x.joints))

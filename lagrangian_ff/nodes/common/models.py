@@ -63,7 +63,7 @@ def conditioning_for(
         effort_scale: N·m per unit of effort by joint; others than 1 override the model's.
         effort_offset: N·m by joint; others than 0 override the model's.
     """
-    usual = Conditioning.from_record(model.record.get("conditioning")) or Conditioning()
+    usual = model.identified.conditioning or Conditioning()
 
     def of_model(
         known: Mapping[str, float], given: Mapping[str, float], neutral: float

@@ -120,9 +120,16 @@ class Parameters:
         changed()
 
     def declare(
-        self, name: str, default: Any, description: str, *, low: float | None = None,
-        high: float | None = None, choices: Sequence[str] = (), read_only: bool = False,
-    ) -> Any:  # fmt: skip
+        self,
+        name: str,
+        default: Any,
+        description: str,
+        *,
+        low: float | None = None,
+        high: float | None = None,
+        choices: Sequence[str] = (),
+        read_only: bool = False,
+    ) -> Any:
         """Declare a parameter and return its value.
 
         Args:
@@ -208,9 +215,11 @@ class Diagnostics:
     """
 
     def __init__(
-        self, node: Node, hardware_id: str,
-        parts: Mapping[str, Callable[[], Status | Mapping[str, Status] | None]],
-    ) -> None:  # fmt: skip
+        self,
+        node: Node,
+        hardware_id: str,
+        **parts: Callable[[], Status | Mapping[str, Status] | None],
+    ) -> None:
         self._node = node
         self._name = node.get_fully_qualified_name().lstrip("/")
         self._hardware_id, self._parts = hardware_id, parts
@@ -240,7 +249,9 @@ class Diagnostics:
 
     def _message(self, part: str, status: Status) -> DiagnosticStatus:
         return DiagnosticStatus(
-            level=bytes([Level(status.level)]), name=f"{self._name}: {part}",
-            message=status.message, hardware_id=self._hardware_id,
+            level=bytes([Level(status.level)]),
+            name=f"{self._name}: {part}",
+            message=status.message,
+            hardware_id=self._hardware_id,
             values=[KeyValue(key=key, value=text) for key, text in status.texts().items()],
-        )  # fmt: skip
+        )

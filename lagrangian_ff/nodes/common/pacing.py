@@ -39,9 +39,13 @@ class Pacer:
     """
 
     def __init__(
-        self, period: float, most: int = 1, skip: bool = True,
-        clock: Callable[[], int] = time.monotonic_ns, sleep: Callable[[float], object] = time.sleep,
-    ) -> None:  # fmt: skip
+        self,
+        period: float,
+        most: int = 1,
+        skip: bool = True,
+        clock: Callable[[], int] = time.monotonic_ns,
+        sleep: Callable[[float], object] = time.sleep,
+    ) -> None:
         self.period = self._unhurried = round(period * 1e9)
         self.start = clock()
         self.speed = self._speed = 1.0
@@ -144,9 +148,12 @@ class PacedThread:
     """
 
     def __init__(
-        self, pacer: Pacing, work: Callable[[range], None], failed: Callable[[Exception], None],
+        self,
+        pacer: Pacing,
+        work: Callable[[range], None],
+        failed: Callable[[Exception], None],
         name: str,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._pacer, self._work, self._failed = pacer, work, failed
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)

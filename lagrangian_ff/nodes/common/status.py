@@ -6,7 +6,10 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification import Score
 
 
 class Level(IntEnum):
@@ -34,11 +37,11 @@ class Status:
         }
 
 
-def held_out(record: Mapping[str, Any]) -> dict[str, str]:
+def held_out(score: "Score") -> dict[str, str]:
     """Return the held-out error by joint: RMSE in N·m, and the share of the variance missed."""
     return {
-        f"held-out error {joint}": f"{error['rmse']:.4g} N·m, nMSE {error['nmse']:.4g}"
-        for joint, error in record.get("joints", {}).items()
+        f"held-out error {joint}": f"{rmse:.4g} N·m, nMSE {nmse:.4g}"
+        for joint, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)
     }
 
 
@@ -58,9 +61,11 @@ class ThrottledWarnings:
     """
 
     def __init__(
-        self, warn: Callable[[str], object], interval: float = 1.0,
+        self,
+        warn: Callable[[str], object],
+        interval: float = 1.0,
         clock: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.counts: Counter[str] = Counter()
         self._warn, self._interval, self._clock = warn, interval, clock
         self._logged_at = -float("inf")

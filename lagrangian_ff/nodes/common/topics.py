@@ -79,9 +79,14 @@ class PolledSubscription:
         # The node keeps only a weak reference to the group.
         self._group = _NotForTheExecutor()
         self._subscription = node.create_subscription(
-            kind, topic, lambda message: None, profile, callback_group=self._group, raw=raw,
+            kind,
+            topic,
+            lambda message: None,
+            profile,
+            callback_group=self._group,
+            raw=raw,
             qos_overriding_options=overridable(),
-        )  # fmt: skip
+        )
         self._waiting = rclpy_implementation.WaitSet(1, 0, 0, 0, 0, 0, node.context.handle)
 
     @property

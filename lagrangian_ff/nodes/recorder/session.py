@@ -1,16 +1,40 @@
-"""The recordings of a session, the model they gave, and what was found out about it."""
+"""The recordings of a session, the model they gave, and the results of the jobs about it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+
+from lagrangian_ff.nodes.common.status import Status
 
 
 @dataclass(frozen=True)
 class SavedModel:
-    """A model on disk, with the record of how it was made."""
+    """A model on disk.
+
+    Attributes:
+        file: of the model.
+        values: its name and its errors, as the status shows them.
+    """
 
     file: Path
-    record: dict[str, Any]
+    values: Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class Result:
+    """The result of a job, made in its process.
+
+    Its fields are plain values, so that the node takes it without importing what made it.
+
+    Attributes:
+        log: lines.
+        statuses: by name.
+        model: the model that the job made; None for none.
+    """
+
+    log: tuple[str, ...]
+    statuses: Mapping[str, Status] = field(default_factory=dict)
+    model: SavedModel | None = None
 
 
 @dataclass
@@ -22,7 +46,7 @@ class Session:
         current: the bag being recorded.
         busy: the present job in one word, such as "identifying"; empty without one.
         model: the last model, identified or extended.
-        found: the record of the last job about this model, by service.
+        results: of the last jobs about this model, by service.
         failures: why the last job failed, by service.
     """
 
@@ -30,7 +54,7 @@ class Session:
     current: Path | None = None
     busy: str = ""
     model: SavedModel | None = None
-    found: dict[str, dict[str, Any]] = field(default_factory=dict)
+    results: dict[str, Result] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -54,10 +78,12 @@ class Session:
             return f"{reason}no model yet: call ~/identify first and wait for its end"
         return ""
 
-    def take_model(self, file: Path, record: dict[str, Any]) -> None:
-        """Take a new model; what was found out about the old one is dropped."""
-        self.model = SavedModel(file, record)
-        self.found.clear()
+    def take(self, service: str, result: Result) -> None:
+        """Take the result of a job; with a new model the results about the old one are dropped."""
+        if result.model is not None:
+            self.model = result.model
+            self.results.clear()
+        self.results[service] = result
 
 
 def new_path(directory: Path, stem: str, suffix: str = "") -> Path:

@@ -1,31 +1,32 @@
 """The process that does a job, seen from the node and from inside.
 
 A process, because compiled code that holds the interpreter would delay the recording, and because
-the node survives whatever happens to it. `python -m lagrangian_ff.nodes.recorder.worker JOB`,
-with a pickled job in hexadecimal digits, writes one JSON object a line: {"progress", "label"}
-while it works, {"result"} or {"error"} at the end. It ends when its standard input does, so that
-it does not outlive a killed node.
+the node survives whatever happens to it. `python -m lagrangian_ff.nodes.recorder.worker JOB`
+writes one JSON object a line: {"progress", "label"} while it works, {"result"} or {"error"} at the
+end. Job and result are pickled, in hexadecimal digits. The process ends when its standard input
+does, so that it does not outlive a killed node.
 """
 
 import json
 import os
 import pickle
-import subprocess
 import sys
 import threading
 import traceback
 from dataclasses import dataclass
+from subprocess import PIPE, Popen, TimeoutExpired
 from typing import Any
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.recorder.jobs.base import Job
+from lagrangian_ff.nodes.recorder.session import Result
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The end of a job: its record, or None and the error in words."""
+    """The end of a job: its result, or None and the error in words."""
 
-    record: dict[str, Any] | None
+    result: Result | None
     error: str = ""
 
 
@@ -46,10 +47,8 @@ class Worker:
         self.label = "starting"
         self._outcome: Outcome | None = None
         # A new session: the Ctrl-C that ends the node must not reach the process first.
-        self._process = subprocess.Popen(
-            [*command, pickle.dumps(job).hex()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            text=True, start_new_session=True,
-        )  # fmt: skip
+        given = [*command, pickle.dumps(job).hex()]
+        self._process = Popen(given, stdin=PIPE, stdout=PIPE, text=True, start_new_session=True)
         self._thread = threading.Thread(target=self._listen, name="worker", daemon=True)
         self._thread.start()
 
@@ -62,7 +61,7 @@ class Worker:
         self._process.terminate()
         try:
             self._process.wait(timeout=1.0)
-        except subprocess.TimeoutExpired:
+        except TimeoutExpired:
             self._process.kill()
             self._process.wait()
         self._thread.join(timeout=1.0)
@@ -81,7 +80,7 @@ class Worker:
             if "progress" in event:
                 self.fraction, self.label = float(event["progress"]), str(event["label"])
             elif "result" in event:
-                outcome = Outcome(event["result"])
+                outcome = _read(event["result"])
             elif "error" in event:
                 outcome = Outcome(None, str(event["error"]))
         code = self._process.wait()
@@ -92,13 +91,21 @@ class Worker:
         )
 
 
+def _read(pickled: str) -> Outcome:
+    try:
+        return Outcome(pickle.loads(bytes.fromhex(pickled)))
+    except Exception as error:  # whatever a class raises that is not what it was over there
+        return Outcome(None, f"the result of the process cannot be read: {error}")
+
+
 def main() -> int:
     """Do the job on the command line and return the exit code."""
     os.nice(5)  # recording and control come first
     threading.Thread(target=_end_with_the_node, daemon=True).start()
     try:
         job: Job = pickle.loads(bytes.fromhex(sys.argv[1]))
-        record = job.work(lambda share, label: _write({"progress": share, "label": label}))
+        result = job.work(lambda share, label: _write({"progress": share, "label": label}))
+        pickled = pickle.dumps(result).hex()
     except (UserError, OSError) as error:
         _write({"error": str(error)})
         return 2
@@ -106,7 +113,7 @@ def main() -> int:
         traceback.print_exc()
         _write({"error": f"unexpected {type(error).__name__}: {error}"})
         return 1
-    _write({"result": record})
+    _write({"result": pickled})
     return 0
 
 

@@ -23,6 +23,8 @@ from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference
 
 TERMS = PARTS
 FIRST = np.zeros(1, dtype=np.int64)
+STEP = 0.004  # s between samples at most: friction changes in milliseconds where a joint reverses
+CHUNK = 16  # samples per call of the model; between calls other threads get their turn
 
 Tag = TypeVar("Tag")
 
@@ -108,20 +110,19 @@ class Plan:
 
 
 def make_plan(
-    model: InverseDynamics, reference: Reference, policy: Policy, step: float = 0.004,
-    report: Callable[[float], None] = lambda fraction: None, chunk: int = 16,
+    model: InverseDynamics,
+    reference: Reference,
+    policy: Policy,
+    report: Callable[[float], None] = lambda fraction: None,
     doubts: Doubts | None = None,
-) -> Plan:  # fmt: skip
+) -> Plan:
     """Return the torques of a reference.
 
     Args:
         model: gives the torques.
         reference: its joints are those of the model, in the same order.
         policy: what to do outside the identified range.
-        step: s, the widest distance between samples: friction changes within milliseconds
-            when a joint reverses, so sparse points are not enough.
         report: receives the share done after each chunk, 0 to 1; may raise to cancel.
-        chunk: samples per call of the model; between calls other threads get their turn.
         doubts: evaluates how far torques are a guess; None if the model cannot.
 
     Raises:
@@ -130,7 +131,7 @@ def make_plan(
     """
     if reference.is_setpoint:
         return _setpoint_plan(model, reference, policy, doubts)
-    time, own = _refine(reference.time, step)
+    time, own = _refine(reference.time)
     states = reference.sample(time)
     found = excess(reference.joints, time, states, model.range, policy.margin)
     doubt = None
@@ -143,10 +144,10 @@ def make_plan(
     else:
         weight = np.ones(len(time))
     parts = np.empty((len(time), len(TERMS), len(reference.joints)))
-    for first in range(0, len(time), chunk):
-        rows = slice(first, first + chunk)
+    for first in range(0, len(time), CHUNK):
+        rows = slice(first, first + CHUNK)
         parts[rows] = _parts(model, *(array[rows] for array in states))
-        report(min(1.0, (first + chunk) / len(time)))
+        report(min(1.0, (first + CHUNK) / len(time)))
     ends = reference.q[[0, -1]]
     still = np.zeros_like(ends)
     before, after = _parts(model, ends, still, still)
@@ -197,10 +198,10 @@ def _with_doubt(
     return Excess(found.outside | (doubt > limit).any(axis=1), worst)
 
 
-def _refine(time: Floats, step: float) -> tuple[Floats, Ints]:
-    """Return times at most `step` apart, and the indices of the given ones among them."""
+def _refine(time: Floats) -> tuple[Floats, Ints]:
+    """Return times at most `STEP` apart, and the indices of the given ones among them."""
     # Rounding must not double the samples of a reference that already has this step.
-    pieces = np.maximum(1, np.ceil(np.diff(time) / step - 1e-6).astype(np.int64))
+    pieces = np.maximum(1, np.ceil(np.diff(time) / STEP - 1e-6).astype(np.int64))
     own = np.concatenate([[0], np.cumsum(pieces)])
     return np.interp(np.arange(own[-1] + 1), own, time), own
 
@@ -213,12 +214,6 @@ def _parts(model: InverseDynamics, q: Floats, qd: Floats, qdd: Floats) -> Floats
 
 class _SupersededError(Exception):
     """The task was replaced by a newer one."""
-
-
-@dataclass(frozen=True)
-class _Task(Generic[Tag]):
-    read: Callable[[], tuple[Reference, Tag]]
-    policy: Policy
 
 
 class Planner(Generic[Tag]):
@@ -235,14 +230,17 @@ class Planner(Generic[Tag]):
     """
 
     def __init__(
-        self, model: InverseDynamics, done: Callable[[Plan, Tag], None],
-        failed: Callable[[Exception], None], doubts: Doubts | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        model: InverseDynamics,
+        done: Callable[[Plan, Tag], None],
+        failed: Callable[[Exception], None],
+        doubts: Doubts | None = None,
+    ) -> None:
         self._model, self._doubts = model, doubts
         self._done = done
         self._failed = failed
         self._wake = threading.Condition()
-        self._task: _Task[Tag] | None = None
+        self._task: tuple[Callable[[], tuple[Reference, Tag]], Policy] | None = None
         self._ended = False
         self.fraction = 1.0
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
@@ -256,7 +254,7 @@ class Planner(Generic[Tag]):
             policy: what to do outside the identified range.
         """
         with self._wake:
-            self._task = _Task(read, policy)
+            self._task = read, policy
             self._wake.notify()
 
     def drop(self) -> None:
@@ -280,26 +278,28 @@ class Planner(Generic[Tag]):
             if task is None:
                 return
             try:
-                self._work(task)
+                self._work(*task, task)
             except _SupersededError:
                 continue
             except Exception as error:
                 self._end(task)
                 self._failed(error)
 
-    def _work(self, task: "_Task[Tag]") -> None:
+    def _work(
+        self, read: Callable[[], tuple[Reference, Tag]], policy: Policy, task: object
+    ) -> None:
         def report(fraction: float) -> None:
             if self._task is not task:
                 raise _SupersededError
             self.fraction = fraction
 
         self.fraction = 0.0
-        reference, tag = task.read()
-        plan = make_plan(self._model, reference, task.policy, report=report, doubts=self._doubts)
+        reference, tag = read()
+        plan = make_plan(self._model, reference, policy, report, self._doubts)
         if self._end(task):
             self._done(plan, tag)
 
-    def _end(self, task: "_Task[Tag]") -> bool:
+    def _end(self, task: object) -> bool:
         """Forget this task and return whether it was still the newest."""
         with self._wake:
             newest = self._task is task

@@ -38,9 +38,12 @@ class Excess:
 
 
 def excess(
-    joints: tuple[str, ...], time: Floats, states: tuple[Floats, Floats, Floats],
-    known: MotionRange, margin: float,
-) -> Excess:  # fmt: skip
+    joints: tuple[str, ...],
+    time: Floats,
+    states: tuple[Floats, Floats, Floats],
+    known: MotionRange,
+    margin: float,
+) -> Excess:
     """Compare L states with the identified range, widened by `margin` times its width.
 
     Args:
@@ -124,9 +127,11 @@ class Doubt:
 
 
 def along(
-    doubts: Doubts, times: Floats, states: tuple[Floats, Floats, Floats],
+    doubts: Doubts,
+    times: Floats,
+    states: tuple[Floats, Floats, Floats],
     report: Callable[[], None] = lambda: None,
-) -> Floats:  # fmt: skip
+) -> Floats:
     """Return the doubt (L, N) along L states, each that of a state at most `STEP` s before.
 
     Args:

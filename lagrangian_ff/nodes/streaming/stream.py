@@ -318,10 +318,13 @@ class StreamMonitor:
         saturated, self._saturated = self._saturated, 0
         held_back, self._held_back = self._held_back, 0
         values: dict[str, object] = {
-            "publish rate [Hz]": rate, "phase": output.phase.value if output else "",
-            "gain": output.gain if output else 0.0, "ticks at the torque limit": saturated,
-            "ticks at the rate limit": held_back, **more,
-        }  # fmt: skip
+            "publish rate [Hz]": rate,
+            "phase": output.phase.value if output else "",
+            "gain": output.gain if output else 0.0,
+            "ticks at the torque limit": saturated,
+            "ticks at the rate limit": held_back,
+            **more,
+        }
         level, message = Level.OK, output.phase.value if output else "starting"
         if output is not None and output.phase is not Phase.WAITING and output.withheld:
             level, message = (Level.STALE if output.silent else Level.WARN), output.withheld

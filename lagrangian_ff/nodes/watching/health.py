@@ -3,7 +3,6 @@
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.certainty.uncertainty import quick_factor
 from lagrangian_ff.identification.predicting import MotionRange
+from lagrangian_ff.identification.records import Score
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.streaming.ranges import excess
 from lagrangian_ff.nodes.watching.live import Judged
@@ -100,17 +100,19 @@ class Health:
 
     Args:
         joints: N names.
-        record: of the model; holds the error of each joint.
+        score: the errors of the model on motion it has not seen; joints may lack.
         known: the identified range.
         coverage: None if the model has no calibration.
     """
 
     def __init__(
-        self, joints: tuple[str, ...], record: Mapping[str, Any], known: MotionRange,
+        self,
+        joints: tuple[str, ...],
+        score: Score,
+        known: MotionRange,
         coverage: Coverage | None = None,
-    ) -> None:  # fmt: skip
-        errors = record.get("joints", {})
-        expected = np.array([errors.get(joint, {}).get("rmse", 0.0) for joint in joints])
+    ) -> None:
+        expected = np.array([score.by_joint.get(joint, 0.0) for joint in joints])
         self._expected = np.maximum(np.nan_to_num(expected), FLOOR * known.tau_max)  # (N,) N·m
         self._joints, self._known, self._coverage = joints, known, coverage
         self._seen: deque[tuple[int, Floats, Flags, bool]] = deque()
@@ -119,8 +121,9 @@ class Health:
         """Take one more instant."""
         state = judged.state
         where = tuple(values[None] for values in (state.q, state.qd, state.qdd))
-        out = excess(self._joints, np.zeros(1), (where[0], where[1], where[2]),
-                     self._known, limits.margin).outside[0]  # fmt: skip
+        out = excess(
+            self._joints, np.zeros(1), (where[0], where[1], where[2]), self._known, limits.margin
+        ).outside[0]
         counts = (np.abs(state.qd) > limits.still) & ~out
         if self._seen and state.at < self._seen[-1][0]:
             self._seen.clear()  # the clock was set back

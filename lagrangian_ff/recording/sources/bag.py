@@ -16,7 +16,7 @@ import numpy as np
 import zstandard
 
 from lagrangian_ff.errors import RecordingError
-from lagrangian_ff.progress import Progress
+from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage, shortfall
@@ -114,8 +114,8 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
         chosen = _choose_topic(path, _topics(local, paths), topic, notes)
         table = JointStateTable()
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
-            share = (index / len(local), 1 / len(local))
-            _read_file(file, original, chosen, table, notes, progress, share)
+            report = part(progress, index / len(local), (index + 1) / len(local))
+            _read_file(file, original, chosen, table, notes, report)
         return _as_recording(f"{path} ({chosen})", table, notes)
 
 
@@ -257,32 +257,33 @@ def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
 
 
 def _read_file(
-    path: Path, original: Path, topic: str, table: JointStateTable, notes: list[str],
-    progress: Progress, share: tuple[float, float],
-) -> None:  # fmt: skip
-    """Add this file's messages; a file that breaks half-way is read again by salvage."""
+    path: Path, name: Path, topic: str, table: JointStateTable, notes: list[str], progress: Progress
+) -> None:
+    """Add the messages of the file at `path`, which the user knows by this name.
+
+    A file that breaks half-way is read again by salvage.
+    """
     mark = table.mark()
     before = len(table)
     try:
-        _append(IntactFile(path), topic, table, original, progress, share)
+        _append(IntactFile(path), name, topic, table, progress)
         return
     except UnreadableError as error:
         reason = str(error)
     table.rewind(mark)
-    salvaged = _salvage(path, original)
-    _append(salvaged, topic, table, original, progress, share)
+    salvaged = _salvage(path, name)
+    _append(salvaged, name, topic, table, progress)
     what = (
         f"cut off or damaged ({salvaged.damage})"
         if salvaged.damage
         else f"read record by record ({reason})"
     )
-    notes.append(f"{original}: {what}; {counted(len(table) - before, 'message')} could be read")
+    notes.append(f"{name}: {what}; {counted(len(table) - before, 'message')} could be read")
 
 
 def _append(
-    file: StorageFile, topic: str, table: JointStateTable, original: Path, progress: Progress,
-    share: tuple[float, float],
-) -> None:  # fmt: skip
+    file: StorageFile, name: Path, topic: str, table: JointStateTable, progress: Progress
+) -> None:
     _, expected = file.topics.get(topic, ("", 0))
     unpack = zstandard.ZstdDecompressor()
     for number, (received, data) in enumerate(file.messages(topic)):
@@ -293,8 +294,7 @@ def _append(
                 data = b""
         table.add(received, data)
         if number % 8192 == 0:
-            part = min(1.0, number / expected) if expected else 0.0
-            progress(share[0] + share[1] * part, f"read {original.name}")
+            progress(min(1.0, number / expected) if expected else 0.0, f"read {name.name}")
 
 
 def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Recording:

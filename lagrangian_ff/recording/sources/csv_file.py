@@ -11,10 +11,9 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import Recording, from_arrays
+from lagrangian_ff.recording.recording import QUANTITIES, Recording, from_arrays
 
 NAME = "a .csv with the header time,position/<joint>,velocity/<joint>,effort/<joint>"
-_QUANTITIES = ("position", "velocity", "effort")
 _BLOCK = 20_000
 
 
@@ -41,19 +40,16 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
         raise RecordingError(f"{path}: not a CSV text file: {error.reason}") from error
     table = np.concatenate([np.empty((0, len(names))), *blocks])
     blocks.clear()
-    position, velocity, effort = (
+    tables = [
         _gather(table, [found.get(quantity) for found in columns.values()])
-        for quantity in _QUANTITIES
-    )
-    return from_arrays(
-        path, joints=list(columns), time=table[:, names.index("time")], position=position,
-        velocity=velocity, effort=effort,
-    )  # fmt: skip
+        for quantity in QUANTITIES
+    ]
+    return from_arrays(path, list(columns), table[:, names.index("time")], tables)
 
 
 def write(path: Path, recording: Recording) -> None:
     """Write a table that reads back to the same numbers; only the date of the start is lost."""
-    header = ["time", *(f"{kind}/{joint}" for kind in _QUANTITIES for joint in recording.joints)]
+    header = ["time", *(f"{kind}/{joint}" for kind in QUANTITIES for joint in recording.joints)]
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerow(header)
         for first in range(0, len(recording), _BLOCK):
@@ -61,7 +57,7 @@ def write(path: Path, recording: Recording) -> None:
             block = np.column_stack(
                 [
                     recording.time[part],
-                    *(getattr(recording, quantity)[part] for quantity in _QUANTITIES),
+                    *(getattr(recording, quantity)[part] for quantity in QUANTITIES),
                 ]
             )
             rows = (
@@ -84,7 +80,7 @@ def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
     columns: dict[str, dict[str, int]] = {}
     for number, name in enumerate(names):
         quantity, _, joint = name.partition("/")
-        if quantity in _QUANTITIES and joint:
+        if quantity in QUANTITIES and joint:
             columns.setdefault(joint, {})[quantity] = number
     without = [joint for joint, found in columns.items() if "position" not in found]
     if not columns or without:

@@ -23,10 +23,9 @@ _KEYS = {
     "velocity": ("velocity", "velocities"),
     "effort": ("effort", "efforts", "torques"),
 }
-DAMAGED = (
-    ValueError, TypeError, KeyError, EOFError, RuntimeError, MemoryError, SyntaxError,
-    tokenize.TokenError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
+_UNPACKING = (EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
+_PARSING = (ValueError, TypeError, KeyError, MemoryError, SyntaxError, tokenize.TokenError)
+DAMAGED = (*_UNPACKING, *_PARSING)
 """Errors of a damaged archive: a flipped bit can reach the zip's flags (RuntimeError) and the text
 of an array's shape, which cannot be parsed (SyntaxError, TokenError) or is huge (MemoryError)."""
 
@@ -65,19 +64,15 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             "expected (samples,) and (samples, joints)"
         )
     missing: Floats = np.full(position.shape, np.nan)
-    return from_arrays(
-        path, joints=names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)],
-        time=found["time"], position=position, velocity=found.get("velocity", missing),
-        effort=found.get("effort", missing), start=start,
-    )  # fmt: skip
+    joints = names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)]
+    tables = position, found.get("velocity", missing), found.get("effort", missing)
+    return from_arrays(path, joints, found["time"], tables, start)
 
 
 def write(path: Path, recording: Recording) -> None:
     """Write the arrays under the first names above, and `start`."""
+    tables = {name: getattr(recording, name) for name in _KEYS}
+    joints = np.array(recording.joints, dtype=np.str_)
     # An open file keeps NumPy from appending .npz to another name.
     with path.open("wb") as file:
-        np.savez(
-            file, time=recording.time, position=recording.position, velocity=recording.velocity,
-            effort=recording.effort, joints=np.array(recording.joints, dtype=np.str_),
-            start=recording.start,
-        )  # fmt: skip
+        np.savez(file, **tables, joints=joints, start=recording.start)

@@ -1,7 +1,7 @@
 """What changed since the model was identified: each change, its size, and how sure it is."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.numbers import DASH, chance, typeset
 from lagrangian_ff.report import html
@@ -9,6 +9,9 @@ from lagrangian_ff.report.colours import EFFECT, FAINT
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, embed
 from lagrangian_ff.words import spoken, which
+
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import Changed, DiagnosisRun
 
 LEAD = (
     "The recording against the data that the model was identified from: what stands out in the "
@@ -18,35 +21,34 @@ MASSES = "other masses: a load was attached or taken off"
 """What a change without parameters means."""
 
 
-def changed_section(record: Mapping[str, Any]) -> Section | None:
+def changed_section(run: "DiagnosisRun") -> Section | None:
     """Return the changes that a diagnosis found, or that there are none; None if not asked."""
-    changed: Sequence[Mapping[str, Any]] | None = record.get("changed")
+    changed, every = run.changed, run.diagnosis.model.joints
     if changed is None:
         return None
     title = "What changed since the identification"
     if not changed:
         same = "Nothing stands out: the arm is as it was when the model was identified."
         return Section(title, LEAD, html.paragraph(same))
-    every = record.get("joints", ())
     rows = [
         [
-            spoken(one["what"]),
-            which(one["joints"], every),
+            spoken(one.what),
+            which(one.joints, every),
             by,
             ends,
-            typeset(one["size"]),
-            typeset(one["evidence_gain"]),
-            chance(one["p_value"], DASH),
+            typeset(one.size),
+            typeset(one.log_bayes_factor),
+            chance(one.p_value, DASH),
         ]
         for one in changed
-        for by, ends in _amounts(one["change"])
+        for by, ends in _amounts(one)
     ]
     header = ["what", "joint", "changed by", "90 % interval", "torque [N·m]", "gain", "p"]
     alike = [
-        f"{_name(one, every)}: on this motion {' or '.join(map(spoken, one['rivals']))} would "
+        f"{_name(one, every)}: on this motion {' or '.join(map(spoken, one.rivals))} would "
         "explain as much."
         for one in changed
-        if one["rivals"]
+        if one.rivals
     ]
     small = html.note(
         "Torque is the RMS torque of the change. Gain is in log evidence: by how much the change "
@@ -62,13 +64,17 @@ def changed_section(record: Mapping[str, Any]) -> Section | None:
     )
 
 
-def changes_plot(changed: Sequence[Mapping[str, Any]], every: Sequence[str]) -> Plot:
+def changes_plot(changed: "Sequence[Changed]", every: Sequence[str]) -> Plot:
     """Draw the torque of each change as a bar."""
     bars = {
-        "type": "bar", "orientation": "h", "x": [one["size"] for one in changed],
-        "y": [_name(one, every) for one in changed], "marker": {"color": EFFECT}, "width": 0.6,
+        "type": "bar",
+        "orientation": "h",
+        "x": [one.size for one in changed],
+        "y": [_name(one, every) for one in changed],
+        "marker": {"color": EFFECT},
+        "width": 0.6,
         "hovertemplate": "%{y}: %{x:.3g} N·m<extra></extra>",
-    }  # fmt: skip
+    }
     layout = {
         "xaxis": axis("torque of the change, rms [N·m]", rangemode="tozero"),
         "yaxis": axis(autorange="reversed", showgrid=False, tickfont={"size": 12, "color": FAINT}),
@@ -77,16 +83,16 @@ def changes_plot(changed: Sequence[Mapping[str, Any]], every: Sequence[str]) -> 
     return Plot([bars], layout, 80 + 34 * len(changed))
 
 
-def _amounts(change: Mapping[str, Mapping[str, Any]]) -> list[tuple[str, str]]:
+def _amounts(changed: "Changed") -> list[tuple[str, str]]:
     """Return by how much each parameter changed, and between which values that lies."""
     return [
         (
-            f"{name} {'+' if one['value'] > 0.0 else ''}{typeset(one['value'])} {one['unit']}",
-            f"{typeset(one['low'])} … {typeset(one['high'])}" if "low" in one else DASH,
+            f"{name} {'+' if one.value > 0.0 else ''}{typeset(one.value)} {one.unit}",
+            f"{typeset(one.low)} … {typeset(one.high)}" if one.bounded else DASH,
         )
-        for name, one in change.items()
+        for name, one in changed.parameters.items()
     ] or [(MASSES, DASH)]
 
 
-def _name(one: Mapping[str, Any], every: Sequence[str]) -> str:
-    return f"{spoken(one['what'])} on {which(one['joints'], every)}"
+def _name(one: "Changed", every: Sequence[str]) -> str:
+    return f"{spoken(one.what)} on {which(one.joints, every)}"

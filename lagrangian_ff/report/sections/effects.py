@@ -1,13 +1,16 @@
 """The effects that a model found, as equations with their values."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.certainty.calibration import LEVEL
 from lagrangian_ff.numbers import typeset
 from lagrangian_ff.report import html
 from lagrangian_ff.report.page import Section
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification.records import FittedEffect
 
 TITLE = "What the model found in the joints"
 LEAD = (
@@ -17,7 +20,7 @@ LEAD = (
 
 
 def effects_section(
-    record: Mapping[str, Any],
+    found: "Sequence[FittedEffect]",
     truth: Mapping[tuple[str, str], Sequence[float]] | None = None,
     *,
     title: str = TITLE,
@@ -27,45 +30,39 @@ def effects_section(
     """Return a table for each effect, with a row for each joint.
 
     Args:
-        record: of an identification; its list `effects` is shown.
-        truth: by effect and parameter, the true value of each joint in the record's order, where
-            a simulator knows it.
+        found: every effect on every joint.
+        truth: by effect and parameter, the true value of each joint in the order of `found`,
+            where a simulator knows it.
         title: of the section.
         lead: under it.
         remark: small print under the tables.
     """
-    found: list[Mapping[str, Any]] = record["effects"]
-    names = list(dict.fromkeys(one["effect"] for one in found))
+    names = dict.fromkeys(one.effect for one in found)
     if not names:
         return Section(title, "", html.paragraph("The model has no effects besides its kernel."))
-    parts = [
-        _effect([one for one in found if one["effect"] == name], truth or {}) for name in names
-    ]
+    parts = [_effect([one for one in found if one.effect == name], truth or {}) for name in names]
     return Section(title, lead, "".join(parts) + (html.note(remark) if remark else ""))
 
 
 def _effect(
-    found: Sequence[Mapping[str, Any]], truth: Mapping[tuple[str, str], Sequence[float]]
+    found: "Sequence[FittedEffect]", truth: Mapping[tuple[str, str], Sequence[float]]
 ) -> str:
     """Return heading, meaning and table of one effect on all its joints."""
-    name, formula = found[0]["effect"], found[0]["formula"]
+    name, formula = found[0].effect, found[0].formula
     meaning = f"{EFFECTS[name].meaning}." if name in EFFECTS else ""
-    header, rows = ["joint"], [[one["joint"]] for one in found]
-    for parameter, first in found[0]["parameters"].items():
+    header, rows = ["joint"], [[one.joint] for one in found]
+    for parameter, first in found[0].parameters.items():
         known = truth.get((name, parameter))
-        header += [f"{parameter} [{first['unit']}]", f"{LEVEL:.0%} interval"]
+        header += [f"{parameter} [{first.unit}]", f"{LEVEL:.0%} interval"]
         header += ["true value"] if known is not None else []
         for n, one in enumerate(found):
-            value = one["parameters"][parameter]
-            rows[n] += [
-                typeset(value["value"]),
-                f"{typeset(value['low'])} … {typeset(value['high'])}",
-            ]
+            value = one.parameters[parameter]
+            rows[n] += [typeset(value.value), f"{typeset(value.low)} … {typeset(value.high)}"]
             rows[n] += [typeset(float(known[n]))] if known is not None else []
-    for shape in found[0].get("shape", {}):
+    for shape in found[0].shape:
         header.append(f"{shape} [{_unit(name, shape)}]")
         for n, one in enumerate(found):
-            rows[n].append(str(one["shape_words"][shape]))
+            rows[n].append(one.shape_words[shape])
     return (
         f'<h3>{html.escape(name)} <span class="formula">τ = {html.escape(formula)}</span></h3>'
         f"{html.paragraph(meaning[:1].upper() + meaning[1:]) if meaning else ''}"

@@ -1,18 +1,22 @@
-"""Which effects are missing: what was found at a glance, then the evidence for each."""
+"""Which effects are missing: at a glance, the evidence for each, and how the error falls."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.numbers import DASH, chance, percent, typeset
 from lagrangian_ff.report import html
 from lagrangian_ff.report.colours import AFTER, BAD, BEFORE, EFFECT, RESIDUAL
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, band, embed, line
-from lagrangian_ff.words import sentence, spoken, standing, where
+from lagrangian_ff.report.sections.history import fall_plot
+from lagrangian_ff.words import sentence, spoken
 
-KINDS = {"confirmed": "good", "suggested": "fair", "ambiguous": "fair"}
-"""The colour of each verdict."""
+if TYPE_CHECKING:
+    # The page of a history needs none of the libraries of a diagnosis.
+    from lagrangian_ff.diagnosis import DiagnosisRun
+    from lagrangian_ff.diagnosis.results import Consequence, Found, PartialResidual
+
 MEANINGS = (
     "Confirmed: the effect, frozen as it was found, also lowers the error on data that the search "
     "did not see. Suggested: the evidence is strong, the confirmation is not. Ambiguous: another "
@@ -21,24 +25,23 @@ MEANINGS = (
 )
 
 
-def summary_section(record: Mapping[str, Any]) -> Section:
-    """Return a card for each finding that matters, and a table of all, from a diagnosis."""
-    findings: Sequence[Mapping[str, Any]] = record["findings"]
+def summary_section(run: "DiagnosisRun") -> Section:
+    """Return a card for each finding that matters, and a table of all."""
+    findings, every = run.diagnosis.found, run.diagnosis.model.joints
     if not findings:
         return Section(
             "What is missing",
             "",
             html.paragraph("No effect of the catalogue earned its place on these recordings."),
         )
-    every = record.get("joints", ())
     cards = [_card(one, every) for one in findings[:3]]
     rows = [
         [
-            spoken(one["effect"]),
-            where(one, every),
+            spoken(one.effect.name),
+            one.place(every),
             _verdict(one),
-            *(typeset(one.get(name)) for name in ("error_before", "error_after", "evidence_gain")),
-            chance(one.get("p_value"), DASH),
+            *map(typeset, (*one.errors, one.log_bayes_factor)),
+            chance(one.p_value, DASH),
         ]
         for one in findings
     ]
@@ -52,98 +55,116 @@ def summary_section(record: Mapping[str, Any]) -> Section:
     return Section("What is missing", "", body)
 
 
-def evidence_section(record: Mapping[str, Any]) -> Section | None:
+def evidence_section(run: "DiagnosisRun") -> Section | None:
     """Return for each finding what it is, where it shows, its size, and whether it helps."""
-    if not record["findings"]:
+    findings, every = run.diagnosis.found, run.diagnosis.model.joints
+    if not findings:
         return None
     return Section(
         "The evidence",
         "Left: what the model leaves, over the quantity in which the effect shows, and the effect "
         "as fitted. Right: the error of each block of held-back motion before and after.",
-        "".join(_finding(one, record.get("joints", ())) for one in record["findings"]),
+        "".join(_finding(one, every) for one in findings),
     )
 
 
-def _verdict(found: Mapping[str, Any]) -> str:
-    others = ", ".join(map(spoken, found.get("ambiguous_with") or []))
-    word = standing(found)
-    return f"{word} with {others}" if word == "ambiguous" and others else word
+def fall_section(run: "DiagnosisRun") -> Section | None:
+    """Return the error after each addition; None if nothing was confirmed and tried."""
+    tried = run.tried
+    if not tried:
+        return None
+    names = ["as it was", *(f"+ {finding.name}" for finding, _ in tried)]
+    errors = [tried[0][1].every_before, *(made.every_after for _, made in tried)]
+    small = html.note(f"{percent(errors[-1] / errors[0])} of the first error is left.")
+    return Section(
+        "The error falls",
+        "One effect at a time, each chosen with the ones before it in the model, judged on data "
+        "that took no part in the choice.",
+        embed(fall_plot(names, errors), "error on held-back data after each step") + small,
+    )
 
 
-def _card(found: Mapping[str, Any], every: Sequence[str]) -> html.Card:
-    before, after = found.get("error_before"), found.get("error_after")
-    on = where(found, every)
+def _verdict(found: "Found") -> str:
+    others = ", ".join(map(spoken, found.rivals))
+    rivals = "" if found.confirmed or found.doubt else f" with {others}"
+    return f"{found.verdict.value}{rivals}"
+
+
+def _card(found: "Found", every: Sequence[str]) -> html.Card:
+    (before, after), on = found.errors, found.place(every)
     if before is None or after is None or not before > 0.0 or not math.isfinite(after / before):
-        return html.Card(spoken(found["effect"]), f"on {on}", _verdict(found))
+        return html.Card(spoken(found.effect.name), f"on {on}", _verdict(found))
     fall = 1.0 - after / before
     # An error that rises is said as such, never as a negative fall.
     change = f"error {percent(abs(fall))} {'lower' if fall >= 0.0 else 'higher'}"
     return html.Card(
-        spoken(found["effect"]),
+        spoken(found.effect.name),
         f"on {on}: {change} on held-back data",
         f"{typeset(before)} → {typeset(after)} N·m, {_verdict(found)}",
-        True if standing(found) == "confirmed" else None,
+        True if found.confirmed else None,
     )
 
 
-def _finding(found: Mapping[str, Any], every: Sequence[str]) -> str:
-    on = where(found, every)
-    heading = (
-        f"<h3>{html.escape(spoken(found['effect']))} on {html.escape(on)} "
-        f"{html.badge(_verdict(found), KINDS[standing(found)])}</h3>"
-    )
-    parts = [heading]
-    if found.get("meaning"):
-        parts.append(html.paragraph(sentence(found["meaning"])))
-    if found.get("formula"):
-        parts.append(f'<div class="formula-line">τ = {html.escape(found["formula"])}</div>')
+def _finding(found: "Found", every: Sequence[str]) -> str:
+    effect, residual = found.effect, found.partial_residual
+    name, badge = spoken(effect.name), "good" if found.confirmed else "fair"
+    parts = [
+        f"<h3>{html.escape(name)} on {html.escape(found.place(every))} "
+        f"{html.badge(_verdict(found), badge)}</h3>"
+    ]
+    if effect.meaning:
+        parts.append(html.paragraph(sentence(effect.meaning)))
+    parts.append(f'<div class="formula-line">τ = {html.escape(effect.formula)}</div>')
     pictures = []
-    signature = found.get("signature")
-    if signature and signature.get("x"):
-        shown = f"what the model leaves over {signature['coordinate']}, and the fitted effect"
-        pictures.append(embed(signature_plot(signature, spoken(found["effect"])), shown))
-    if found.get("blocks"):
+    if residual is not None and len(residual.x):
+        shown = f"what the model leaves over {residual.coordinate}, and the fitted effect"
+        pictures.append(embed(partial_residual_plot(residual, name), shown))
+    if found.consequence is not None:
         shown = "error of each block before and after"
-        pictures.append(embed(before_after_plot(found["blocks"]), shown))
+        pictures.append(embed(before_after_plot(found.consequence), shown))
     parts.append(html.plots(pictures) if pictures else "")
-    parts.append(_parameters(found))
-    if others := found.get("ambiguous_with"):
-        names = ", ".join(map(spoken, others))
+    parts.append(_parameters(found, every))
+    if found.rivals:
+        names = ", ".join(map(spoken, found.rivals))
         parts.append(html.paragraph(f"Could also be {names}: on this motion they agree."))
-    if found.get("next_motion"):
-        parts.append(html.paragraph(f"To be sure: {found['next_motion']}."))
+    if effect.next_motion:
+        parts.append(html.paragraph(f"To be sure: {effect.next_motion}."))
     return f'<div class="finding">{"".join(parts)}</div>'
 
 
-def _parameters(found: Mapping[str, Any]) -> str:
+def _parameters(found: "Found", every: Sequence[str]) -> str:
     rows = [
-        [name, *(typeset(p.get(end)) for end in ("value", "low", "high")), p["unit"]]
-        for name, p in found.get("parameters", {}).items()
+        [name, *map(typeset, (one.value, one.low, one.high)), one.unit]
+        for name, one in found.parameters.items()
     ]
-    units = found.get("shape_units") or {}
+    units = {shape.name: shape.unit for shape in found.effect.shapes}
     rows += [
-        [name, str(value), DASH, DASH, units.get(name, "")]
-        for name, value in (found.get("shape_words") or {}).items()
-        if name not in found.get("parameters", {})
+        [name, value, DASH, DASH, units[name]]
+        for name, value in found.effect.shape_words(found.shape, every).items()
+        if name not in found.parameters
     ]
-    return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows) if rows else ""
+    return html.table(["parameter", "value", "5 %", "95 %", "unit"], rows)
 
 
-def signature_plot(signature: Mapping[str, Any], effect: str) -> Plot:
+def partial_residual_plot(residual: "PartialResidual", effect: str) -> Plot:
     """Draw the mean residual with its band, and the effect as it was fitted."""
-    x = signature["x"]
-    many = "lines" if len(x) > 40 else "lines+markers"
+    x = residual.x.tolist()
+    left = line(
+        x,
+        residual.residual.tolist(),
+        "what the model leaves",
+        RESIDUAL,
+        mode="lines" if len(x) > 40 else "lines+markers",
+        marker={"size": 5},
+    )
     data = [
-        band(x, signature["low"], signature["high"], RESIDUAL),
-        line(
-            x, signature["residual"], "what the model leaves", RESIDUAL, mode=many,
-            marker={"size": 5},
-        ),
-        line(x, signature["effect"], effect, EFFECT, width=2.6),
-    ]  # fmt: skip
-    unit = f" [{signature['unit']}]" if signature.get("unit") else ""
+        band(x, residual.low.tolist(), residual.high.tolist(), RESIDUAL),
+        left,
+        line(x, residual.effect.tolist(), effect, EFFECT, width=2.6),
+    ]
+    unit = f" [{residual.unit}]" if residual.unit else ""
     layout = {
-        "xaxis": axis(f"{spoken(signature['coordinate'])}{unit}"),
+        "xaxis": axis(f"{spoken(residual.coordinate)}{unit}"),
         "yaxis": axis("torque [N·m]"),
         "showlegend": True,
         "hovermode": "x unified",
@@ -151,31 +172,23 @@ def signature_plot(signature: Mapping[str, Any], effect: str) -> Plot:
     return Plot(data, layout, 330)
 
 
-def before_after_plot(blocks: Sequence[Mapping[str, Any]]) -> Plot:
+def before_after_plot(made: "Consequence") -> Plot:
     """Draw two dots a block, joined: blue below grey is better, red above it is worse."""
-    times = [block["time"] for block in blocks]
+    times, before, after = made.time.tolist(), made.before.tolist(), made.after.tolist()
     joined_x, joined_y = [], []
-    for block in blocks:
-        joined_x += [block["time"], block["time"], None]
-        joined_y += [block["before"], block["after"], None]
-    better = [block["after"] <= block["before"] for block in blocks]
+    for time, *ends in zip(times, before, after, strict=True):
+        joined_x += [time, time, None]
+        joined_y += [*ends, None]
+    colours = [AFTER if b >= a else BAD for b, a in zip(before, after, strict=True)]
+    joined = {"type": "scatter", "mode": "lines", "x": joined_x, "y": joined_y}
     hover = "%{y:.3g} N·m at %{x:.0f} s"
+    dots = {"type": "scatter", "mode": "markers", "x": times, "hovertemplate": hover}
+    grey = {"color": BEFORE, "width": 2}
     data: list[dict[str, Any]] = [
-        {
-            "type": "scatter", "mode": "lines", "x": joined_x, "y": joined_y, "showlegend": False,
-            "line": {"color": BEFORE, "width": 2}, "hoverinfo": "skip",
-        },
-        {
-            "type": "scatter", "mode": "markers", "x": times, "name": "before",
-            "y": [block["before"] for block in blocks], "marker": {"color": BEFORE, "size": 8},
-            "hovertemplate": hover,
-        },
-        {
-            "type": "scatter", "mode": "markers", "x": times, "name": "after",
-            "y": [block["after"] for block in blocks], "hovertemplate": hover,
-            "marker": {"color": [AFTER if good else BAD for good in better], "size": 9},
-        },
-    ]  # fmt: skip
+        {**joined, "showlegend": False, "line": grey, "hoverinfo": "skip"},
+        {**dots, "name": "before", "y": before, "marker": {"color": BEFORE, "size": 8}},
+        {**dots, "name": "after", "y": after, "marker": {"color": colours, "size": 9}},
+    ]
     layout = {
         "xaxis": axis("time of the block [s]"),
         "yaxis": axis("RMS error [N·m]", rangemode="tozero"),

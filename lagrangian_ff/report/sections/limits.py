@@ -1,59 +1,59 @@
 """What is wrong with the measurement, what it could not show, and what to record next."""
 
-from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.numbers import percent
 from lagrangian_ff.report import html
 from lagrangian_ff.report.page import Section
-from lagrangian_ff.words import sentence, spoken, standing, where, which
+from lagrangian_ff.words import sentence, spoken, which
+
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import DiagnosisRun
+    from lagrangian_ff.diagnosis.preflight import Check
 
 
-def serious_section(record: Mapping[str, Any]) -> Section | None:
+def serious_section(run: "DiagnosisRun") -> Section | None:
     """Return the faults of the measurement that must be mended before an effect is believed."""
-    serious = [one for one in record.get("preflight") or [] if one.get("serious")]
-    if not serious:
+    if not run.serious:
         return None
     return Section(
         "First: the measurement",
         "These faults look like missing physics. Fix them before believing any effect.",
-        html.bullets(map(_fault, serious)),
+        html.bullets(map(_fault, run.serious)),
     )
 
 
-def _fault(check: Mapping[str, Any]) -> str:
+def _fault(check: "Check") -> str:
     """Return what was found and what to do; names the joint first if the text does not."""
-    advice = sentence(check["advice"]) if check.get("advice") else ""
-    text, joint = f"{sentence(check['finding'])} {advice}".strip(), check.get("joint")
+    advice = sentence(check.advice) if check.advice else ""
+    text, joint = f"{sentence(check.finding)} {advice}".strip(), check.joint
     return text if not joint or joint in text else f"{joint}: {text}"
 
 
-def checks_section(record: Mapping[str, Any]) -> Section | None:
+def checks_section(run: "DiagnosisRun") -> Section | None:
     """Return all that was checked of the measurement."""
-    checks = record.get("preflight") or []
-    if not checks:
+    if not run.checks:
         return None
     rows = [
-        [spoken(str(one["check"])), one.get("joint") or "all", one["finding"], mark]
-        for one in checks
-        for mark in ["fix first" if one.get("serious") else "fine"]
+        [spoken(one.check), one.joint or "all", one.finding, "fix first" if one.serious else "fine"]
+        for one in run.checks
     ]
     table = html.table(["check", "joint", "found", ""], rows, words=4)
     return Section("The measurement", "What was checked before any effect was looked for.", table)
 
 
-def next_section(record: Mapping[str, Any]) -> Section | None:
+def next_section(run: "DiagnosisRun") -> Section | None:
     """Return which motion would show more, and what was left unexplained."""
-    every = record.get("joints", ())
+    diagnosis, every = run.diagnosis, run.diagnosis.model.joints
     parts = []
     motions: dict[str, list[str]] = {}
-    for one in record["findings"]:
-        if one.get("next_motion") and standing(one) != "confirmed":
-            who = f"{spoken(one['effect'])} on {where(one, every)}"
-            motions.setdefault(one["next_motion"], []).append(who)
+    for found in diagnosis.found:
+        if found.effect.next_motion and not found.confirmed:
+            who = f"{spoken(found.effect.name)} on {found.place(every)}"
+            motions.setdefault(found.effect.next_motion, []).append(who)
     hidden: dict[str, dict[str, list[str]]] = {}
-    for one in record.get("not_observable") or []:
-        hidden.setdefault(one["next_motion"], {}).setdefault(one["effect"], []).append(one["joint"])
+    for one in diagnosis.not_observable:
+        hidden.setdefault(one.next_motion, {}).setdefault(one.effect, []).append(one.joint)
     if motions:
         texts = [
             f"{sentence(motion)} It settles {', '.join(who)}." for motion, who in motions.items()
@@ -71,12 +71,11 @@ def next_section(record: Mapping[str, Any]) -> Section | None:
             "them: neither that they are there, nor that they are not."
         )
         parts.append(f'<h3 class="plain">What this motion could not show</h3>{why}{table}')
-    left = record.get("unexplained") or []
-    if left:
+    if diagnosis.unexplained:
         texts = [
-            f"{one['joint']}: something {percent(one['share'])} the size of its torque follows "
-            f"{spoken(one['coordinate'])}, and no effect of the catalogue accounts for it."
-            for one in left
+            f"{one.joint}: something {percent(one.share)} the size of its torque follows "
+            f"{spoken(one.coordinate)}, and no effect of the catalogue accounts for it."
+            for one in diagnosis.unexplained
         ]
         parts.append(f'<h3 class="plain">Left unexplained</h3>{html.bullets(texts)}')
     if not parts:

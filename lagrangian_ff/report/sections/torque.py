@@ -1,15 +1,15 @@
 """How well a model predicts torque, in numbers and over time."""
 
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis import Comparison
 from lagrangian_ff.diagnosis.compare import Interval
 from lagrangian_ff.numbers import DASH, percent, typeset
@@ -17,14 +17,7 @@ from lagrangian_ff.recording import Motion
 from lagrangian_ff.report import html
 from lagrangian_ff.report.colours import MEASURED, PREDICTED, RESIDUAL
 from lagrangian_ff.report.page import Section
-from lagrangian_ff.report.style import (
-    broken,
-    legend_above,
-    new_figure,
-    styled,
-    symmetric,
-    thinned,
-)
+from lagrangian_ff.report.style import broken, legend_above, new_figure, styled, symmetric, thinned
 
 LETTERS = 45
 """The letters of a title that fit into half of the figure's width."""
@@ -133,15 +126,11 @@ def _title(joint: str, measured: Floats, predicted: Floats) -> str:
     return "\n".join([*wrap(joint, LETTERS), f"RMS error {typeset(rmse, 2)} N·m{share}"])
 
 
-def _band(
-    axes: Axes, time: Floats, segment: NDArray[np.int64], middle: Floats, reach: Floats
-) -> None:
+def _band(axes: Axes, time: Floats, segment: Ints, middle: Floats, reach: Floats) -> None:
     at, around = broken(time, segment, middle)
     _, half = broken(time, segment, reach)
-    axes.fill_between(
-        at, around - half, around + half, color=PREDICTED, alpha=0.16, linewidth=0.0,
-        label="90 % interval",
-    )  # fmt: skip
+    style: dict[str, Any] = {"color": PREDICTED, "alpha": 0.16, "linewidth": 0.0}
+    axes.fill_between(at, around - half, around + half, label="90 % interval", **style)
 
 
 def _line(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -34,7 +35,7 @@ class Tracking:
 
     @property
     def rms(self) -> Floats:
-        """Return (N,) rad, the root mean square over the run."""
+        """Return the root mean square error of each joint, (N,) rad."""
         return np.sqrt(np.mean(self.error**2, axis=0))
 
     @property
@@ -58,12 +59,7 @@ class Tracking:
 
 
 def tracking_section(
-    runs: Sequence[Tracking],
-    picture: bytes,
-    title: str,
-    lead: str,
-    *,
-    strong: int | None = None,
+    runs: Sequence[Tracking], picture: bytes, title: str, lead: str, *, strong: int | None = None
 ) -> Section:
     """Return table and figure of the runs along one trajectory.
 
@@ -117,11 +113,10 @@ def tracking_bars_figure(trajectories: Mapping[str, Sequence[Tracking]]) -> Figu
                 heights = 1e3 * np.append(run.rms, run.total)
                 places = np.arange(len(groups)) + (k - 0.5 * (len(runs) - 1)) * width
                 axes.bar(places, heights, 0.92 * width, color=colour, label=run.label)
-                for place, height in zip(places, heights, strict=True):
-                    axes.annotate(
-                        mrad(1e-3 * height), (place, height), (0, 2), textcoords="offset points",
-                        ha="center", fontsize=6.5, color=INK,
-                    )  # fmt: skip
+                style: dict[str, Any] = {"ha": "center", "fontsize": 6.5, "color": INK}
+                for spot in zip(places, heights, strict=True):
+                    said = mrad(1e-3 * spot[1])
+                    axes.annotate(said, spot, (0, 2), textcoords="offset points", **style)
             axes.axvline(len(groups) - 1.5, color=FRAME, linewidth=0.8)
             axes.set_xticks(np.arange(len(groups)), groups)
             axes.set_xlim(-0.5, len(groups) - 0.5)

@@ -283,25 +283,36 @@ def _record(
         ]
         parts = [part for _, _, part in placed]
         facts = facts or [dict(part.facts) for part in parts]
-        run = _simulate(case, number, parts, stretches)
+        attached = [part.attached for part in parts if part.attached is not None]
+        run = simulate(
+            motion(case.motion, number, stretches),
+            effects=[effect for part in parts for effect in part.effects],
+            sensors=[sensor for part in parts for sensor in part.sensors],
+            gears=[gear for part in parts for gear in part.gears],
+            attached=attached[0] if attached else None,
+            seed=case.seed + number,
+        )
         runs.append(run)
         measured.append([_sizes(hidden, part, site, run) for hidden, site, part in placed])
     built = [
         Built(
-            **asdict(hidden), catalogue=list(hidden.kind.catalogue),
+            **asdict(hidden),
+            catalogue=list(hidden.kind.catalogue),
             joints=[JOINTS[j] for j in hidden.kind.acts_on(JOINTS.index(hidden.joint))],
-            absorbed=hidden.kind.absorbed, physics=hidden.kind.physics, strength=strengths[n],
-            facts=facts[n], reached=[sizes[n][0] for sizes in measured],
+            absorbed=hidden.kind.absorbed,
+            physics=hidden.kind.physics,
+            strength=strengths[n],
+            facts=facts[n],
+            reached=[sizes[n][0] for sizes in measured],
             visible=[sizes[n][1] for sizes in measured],
         )
         for n, hidden in enumerate(case.hidden)
-    ]  # fmt: skip
-    plant = Plant(
-        case.name, built, case.motion, case.seed, case.group,
-        [float(run.saturated.mean()) for run in runs],
-        [float(np.sqrt(np.mean(run.tracking_error**2))) for run in runs],
-        [np.sqrt(np.mean(run.motor_torque**2, axis=0)).tolist() for run in runs],
-    )  # fmt: skip
+    ]
+    saturated = [float(run.saturated.mean()) for run in runs]
+    strayed = [float(np.sqrt(np.mean(run.tracking_error**2))) for run in runs]
+    torque = [np.sqrt(np.mean(run.motor_torque**2, axis=0)).tolist() for run in runs]
+    about = case.name, built, case.motion, case.seed, case.group
+    plant = Plant(*about, saturated, strayed, torque)
     return runs[0].recording, runs[1].recording, plant
 
 
@@ -336,18 +347,6 @@ def motion(pair: int, recording: int, stretches: Stretches = FULL) -> Trajectory
         begin = float(time[-1][-1])
     q, qd, qdd = (np.concatenate(column) for column in zip(*columns, strict=True))
     return Trajectory(np.concatenate(time), q, qd, qdd)
-
-
-def _simulate(case: HiddenCase, number: int, parts: list[Installed], stretches: Stretches) -> Run:
-    attached = [part.attached for part in parts if part.attached is not None]
-    return simulate(
-        motion(case.motion, number, stretches),
-        effects=[effect for part in parts for effect in part.effects],
-        sensors=[sensor for part in parts for sensor in part.sensors],
-        gears=[gear for part in parts for gear in part.gears],
-        attached=attached[0] if attached else None,
-        seed=case.seed + number,
-    )
 
 
 def _sizes(hidden: Hidden, part: Installed, site: Site, run: Run) -> tuple[float, float]:

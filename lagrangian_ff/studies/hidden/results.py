@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from scipy.stats import beta
@@ -34,6 +33,8 @@ LEGEND = {
 }
 LEAST, MOST = 0.8, 3.0
 """Ratios of errors beyond these are drawn at the edge."""
+CENTRED: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": 7}
+DOTS: dict[str, Any] = {"color": "#1864ab", "alpha": 0.45, "markersize": 3.5, "markeredgewidth": 0}
 
 
 @dataclass(frozen=True)
@@ -112,10 +113,9 @@ class Counts:
 
     def record(self) -> dict[str, int]:
         """Return the counts as JSON holds them."""
-        return {
-            **{outcome.value: count for outcome, count in self.of.items()}, "cases": self.cases,
-            "with_false": self.with_false, "suggested": self.suggested, "told": self.warned,
-        }  # fmt: skip
+        counts = {outcome.value: count for outcome, count in self.of.items()}
+        beside = {"with_false": self.with_false, "suggested": self.suggested, "told": self.warned}
+        return {**counts, "cases": self.cases, **beside}
 
 
 @dataclass(frozen=True)
@@ -191,18 +191,18 @@ class HiddenResults(Results):
             judged = Judged.of(line)
             groups[judged.group].append(judged)
         alone = groups["alone"]
-        firm = [one for one in alone if not one.hidden[0].absorbed]
+        firm, absorbed = (
+            [one for one in alone if one.hidden[0].absorbed is holds] for holds in (False, True)
+        )
         named = {name: [e for e in alone if e.hidden[0].effect == name] for name in HIDDEN}
-        return cls(
-            lines, None, _by_size(firm), _by_size([one for one in alone if one.hidden[0].absorbed]),
-            _by_visible(firm), _by_size(groups["pair"]),
-            {name: _by_size(some) for name, some in named.items() if some},
-            Claims.of(groups["clean"]), Claims.of(groups["outside"]),
-            {
-                size: [one.ratio for one in some if one.ratio is not None]
-                for size, some in _grouped(firm).items()
-            },
-        )  # fmt: skip
+        effects = {name: _by_size(some) for name, some in named.items() if some}
+        ratio = {
+            size: [one.ratio for one in some if one.ratio is not None]
+            for size, some in _grouped(firm).items()
+        }
+        sized = _by_size(firm), _by_size(absorbed), _by_visible(firm), _by_size(groups["pair"])
+        claims = Claims.of(groups["clean"]), Claims.of(groups["outside"])
+        return cls(lines, None, *sized, effects, *claims, ratio)
 
     def numbers(self) -> dict[str, Any]:
         return {
@@ -238,8 +238,8 @@ class HiddenResults(Results):
                 last = "" if place else medians.get(name, "")
                 text.append(row(f"{name} %", [str(each.cases), *shares, last], 12))
         if any(rows for _, rows in blocks):
-            text += ["", "warned: nothing confirmed, and the diagnosis said that this motion "
-                     "cannot show it"]  # fmt: skip
+            said = "nothing confirmed, and the diagnosis said that this motion cannot show it"
+            text += ["", f"warned: {said}"]
         if self.effects:
             sizes = sorted({size for by_size in self.effects.values() for size in by_size})
             text += ["", "by effect, right or as a class / wrong / cases:"]
@@ -248,8 +248,8 @@ class HiddenResults(Results):
                 text.append(row(name, [_cell(by_size.get(size)) for size in sizes], 20))
         for title, of in (("nothing hidden", self.clean), ("outside the catalogue", self.outside)):
             if of.cases:
-                text += ["", f"{title}: {len(of.claims)} of {of.cases} with a confirmed effect "
-                         f"(at most {of.high:.0%} with 95 % confidence)"]  # fmt: skip
+                found = f"{len(of.claims)} of {of.cases} with a confirmed effect"
+                text += ["", f"{title}: {found} (at most {of.high:.0%} with 95 % confidence)"]
                 text += [f"  {case}: {'; '.join(said)}" for case, said in of.claims.items()]
         return text
 
@@ -320,8 +320,7 @@ def _draw_bars(axes: Axes, results: HiddenResults) -> None:
             axes.bar(place, share, 0.72, bottom=below, color=colour)
             if share > 0.06:
                 shade = "white" if outcome in (Outcome.RIGHT, Outcome.WRONG) else INK
-                axes.text(place, below + 0.5 * share, f"{share:.2f}", color=shade, ha="center",
-                          va="center", fontsize=7)  # fmt: skip
+                axes.text(place, below + 0.5 * share, f"{share:.2f}", color=shade, **CENTRED)
             below += share
         axes.text(place, 1.01, f"{cases}", ha="center", fontsize=7, color=FAINT)
     axes.set_xticks(range(len(bars)), [name for name, _, _ in bars])
@@ -353,8 +352,7 @@ def _draw_ratios(axes: Axes, ratios: Mapping[float, Sequence[float]]) -> None:
     random = np.random.default_rng(0)
     for place, values in enumerate(ratios.values()):
         spread = place + random.uniform(-0.22, 0.22, size=len(values))
-        axes.plot(spread, np.clip(values, LEAST, MOST), "o", color=to_rgb("#1864ab"), alpha=0.45,
-                  markersize=3.5, markeredgewidth=0)  # fmt: skip
+        axes.plot(spread, np.clip(values, LEAST, MOST), "o", **DOTS)
         if values:
             axes.plot([place - 0.3, place + 0.3], [np.median(values)] * 2, color=INK)
     axes.axhline(CLOSE, color=LEGEND[Outcome.WRONG][0], linewidth=0.8, linestyle=(0, (4, 3)))

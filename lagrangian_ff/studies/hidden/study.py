@@ -9,7 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from lagrangian_ff import recording
-from lagrangian_ff.diagnosis import add, compare, consequences, diagnose, diagnosis_record
+from lagrangian_ff.diagnosis import add, compare, diagnose, diagnosis_record, with_consequences
+from lagrangian_ff.diagnosis.results import Found
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
@@ -25,14 +26,27 @@ CURVES = ("signature", "blocks")
 """Fields of a finding that are only drawn; the study does not keep them."""
 
 
+@dataclass(frozen=True)
+class Answer:
+    """What a diagnosis says of a model.
+
+    Attributes:
+        findings: which the study judges.
+        record: as JSON, which the study keeps on disk.
+    """
+
+    findings: Sequence[Found]
+    record: Mapping[str, Any]
+
+
 class Examined(Protocol):
     """Anything that models a motion, names the effects that the model lacks, and adds them."""
 
     def identify(self, motion: Motion) -> Any:
         """Return a base model of the first recording."""
 
-    def diagnose(self, model: Any, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
-        """Return the record of what the model lacks, as `lagrangian_ff diagnose --json` has it."""
+    def diagnose(self, model: Any, motion: Motion, confirm: Motion) -> Answer:
+        """Return what the model lacks."""
 
     def add(
         self, model: Any, effect: str, joint: str, shape: Mapping[str, float] | None = None
@@ -56,18 +70,16 @@ class OwnDiagnosis:
         self._steps = steps
 
     def identify(self, motion: Motion) -> Model:
-        """Return a model of the whole motion."""
         return identify([motion], Settings(model=self._base, train=1.0)).model
 
-    def diagnose(self, model: Model, motion: Motion, confirm: Motion) -> Mapping[str, Any]:
-        """Return the diagnosis's record without its curves."""
-        found = diagnose(model, motion, confirm=confirm, steps=self._steps)
-        record: dict[str, Any] = diagnosis_record(found, consequences(found))
+    def diagnose(self, model: Model, motion: Motion, confirm: Motion) -> Answer:
+        found = with_consequences(diagnose(model, motion, confirm=confirm, steps=self._steps))
+        record = diagnosis_record(found)
         record["findings"] = [
             {key: value for key, value in finding.items() if key not in CURVES}
             for finding in record["findings"]
         ]
-        return record
+        return Answer(found.found, record)
 
     def add(
         self, model: Model, effect: str, joint: str, shape: Mapping[str, float] | None = None
@@ -79,7 +91,6 @@ class OwnDiagnosis:
             return model
 
     def errors(self, model: Model, motion: Motion) -> Mapping[str, float]:
-        """Return the RMS error in N·m by joint."""
         score = compare(model, motion).score
         return dict(zip(model.joints, (float(value) for value in score.rmse), strict=True))
 
@@ -121,24 +132,25 @@ class Examination:
         motion, confirm = recording.condition(first), recording.condition(second)
         model = who.identify(motion)
         clock.lap("identification")
-        record = who.diagnose(model, motion, confirm)
+        answer = who.diagnose(model, motion, confirm)
         clock.lap("diagnosis")
-        findings = record["findings"]
         lasting = [each for each in plant.hidden if not any(map(_is_event, each.catalogue))]
-        errors = self._errors(model, lasting, findings, confirm)
+        errors = self._errors(model, lasting, answer.findings, confirm)
         clock.lap("adding")
         truths = [Truth(tuple(each.catalogue), tuple(each.joints)) for each in plant.hidden]
         return {
-            "group": self.case.group, "plant": plant.record(), "record": record,
-            "judgement": judge(truths, findings).record(),
+            "group": self.case.group,
+            "plant": plant.record(),
+            "record": answer.record,
+            "judgement": judge(truths, answer.findings).record(),
             "errors": {name: dict(by_joint) for name, by_joint in errors.items()},
-            "ratio": _ratio(errors, [each.joint for each in lasting]), "seconds": clock.laps,
-        }  # fmt: skip
+            "ratio": _ratio(errors, [each.joint for each in lasting]),
+            "seconds": clock.laps,
+        }
 
     def _errors(
-        self, model: Any, lasting: Sequence[Built], findings: Sequence[Mapping[str, Any]],
-        confirm: Motion,
-    ) -> dict[str, Mapping[str, float]]:  # fmt: skip
+        self, model: Any, lasting: Sequence[Built], findings: Sequence[Found], confirm: Motion
+    ) -> dict[str, Mapping[str, float]]:
         """Return errors by joint of the base model, the true structure, and what was found."""
         who = self.examined
         errors = {"base": who.errors(model, confirm)}
@@ -147,11 +159,11 @@ class Examination:
             for each in lasting:
                 true = who.add(true, each.catalogue[0], each.joint)
             errors["true"] = who.errors(true, confirm)
-        claimed = [one for one in findings if claims(one) and not _is_event(one["effect"])]
+        claimed = [one for one in findings if claims(one) and not one.once]
         if claimed:
             found = model
             for claim in claimed:
-                found = who.add(found, claim["effect"], claim["joints"][0], claim.get("shape"))
+                found = who.add(found, claim.effect.name, claim.joints[0], claim.shape)
             errors["found"] = who.errors(found, confirm)
         return errors
 
@@ -204,9 +216,13 @@ class HiddenStudy(Study):
     takes = frozenset({"models", "keep"})
 
     def __init__(
-        self, request: Request, folder: Path, *, examined: Examined | None = None,
+        self,
+        request: Request,
+        folder: Path,
+        *,
+        examined: Examined | None = None,
         stretches: Stretches = FULL,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(request, folder)
         if len(request.models) > 1:
             raise UserError("study hidden has one base model: name one with --models")

@@ -5,8 +5,7 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any
 
-CONFIRMED, AMBIGUOUS = "confirmed", "ambiguous"
-"""How verdicts begin that claim something: this effect is there, or one of these is."""
+from lagrangian_ff.diagnosis.results import Found, Verdict
 
 
 class Outcome(str, Enum):
@@ -64,12 +63,12 @@ class Judgement:
         return cls(outcome, tuple(record["false"]), tuple(record["suggested"]))
 
 
-def claims(finding: Mapping[str, Any]) -> bool:
+def claims(finding: Found) -> bool:
     """Return whether a finding claims that something is there; a suggestion does not."""
-    return str(finding["verdict"]).startswith((CONFIRMED, AMBIGUOUS))
+    return finding.verdict is not Verdict.SUGGESTED
 
 
-def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Judgement:
+def judge(truths: Sequence[Truth], findings: Sequence[Found]) -> Judgement:
     """Compare findings with what was hidden.
 
     With one truth of the catalogue, a claim that matches makes the case right whatever else is
@@ -77,8 +76,7 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
 
     Args:
         truths: what was hidden.
-        findings: of the diagnosis's record: `effect`, `joints`, `caused_by`, `verdict`,
-            `ambiguous_with`.
+        findings: of the diagnosis.
     """
     matches: dict[int, Outcome] = {}
     suggested: set[int] = set()
@@ -91,22 +89,20 @@ def judge(truths: Sequence[Truth], findings: Sequence[Mapping[str, Any]]) -> Jud
         for k, how in hits.items():
             matches[k] = Outcome.RIGHT if Outcome.RIGHT in (how, matches.get(k)) else how
         if not hits:
-            names = [finding["effect"], *(finding.get("ambiguous_with") or ())]
-            false.append(f"{' or '.join(names)} on {', '.join(finding['joints'])}")
+            names = [finding.effect.name, *finding.rivals]
+            false.append(f"{' or '.join(names)} on {', '.join(finding.joints)}")
     outcome = _outcome(truths, matches, bool(false))
     return Judgement(outcome, tuple(false), tuple(sorted(suggested - set(matches))))
 
 
-def _match(truth: Truth, finding: Mapping[str, Any]) -> Outcome | None:
+def _match(truth: Truth, finding: Found) -> Outcome | None:
     """Return RIGHT if the finding names the truth alone, CLASS if as one of several."""
-    cause = finding.get("caused_by")
-    if not set(truth.joints) & ({cause} if cause else set(finding["joints"])):
+    places = {finding.cause} if finding.cause else set(finding.joints)
+    if not places.intersection(truth.joints):
         return None
-    if finding["effect"] in truth.names:
-        ambiguous = str(finding["verdict"]).startswith(AMBIGUOUS)
-        return Outcome.CLASS if ambiguous else Outcome.RIGHT
-    alike = set(truth.names) & set(finding.get("ambiguous_with") or ())
-    return Outcome.CLASS if alike else None
+    if finding.effect.name in truth.names:
+        return Outcome.CLASS if finding.verdict is Verdict.AMBIGUOUS else Outcome.RIGHT
+    return Outcome.CLASS if set(truth.names).intersection(finding.rivals) else None
 
 
 def _outcome(truths: Sequence[Truth], matches: Mapping[int, Outcome], false: bool) -> Outcome:

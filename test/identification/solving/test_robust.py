@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from problems import problem_of
 from scipy.optimize import minimize
 
-from lagrangian_ff.diagnosis import consequences, diagnose, diagnosis_record
-from lagrangian_ff.diagnosis.whitening import hyperparameters
+from lagrangian_ff.diagnosis import diagnose, verdict, with_consequences
+from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Identification, Model, Settings, extend, identify
 from lagrangian_ff.identification.samples import evenly
@@ -298,13 +298,10 @@ def test_a_model_of_the_square_loss_keeps_no_weights(clean: Motion) -> None:
     assert "outliers" not in found.record
 
 
-def test_a_robust_model_can_be_diagnosed(
-    touched: Identification, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("COARSE", "FINE", "SHAPES"):
-        monkeypatch.setattr(hyperparameters, name, 200)
-    monkeypatch.setattr(hyperparameters, "ROWS", 400)
+def test_a_robust_model_can_be_diagnosed(touched: Identification) -> None:
     known = {name: EFFECTS[name] for name in ("stribeck", "quadratic_drag")}
-    found = diagnose(touched.model, pendulum.motion(20.0, seed=3), effects=known, steps=1)
+    motion = pendulum.motion(20.0, seed=3)
+    with using(effort=Effort(rows=400)):
+        found = diagnose(touched.model, motion, effects=known, steps=1)
     assert found.model is touched.model
-    assert isinstance(diagnosis_record(found, consequences(found))["verdict"], str)
+    assert verdict(with_consequences(found))

@@ -5,13 +5,7 @@ import pytest
 from mechanism_examples import Crossed, robot
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import (
-    KERNELS,
-    DifferentiableKernel,
-    LagrangianKernel,
-    Mechanism,
-    States,
-)
+from lagrangian_ff.kernels import KERNELS, DifferentiableKernel, LagrangianKernel, Mechanism, States
 from lagrangian_ff.kernels.rigid.known import Known
 
 Floats = NDArray[np.float64]

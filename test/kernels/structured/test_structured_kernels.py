@@ -1,4 +1,4 @@
-"""Kernels of mechanical Lagrangians, against symbolic differentiation and equations of motion."""
+"""Kernels of mechanical Lagrangians, against symbolic derivatives, and a chain as a polynomial."""
 
 from collections.abc import Callable
 
@@ -7,13 +7,14 @@ import pytest
 import sympy
 from numpy.typing import NDArray
 
-from lagrangian_ff.kernels import Chain, ChainRbf, Energy, EnergyRbf, States
-from lagrangian_ff.kernels.structured.base import BELL, COSINE, Structured
+from lagrangian_ff.kernels import KERNELS, Chain, ChainRbf, Energy, EnergyRbf, States
+from lagrangian_ff.kernels.structured.base import BELL, COSINE, BlockSum, Structured
+from lagrangian_ff.kernels.structured.chain import MOST_JOINTS, Polynomial
 
 Floats = NDArray[np.float64]
 Symbols = tuple[sympy.Symbol, ...]
 
-KERNELS: list[type[Structured]] = [Chain, ChainRbf, Energy, EnergyRbf]
+STRUCTURED: list[type[Structured]] = [Chain, ChainRbf, Energy, EnergyRbf]
 
 
 def random_states(samples: int, joints: int, seed: int) -> States:
@@ -83,7 +84,7 @@ def symbolic_block(kernel: Structured, x: States, u: States) -> Floats:
     return np.reshape(np.array(found, dtype=np.float64), (count, count))
 
 
-@pytest.mark.parametrize("kind", KERNELS)
+@pytest.mark.parametrize("kind", STRUCTURED)
 @pytest.mark.parametrize(("joints", "sliding"), [(1, -1), (2, 0), (2, -1), (3, 1)])
 def test_it_is_its_definition_pushed_through_euler_lagrange_twice(
     kind: type[Structured], joints: int, sliding: int
@@ -101,7 +102,7 @@ def random_contraction(size: int) -> tuple[Floats, Floats]:
     return weights + weights.T, rng.normal(size=size)
 
 
-@pytest.mark.parametrize("kind", KERNELS)
+@pytest.mark.parametrize("kind", STRUCTURED)
 @pytest.mark.parametrize(("joints", "sliding"), [(1, -1), (4, -1), (4, 1), (7, -1)])
 def test_derivatives_by_hyperparameters_are_those_of_differences(
     kind: type[Structured], joints: int, sliding: int
@@ -122,7 +123,7 @@ def test_derivatives_by_hyperparameters_are_those_of_differences(
             np.testing.assert_allclose(derivative.total[place], expected, atol=1e-4 * scale)
 
 
-@pytest.mark.parametrize("kind", KERNELS)
+@pytest.mark.parametrize("kind", STRUCTURED)
 @pytest.mark.parametrize("spread", [1.0, 1000.0])
 def test_derivatives_add_up_to_the_kernel(kind: type[Structured], spread: float) -> None:
     """Euler: K is linear in link, potential and rotor, and but for gravity a square in inertia."""
@@ -188,3 +189,34 @@ def test_a_sliding_joint_is_learned_when_it_is_said_to_slide(kind: type[Structur
     told = error_of(kernel.replace(**slides), slide_on_a_turntable, 150)
     assert told < 0.01
     assert error_of(kernel, slide_on_a_turntable, 150) > 10.0 * told
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3, 6])
+def test_the_torques_are_those_of_the_sum(joints: int) -> None:
+    kernel = random_kernel(Chain, joints, 3)
+    u, x = random_states(150, joints, 1), random_states(9, joints, 2)
+    a = np.random.default_rng(0).normal(size=(150, joints))
+    learned = kernel.learned(u, a)
+    assert isinstance(learned, Polynomial)
+    expected = kernel.apply(x, u, a)
+    np.testing.assert_allclose(learned.torque(x), expected, atol=1e-12 * abs(expected).max())
+
+
+def test_a_joint_that_slides_has_no_polynomial() -> None:
+    kernel = random_kernel(Chain, 3, 3, sliding=1)
+    assert isinstance(kernel.learned(random_states(5, 3, 1), np.ones((5, 3))), BlockSum)
+
+
+def test_too_many_joints_stay_a_sum() -> None:
+    joints = MOST_JOINTS + 1
+    kernel = random_kernel(Chain, joints, 3)
+    assert isinstance(kernel.learned(random_states(5, joints, 1), np.ones((5, joints))), BlockSum)
+
+
+@pytest.mark.parametrize("name", sorted(KERNELS))
+def test_every_kernel_learns_what_it_applies(name: str) -> None:
+    u, x = random_states(8, 3, 1), random_states(5, 3, 2)
+    kernel, a = KERNELS[name].start(u), np.random.default_rng(0).normal(size=(8, 3))
+    expected = kernel.apply(x, u, a)
+    scale = max(1.0, float(abs(expected).max()))
+    np.testing.assert_allclose(kernel.learned(u, a).torque(x), expected, atol=1e-12 * scale)

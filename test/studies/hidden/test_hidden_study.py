@@ -1,24 +1,22 @@
 """`study hidden`: its machinery with a diagnosis that always says the same, and with our own."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from diagnosis_examples import finding
 
 from lagrangian_ff.cli.main import main
-from lagrangian_ff.diagnosis.search import hold_out
-from lagrangian_ff.diagnosis.whitening import hyperparameters
+from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.recording.motion import Motion
-from lagrangian_ff.studies.hidden import study as hidden_study
 from lagrangian_ff.studies.hidden.plants import Hidden, HiddenCase, Stretches, cases
 from lagrangian_ff.studies.hidden.results import HiddenResults
-from lagrangian_ff.studies.hidden.study import Examination, HiddenStudy, OwnDiagnosis
+from lagrangian_ff.studies.hidden.study import Answer, Examination, HiddenStudy, OwnDiagnosis
 from lagrangian_ff.studies.run import Folder, run
 from lagrangian_ff.studies.study import Request
 
@@ -38,15 +36,12 @@ class Guess:
         assert motion.joints[0] == "joint_1"
         return []
 
-    def diagnose(
-        self, model: list[tuple[str, str]], motion: Motion, confirm: Motion
-    ) -> Mapping[str, Any]:
+    def diagnose(self, model: list[tuple[str, str]], motion: Motion, confirm: Motion) -> Answer:
         assert motion.tau.shape != (0, 6)
         assert not np.array_equal(motion.q[:100], confirm.q[:100])
         if self.broken:
             raise ModelError("cannot")
-        claim = {"effect": self.effect, "joints": [self.joint], "verdict": "confirmed"}
-        return {"verdict": "", "findings": [{**claim, "ambiguous_with": []}]}
+        return Answer([finding(self.effect, self.joint)], {"verdict": ""})
 
     def add(
         self,
@@ -124,20 +119,14 @@ class Silent:
     def identify(self, motion: Any) -> None:
         """Know nothing."""
 
-    def diagnose(self, model: None, motion: Any, confirm: Any) -> dict[str, Any]:
-        return {"verdict": "at the noise floor", "findings": []}
+    def diagnose(self, model: None, motion: Any, confirm: Any) -> Answer:
+        return Answer([], {"verdict": "at the noise floor", "findings": []})
 
     def add(self, model: None, effect: str, joint: str, shape: Any = None) -> None:
         """Learn nothing."""
 
     def errors(self, model: None, motion: Any) -> dict[str, float]:
         return dict.fromkeys(motion.joints, 1.0)
-
-
-@pytest.fixture
-def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    short = partial(HiddenStudy, examined=Silent(), stretches=SHORT)
-    monkeypatch.setattr(hidden_study, "HiddenStudy", short)
 
 
 def test_it_lists_the_cases_without_doing_them(
@@ -149,21 +138,27 @@ def test_it_lists_the_cases_without_doing_them(
     assert not (tmp_path / "study").exists()
 
 
-@pytest.mark.usefixtures("short")
-def test_it_leaves_lines_numbers_and_a_picture(
+def test_silence_about_a_clean_arm_is_right(tmp_path: Path) -> None:
+    request = Request(quick=True, only="clean-00")
+    study = HiddenStudy(request, tmp_path, examined=Silent(), stretches=SHORT)
+    results = study.results(run(study, tmp_path))
+    assert "nothing hidden: 0 of 1 with a confirmed effect" in "\n".join(results.table())
+    assert (results.record()["cases"], results.record()["clean"]["wrong"]) == (1, 0)
+
+
+def test_a_study_leaves_lines_numbers_and_a_picture(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "study"
-    command = ["study", "hidden", "--output", str(folder), "--quick", "--cases", "clean-00"]
+    command = ["study", "ideal", "--output", str(folder), "--quick", "--cases", "n1-robot00-rbf"]
     assert main([*command, "--json", str(tmp_path / "found.json")]) == 0
-    out = capsys.readouterr().out
-    assert "nothing hidden: 0 of 1 with a confirmed effect" in out
-    assert {"cases.jsonl", "summary.json", "hidden.png", "study.json"} <= {
+    assert "each the mean over 1 robot" in capsys.readouterr().out
+    assert {"cases.jsonl", "summary.json", "ideal.png", "study.json"} <= {
         path.name for path in folder.iterdir()
     }
     numbers = json.loads((folder / "summary.json").read_text())
     assert numbers == json.loads((tmp_path / "found.json").read_text())
-    assert (numbers["cases"], numbers["clean"]["wrong"]) == (1, 0)
+    assert numbers["models"]["rbf"]["1"]["count"] == 1
     held = (folder / "cases.jsonl").read_bytes()
     assert main(command) == 0
     assert (folder / "cases.jsonl").read_bytes() == held
@@ -187,9 +182,9 @@ def test_mistakes_are_reported_in_one_line(
 
 
 @pytest.fixture
-def few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hyperparameters, "ROWS", 2100)
-    monkeypatch.setattr(hold_out, "ROWS", 2100)
+def few_rows() -> Iterator[None]:
+    with using(effort=Effort(rows=2100)):
+        yield
 
 
 @pytest.mark.usefixtures("few_rows")

@@ -1,14 +1,17 @@
 """The judge of a diagnosis, case by case."""
 
-from typing import Any
+from dataclasses import replace
 
 import pytest
+from diagnosis_examples import doubt, finding
 
+from lagrangian_ff.diagnosis import Finding
 from lagrangian_ff.studies.hidden.verdicts import Outcome, Truth, judge
 
 
-def found(effect: str, *joints: str, verdict: str = "confirmed", like: tuple[str, ...] = ()) -> Any:
-    return {"effect": effect, "joints": joints, "verdict": verdict, "ambiguous_with": list(like)}
+def found(effect: str, *joints: str, like: tuple[str, ...] = ()) -> Finding:
+    """Return a finding without a cause of its own, confirmed if nothing is like it."""
+    return finding(effect, joints=joints, cause=None, rivals=like)
 
 
 RIPPLE = Truth(("ripple",), ("joint_2",))
@@ -17,10 +20,10 @@ STRANGE = Truth((), ("joint_2",))
 RIGHT = found("ripple", "joint_2")
 CLASS = found("gear_mesh", "joint_2", like=("ripple",))
 ELSEWHERE = found("ripple", "joint_3")
-EITHER = found("ripple", "joint_2", verdict="ambiguous with gear_mesh", like=("gear_mesh",))
-OR_ELSE = found("drift", "joint_2", verdict="ambiguous with offset", like=("offset",))
+EITHER = found("ripple", "joint_2", like=("gear_mesh",))
+OR_ELSE = found("drift", "joint_2", like=("offset",))
 OTHER = found("stribeck", "joint_2")
-HINT = found("ripple", "joint_2", verdict="suggested")
+HINT = finding("ripple", "joint_2", doubt=doubt())
 
 
 @pytest.mark.parametrize(
@@ -53,7 +56,7 @@ HINT = found("ripple", "joint_2", verdict="suggested")
         ([RIPPLE, DRAG], [], "nothing"),
     ],
 )
-def test_outcomes(truths: list[Truth], findings: list[Any], outcome: str) -> None:
+def test_outcomes(truths: list[Truth], findings: list[Finding], outcome: str) -> None:
     assert judge(truths, findings).outcome.value == outcome
 
 
@@ -80,6 +83,6 @@ def test_an_effect_of_several_joints_may_be_found_on_any() -> None:
 def test_what_is_felt_elsewhere_counts_where_its_cause_is() -> None:
     """A soft gear shakes its neighbours: naming it there is right, blaming theirs is not."""
     truth = [Truth(("elasticity",), ("joint_2",))]
-    felt = found("elasticity", "joint_3")
-    assert judge(truth, [{**felt, "caused_by": "joint_2"}]).outcome is Outcome.RIGHT
-    assert judge(truth, [{**felt, "caused_by": "joint_3"}]).outcome is Outcome.WRONG
+    felt = finding("elasticity", "joint_3", cause="joint_2")
+    assert judge(truth, [felt]).outcome is Outcome.RIGHT
+    assert judge(truth, [replace(felt, cause="joint_3")]).outcome is Outcome.WRONG

@@ -1,36 +1,21 @@
 """The service ~/add: a model with more effects, beside the one it was made from."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, files_of, write_page
-from lagrangian_ff.nodes.recorder.jobs.diagnose import CONFIRMED, Diagnose
-from lagrangian_ff.nodes.recorder.session import Session, new_path
+from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, lines_of, write_page
+from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose, Diagnosed
+from lagrangian_ff.nodes.recorder.jobs.identify import saved
+from lagrangian_ff.nodes.recorder.session import Result, new_path
 from lagrangian_ff.progress import Progress, part
-from lagrangian_ff.record_json import why_of
 
-
-@dataclass(frozen=True)
-class Addition:
-    """An effect to add to a model.
-
-    Attributes:
-        effect: a name of the catalogue.  joint: where it acts.
-        shape: nonlinear parameters; the others are searched.
-        why: the reason for the model's history.
-    """
-
-    effect: str
-    joint: str
-    shape: Mapping[str, float] | None = None
-    why: Mapping[str, object] = field(default_factory=dict)
-
-    def __str__(self) -> str:
-        return f"{self.effect} on {self.joint}"
+if TYPE_CHECKING:
+    from lagrangian_ff.identification.history import Step
+    from lagrangian_ff.identification.records import Identified
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,17 +37,20 @@ class Add(Job):
         additions = _additions(given)
         stem = "_".join([model.stem, *(f"{each.effect}_{each.joint}" for each in additions)])
         return cls(
-            **given.common, model_file=str(model),
-            output=str(new_path(model.parent, stem.replace("/", "_"), ".npz")), additions=additions,
-        )  # fmt: skip
+            **given.common,
+            model_file=str(model),
+            output=str(new_path(model.parent, stem.replace("/", "_"), ".npz")),
+            additions=additions,
+        )
 
     def summary(self) -> str:
         added, model = " and ".join(map(str, self.additions)), Path(self.model_file).name
         return f"started to add {added} to {model}; it becomes {self.output}"
 
-    def work(self, progress: Progress) -> dict[str, Any]:
-        """Write the new model and its page; return its record and its steps."""
-        from lagrangian_ff.diagnosis import add, history
+    def work(self, progress: Progress) -> Result:
+        """Write the new model and its page, and return how each step changed the error."""
+        from lagrangian_ff.diagnosis import add
+        from lagrangian_ff.identification.history import History
         from lagrangian_ff.report import history_page
 
         model = self.open_model()
@@ -72,45 +60,44 @@ class Add(Job):
             model = add(model, each.effect, each.joint, each.shape, each.why, step)
         output = Path(self.output)
         model.save(output)
-        steps = {**history(model), "model": str(output)}
-        return {
-            "record": dict(model.record),
-            "steps": steps["steps"],
-            "added": [str(each) for each in self.additions],
-            **write_page(history_page, output, steps),
-        }
+        page = write_page(history_page, output, History(self.output, model.name, model.history))
+        return self.result(model.identified, model.history, page)
 
-    def end(self, session: Session, record: dict[str, Any]) -> None:
-        session.take_model(Path(self.output), record["record"])
-        super().end(session, record)
-
-    @classmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
+    def result(
+        self, found: "Identified", steps: "Sequence[Step]", page: Mapping[str, str]
+    ) -> Result:
         """Return what was added and how the error on held-out motion changed.
 
         The model is refitted from the data that it keeps; an effect that came into the arm later
         is not in them.
+
+        Args:
+            found: the findings of the new model.
+            steps: its history.
+            page: the file of the page by name, or why there is none.
         """
-        steps = record["steps"][-len(record["added"]) :]
-        before, after = steps[0]["error_before"], steps[-1]["error_after"]
+        from lagrangian_ff.identification.history import ErrorChange
+
+        new = steps[-len(self.additions) :]
+        error = ErrorChange(new[0].error_before, new[-1].error_after)
+        added, level = " and ".join(map(str, self.additions)), Level.OK
         message = (
-            f"added {' and '.join(record['added'])}: error {before:.4g} to {after:.4g} N·m on "
-            f"{steps[-1]['judged_on']}"
+            f"added {added}: error {error.before:.4g} to {error.after:.4g} N·m on "
+            f"{new[-1].judged_on}"
         )
-        if not after < before:
+        if not error.fell:
+            level = Level.WARN
             message += (
                 "; it did not fall, the data that the model keeps do not show the effect: if it "
                 "came later, identify again from the new recordings and add it then"
             )
-        history = {
-            f"step {number}": f"{step['added']}: {step['error_after']:.4g} N·m"
-            for number, step in enumerate(record["steps"], 1)
+        values = {
+            f"step {number}": f"{step.added}: {step.error_after:.4g} N·m"
+            for number, step in enumerate(steps, 1)
         }
-        level = Level.OK if after < before else Level.WARN
-        return Status(level, message, {**history, **files_of(record)})
-
-    def details(self, record: Mapping[str, Any]) -> list[str]:
-        return [f"  model file: {self.output}"]
+        log = (message, f"  model file: {self.output}", *lines_of(page))
+        status = Status(level, message, {**values, **page})
+        return Result(log, {self.title: status}, saved(self.output, found))
 
 
 def _additions(given: Situation) -> tuple[Addition, ...]:
@@ -120,21 +107,15 @@ def _additions(given: Situation) -> tuple[Addition, ...]:
     if effect or joint:
         missing = "add.joint" if effect else "add.effect"
         raise UserError(f"nothing to add: set the parameter {missing}, too, or leave both empty")
-    diagnosis = given.session.found.get(Diagnose.service)
-    if diagnosis is None:
+    diagnosis = given.session.results.get(Diagnose.service)
+    if not isinstance(diagnosis, Diagnosed):
         raise UserError(
             "nothing to add: call ~/diagnose first, or name an effect and a joint with the "
             "parameters add.effect and add.joint"
         )
-    confirmed = tuple(
-        Addition(one["effect"], one["joints"][0], one["shape"], why_of(one))
-        for one in diagnosis["findings"]
-        # A load or a contact, without a `why`, belongs to the recording and is not added.
-        if one["verdict"] == CONFIRMED and one["why"]
-    )
-    if not confirmed:
+    if not diagnosis.confirmed:
         raise UserError(
             "nothing to add: the last diagnosis confirmed no effect; to add one all the same, "
             "name it with the parameters add.effect and add.joint"
         )
-    return confirmed
+    return diagnosis.confirmed

@@ -1,7 +1,7 @@
 """A job with recordings or a model: the base class of the services that take their time.
 
-The node makes a request from the present situation, a process does the work, and the node takes
-its record. So a job is imported by both: the imports that only the work needs stand in `work`.
+The node makes a request from the present situation, a process does the work, and the node shows
+its result. So a job is imported by both: the imports that only the work needs stand in `work`.
 """
 
 from abc import ABC, abstractmethod
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.nodes.common.status import Level, Status
-from lagrangian_ff.nodes.recorder.session import Session
+from lagrangian_ff.nodes.recorder.session import Result, Session
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.record_json import to_json
 
@@ -87,7 +87,7 @@ class Situation:
 
 @dataclass(frozen=True, kw_only=True)
 class Job(ABC):
-    """A request as its fields, and everything that becomes of it.
+    """A request as its fields, and the work that it asks for.
 
     Attributes:
         service: name of the service.
@@ -99,7 +99,7 @@ class Job(ABC):
         bags: recordings used together.
         topic: of the joint states in them.
         model_file: the model that the job is about; empty for none.
-        effects_file: Python that defines effects of the user's own; empty for none.
+        effects_file: Python that defines the user's effects; empty for none.
         effort_scale, effort_offset: by joint, N·m per unit of effort and N·m.
     """
 
@@ -137,8 +137,8 @@ class Job(ABC):
         """Return what has begun, in words."""
 
     @abstractmethod
-    def work(self, progress: Progress) -> dict[str, Any]:
-        """Do the job in its process and return the record that `end` and `status` take.
+    def work(self, progress: Progress) -> Result:
+        """Do the job in its process and return what the node shows of it.
 
         Args:
             progress: receives the share done, 0 to 1, and what is done now.
@@ -147,36 +147,17 @@ class Job(ABC):
             UserError: a recording, the model or a setting cannot be used.
         """
 
-    def end(self, session: Session, record: dict[str, Any]) -> None:
-        """Take the record of the work into the session."""
-        session.found[self.service] = record
-
-    @classmethod
-    @abstractmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
-        """Return the status of a record."""
-
     @classmethod
     def statuses(cls, session: Session) -> dict[str, Status]:
         """Return the statuses by name while the job does not run; empty if it never ran."""
-        if cls.service in session.failures:
-            failure = f"{cls.title} failed: {session.failures[cls.service]}"
-            return {cls.title: Status(Level.ERROR, failure)}
-        if cls.service in session.found:
-            return {cls.title: cls.status(session.found[cls.service])}
-        return {}
-
-    def log(self, record: Mapping[str, Any]) -> list[str]:
-        """Return the lines to log at the end."""
-        files = [f"  {label}: {file}" for label, file in files_of(record).items()]
-        return [self.status(record).message, *self.details(record), *files]
-
-    def details(self, record: Mapping[str, Any]) -> list[str]:
-        """Return further lines to log."""
-        return []
+        result = session.results.get(cls.service)
+        found = dict(result.statuses) if result else {}
+        if failure := session.failures.get(cls.service):
+            found[cls.title] = Status(Level.ERROR, f"{cls.title} failed: {failure}")
+        return found
 
     def open_model(self) -> "Model":
-        """Return the model, with the user's own effects that it may have."""
+        """Return the model; the user's effects are loaded first, since it may have some."""
         from lagrangian_ff.identification import Model
         from lagrangian_ff.nodes.common.models import load_own_effects
 
@@ -184,9 +165,12 @@ class Job(ABC):
         return Model.load(self.model_file)
 
     def read(
-        self, bags: Sequence[str], joints: Sequence[str], conditioning: "Conditioning",
+        self,
+        bags: Sequence[str],
+        joints: Sequence[str],
+        conditioning: "Conditioning",
         progress: Progress,
-    ) -> "list[Motion]":  # fmt: skip
+    ) -> "list[Motion]":
         """Return the motions of these joints, of all joints if none is named."""
         from lagrangian_ff.recording import condition, load
 
@@ -220,29 +204,35 @@ def names_of(bags: Sequence[str]) -> str:
     return ", ".join(Path(bag).name for bag in bags)
 
 
-def write_json(path: Path, record: Mapping[str, Any]) -> None:
-    """Write a record whole or not at all; numbers that are not finite become null.
+def write_findings(
+    output: str, record: Mapping[str, Any], make: Callable[[Path, Any], Path], found: object
+) -> dict[str, str]:
+    """Write findings as JSON and as a page, and return the files by what to call them.
+
+    Args:
+        output: the file of the JSON, which is written whole or not at all.
+        record: the JSON; numbers that are not finite become null.
+        make: writes the page.
+        found: what it writes.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the JSON cannot be written.
     """
+    path = Path(output)
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole(path) as made:
         made.write_text(to_json(record), "utf-8")
+    return {"JSON": output, **write_page(make, path, found)}
 
 
-def write_page(
-    make: Callable[[Path, Mapping[str, Any]], Path], beside: Path, record: Mapping[str, Any]
-) -> dict[str, str]:
-    """Write the page beside a file and return its name, or why it failed: findings stand alone."""
-    path = beside.with_suffix(".html")
+def write_page(make: Callable[[Path, Any], Path], beside: Path, found: object) -> dict[str, str]:
+    """Write the page beside a file and return its name, or why it failed, by what to call it."""
     try:
-        return {"page": str(make(path, record))}
+        return {"page": str(make(beside.with_suffix(".html"), found))}
     except (UserError, OSError) as error:
-        return {"page": "", "page_failure": str(error)}
+        return {"no page because": str(error)}
 
 
-def files_of(record: Mapping[str, Any]) -> dict[str, object]:
-    """Return the files that a record names, by label."""
-    named = {"JSON": "json", "page": "page", "no page because": "page_failure"}
-    return {label: record[name] for label, name in named.items() if record.get(name)}
+def lines_of(files: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the lines to log about files, which are named by what to call them."""
+    return tuple(f"  {label}: {file}" for label, file in files.items())

@@ -3,14 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.jobs import base
-from lagrangian_ff.nodes.recorder.session import new_path
+from lagrangian_ff.nodes.recorder.session import Result, new_path
 from lagrangian_ff.progress import Progress, part
 
-SHOWN = ("model", "sources", "joints", "rmse", "nmse", "outside_range", "words")
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis.where import Compared
+
 REGIONS = 8
 """Sentences shown about where a model fails; the page has all."""
 OUT_OF_RANGE = 0.05
@@ -28,17 +30,19 @@ class Compare(base.Job):
         """Return the request for the present model and the last recording."""
         last = given.session.bags[-1]
         return cls(
-            **given.common, model_file=str(given.present_model), bags=(str(last),),
+            **given.common,
+            model_file=str(given.present_model),
+            bags=(str(last),),
             output=str(new_path(given.directory, f"{last.name}_{cls.service}", ".json")),
-        )  # fmt: skip
+        )
 
     def summary(self) -> str:
         return f"started to compare {Path(self.model_file).name} with {base.names_of(self.bags)}"
 
-    def work(self, progress: Progress) -> dict[str, Any]:
-        """Write JSON and page, and return what the node shows of them."""
+    def work(self, progress: Progress) -> Result:
+        """Write JSON and page, and return the error of each joint and where it lies."""
         from lagrangian_ff.diagnosis import compare
-        from lagrangian_ff.diagnosis.where import locate
+        from lagrangian_ff.diagnosis.where import Compared, locate
         from lagrangian_ff.recording import concatenate
         from lagrangian_ff.report import compare_page
 
@@ -46,35 +50,35 @@ class Compare(base.Job):
         whole = concatenate(self.read_for(model, self.bags, part(progress, 0.0, 0.1)))
         comparison = compare(model, whole, progress=part(progress, 0.1, 0.5), intervals=True)
         where = locate(model, comparison, progress=part(progress, 0.5, 0.95))
-        names = {"model": self.model_file, "sources": list(self.bags)}
-        record, output = {**names, **where.record()}, Path(self.output)
-        base.write_json(output, record)
+        found = Compared(self.model_file, self.bags, where)
         progress(0.95, "writing the page")
-        page = base.write_page(compare_page, output, {**names, **where.record(series=True)})
-        return {**{name: record[name] for name in SHOWN}, "json": str(output), **page}
+        files = base.write_findings(self.output, found.record(), compare_page, found)
+        return self.result(found, files)
 
-    @classmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
-        words, outside = record["words"], record["outside_range"]
+    def result(self, found: "Compared", files: Mapping[str, str]) -> Result:
+        """Return what is shown of the comparison and of the files that were written."""
+        words, outside = found.where.words(), found.where.comparison.outside
+        score = found.where.comparison.score
         values: dict[str, object] = {
-            "model": record["model"],
-            "recordings": ", ".join(record["sources"]),
-            "RMSE [N·m]": record["rmse"],
-            "nMSE": record["nmse"],
+            "model": found.model,
+            "recordings": ", ".join(found.sources),
+            "RMSE [N·m]": score.total,
+            "nMSE": score.mean_nmse,
             **{
-                f"error {joint}": f"{error['rmse']:.4g} N·m, nMSE {error['nmse']:.4g}"
-                for joint, error in record["joints"].items()
+                f"error {joint}": f"{rmse:.4g} N·m, nMSE {nmse:.4g}"
+                for joint, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)
             },
             "outside the identified range": f"{outside:.1%}",
             **{f"where {number}": text for number, text in enumerate(words[:REGIONS], 1)},
-            **base.files_of(record),
+            **files,
         }
         worst = words[0] if words else "the error is spread evenly"
-        message = f"{record['rmse']:.4g} N·m; {worst}"
-        if outside <= OUT_OF_RANGE:
-            return Status(Level.OK, message, values)
-        message += f"; {outside:.0%} of the motion lies outside what the model was identified on"
-        return Status(Level.WARN, message, values)
-
-    def details(self, record: Mapping[str, Any]) -> list[str]:
-        return [f"  {text}" for text in record["words"][:REGIONS]]
+        level, message = Level.OK, f"{score.total:.4g} N·m; {worst}"
+        if outside > OUT_OF_RANGE:
+            level = Level.WARN
+            message += (
+                f"; {outside:.0%} of the motion lies outside what the model was identified on"
+            )
+        regions = (f"  {text}" for text in words[:REGIONS])
+        status = Status(level, message, values)
+        return Result((message, *regions, *base.lines_of(files)), {self.title: status})

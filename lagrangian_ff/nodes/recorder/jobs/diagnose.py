@@ -1,25 +1,49 @@
 """The service ~/diagnose: which effects the model lacks."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.jobs import base
-from lagrangian_ff.nodes.recorder.session import Session, new_path
+from lagrangian_ff.nodes.recorder.session import Result, new_path
 from lagrangian_ff.progress import Progress, part
 
-CONFIRMED, SUGGESTED = "confirmed", "suggested"
-SHOWN = (
-    "model", "sources", "confirm", "confirmed_on", "verdict", "unexplained", "not_observable",
-    "preflight",
-)  # fmt: skip
-SHOWN_OF_FINDING = (
-    "effect", "joints", "verdict", "reason", "why", "evidence_gain", "p_value",
-    "error_before", "error_after", "parameters", "shape", "meaning", "told_apart_by",
-    "next_motion", "trial",
-)  # fmt: skip
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import Diagnosis, DiagnosisRun
+    from lagrangian_ff.diagnosis.preflight import Check
+    from lagrangian_ff.diagnosis.results import Found
+
+
+@dataclass(frozen=True)
+class Addition:
+    """An effect to add to a model.
+
+    Attributes:
+        effect: a name of the catalogue.  joint: where it acts.
+        shape: nonlinear parameters; the others are searched.
+        why: the reason for the model's history.
+    """
+
+    effect: str
+    joint: str
+    shape: Mapping[str, float] | None = None
+    why: Mapping[str, object] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return f"{self.effect} on {self.joint}"
+
+
+@dataclass(frozen=True)
+class Diagnosed(Result):
+    """The result of a diagnosis.
+
+    Attributes:
+        confirmed: the effects that the model lacks.
+    """
+
+    confirmed: tuple[Addition, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +65,12 @@ class Diagnose(base.Job):
         first, last = (bags[:-1], bags[-1:]) if len(bags) > 1 else (bags, ())
         stem = f"{given.session.bags[-1].name}_{cls.service}"
         return cls(
-            **given.common, model_file=str(given.present_model), bags=first, confirm=last,
+            **given.common,
+            model_file=str(given.present_model),
+            bags=first,
+            confirm=last,
             output=str(new_path(given.directory, stem, ".json")),
-        )  # fmt: skip
+        )
 
     def summary(self) -> str:
         said = f"started to diagnose {Path(self.model_file).name} on {base.names_of(self.bags)}; "
@@ -51,9 +78,16 @@ class Diagnose(base.Job):
             return f"{said}{base.names_of(self.confirm)} confirms"
         return f"{said}its last third is held back and confirms"
 
-    def work(self, progress: Progress) -> dict[str, Any]:
-        """Write JSON and page, and return what the node shows of them."""
-        from lagrangian_ff.diagnosis import compare, consequences, diagnose, diagnosis_record
+    def work(self, progress: Progress) -> Diagnosed:
+        """Write JSON and page, and return the verdict, the findings and what is to be added."""
+        from lagrangian_ff.diagnosis import (
+            DiagnosisRun,
+            Round,
+            compare,
+            diagnose,
+            run_record,
+            with_consequences,
+        )
         from lagrangian_ff.diagnosis.preflight import preflight
         from lagrangian_ff.diagnosis.where import locate
         from lagrangian_ff.recording import concatenate
@@ -63,108 +97,111 @@ class Diagnose(base.Job):
         motions = self.read_for(model, self.bags, part(progress, 0.0, 0.05))
         unseen = self.read_for(model, self.confirm, part(progress, 0.05, 0.1))
         progress(0.1, "checking the measurement")
-        checks = [check.record() for check in preflight(model, concatenate(motions), unseen)]
+        checks = preflight(model, concatenate(motions), unseen)
         diagnosis = diagnose(model, motions, unseen, progress=part(progress, 0.12, 0.7))
-        found: dict[str, Any] = diagnosis_record(
-            diagnosis, consequences(diagnosis, part(progress, 0.7, 0.85))
-        )
-        names = {
-            "model": self.model_file,
-            "sources": list(self.bags),
-            "confirm": list(self.confirm),
-        }
-        record = {**found, "model_name": found["model"], **names, "preflight": checks}
+        diagnosis = with_consequences(diagnosis, part(progress, 0.7, 0.85))
         comparison = compare(model, concatenate(motions), intervals=True)
-        where = locate(model, comparison, progress=part(progress, 0.85, 0.95))
-        output = Path(self.output)
-        base.write_json(output, {**record, "compare": where.record()})
-        progress(0.95, "writing the page")
-        compared = {**names, **where.record(series=True)}
-        page = base.write_page(diagnose_page, output, {**record, "compare": compared})
-        findings = [
-            {name: one[name] for name in SHOWN_OF_FINDING if name in one}
-            for one in found["findings"]
-        ]
-        shown = {name: record[name] for name in SHOWN}
-        return {**shown, "findings": findings, "json": str(output), **page}
-
-    @classmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
-        """Return the verdict, after serious faults of the measurement.
-
-        Those come first because they look like missing physics. A warning if there are any, or if
-        something is missing in the model.
-        """
-        missing = record["findings"] or record["unexplained"]
-        serious = [_check(one) for one in record["preflight"] if one["serious"]]
-        values: dict[str, object] = {
-            "model": record["model"],
-            "recordings": ", ".join([*record["sources"], *record["confirm"]]),
-            "confirmed on": record["confirmed_on"],
-            "findings": len(record["findings"]),
-            "unexplained": len(record["unexplained"]),
-            **{f"fix first {number}": text for number, text in enumerate(serious, 1)},
-            "not observable": ", ".join(
-                f"{one['effect']} on {one['joint']}" for one in record["not_observable"]
-            ),
-            **base.files_of(record),
-        }
-        message = " ".join([*(f"Fix first: {text}" for text in serious), record["verdict"]])
-        return Status(Level.WARN if missing or serious else Level.OK, message, values)
-
-    @classmethod
-    def statuses(cls, session: Session) -> dict[str, Status]:
-        found = super().statuses(session)
-        record = session.found.get(cls.service)
-        if record is None:
-            return found
-        found |= {_name(one): _finding(one) for one in record["findings"]}
-        for one in record["unexplained"]:
-            found[f"unexplained on {one['joint']}: {one['coordinate']}"] = Status(
-                Level.WARN,
-                f"the torque depends on {one['coordinate']} in a way that no known effect explains",
-                {"joint": one["joint"], "share of the torque": one["share"]},
-            )
-        return found
-
-    def details(self, record: Mapping[str, Any]) -> list[str]:
-        return [f"  {_name(one)}: {_finding(one).message}" for one in record["findings"]]
-
-
-def _finding(one: Mapping[str, Any]) -> Status:
-    values: dict[str, object] = {
-        "effect": one["effect"],
-        "joints": ", ".join(one["joints"]),
-        "verdict": one["verdict"],
-        "evidence gain [nats]": float(one["evidence_gain"]),
-    }
-    for label, name in (
-        ("p value", "p_value"),  # None for what happens once: it is not tested against chance
-        ("error before [N·m]", "error_before"),
-        ("error after [N·m]", "error_after"),
-    ):
-        if one[name] is not None:
-            values[label] = float(one[name])
-    for name, value in one["parameters"].items():
-        values[name] = (
-            f"{value['value']:.4g} {value['unit']} ({value['low']:.4g} to {value['high']:.4g})"
+        found = DiagnosisRun(
+            model_file=self.model_file,
+            sources=self.bags,
+            confirm=self.confirm,
+            checks=tuple(checks),
+            rounds=(Round(diagnosis),),
+            where=locate(model, comparison, progress=part(progress, 0.85, 0.95)),
         )
-    values |= {f"shape {name}": float(value) for name, value in one["shape"].items()}
-    if one.get("reason"):
-        values["not confirmed because"] = one["reason"]
-    if one.get("told_apart_by"):
-        values["told apart by"] = "; ".join(one["told_apart_by"])
-    values["next motion"] = one["next_motion"]
-    message = f"{one['verdict']}: {one['meaning']}"
-    if one["verdict"] == CONFIRMED and one["error_after"] is not None:
-        message += f"; error {one['error_before']:.3g} to {one['error_after']:.3g} N·m when added"
-    return Status(Level.OK if one["verdict"] == SUGGESTED else Level.WARN, message, values)
+        progress(0.95, "writing the page")
+        files = base.write_findings(self.output, run_record(found), diagnose_page, found)
+        return self.result(found, files)
+
+    def result(self, run: "DiagnosisRun", files: Mapping[str, str]) -> Diagnosed:
+        """Return what is shown of a diagnosis and of the files that were written."""
+        from lagrangian_ff.diagnosis.adding import for_history
+
+        diagnosis = run.diagnosis
+        findings = [
+            (f"{one.effect.name} on {', '.join(one.joints)}", _finding(one))
+            for one in diagnosis.found
+        ]
+        verdict = _verdict(run, files)
+        log = (
+            verdict.message,
+            *(f"  {name}: {status.message}" for name, status in findings),
+            *base.lines_of(files),
+        )
+        confirmed = tuple(
+            Addition(one.effect.name, one.joint, dict(one.shape), for_history(one, diagnosis))
+            for one in diagnosis.confirmed
+            if not one.once
+        )
+        statuses = {self.title: verdict, **dict(findings), **_unexplained(diagnosis)}
+        return Diagnosed(log, statuses, confirmed=confirmed)
 
 
-def _check(one: Mapping[str, Any]) -> str:
-    where = f"{one['joint']}: " if one["joint"] else ""
-    return f"{where}{one['finding']}. {one['advice']}".strip()
+def _verdict(run: "DiagnosisRun", files: Mapping[str, str]) -> Status:
+    """Return the verdict, after serious faults of the measurement.
+
+    Those come first because they look like missing physics. A warning if there are any, or if
+    something is missing in the model.
+    """
+    from lagrangian_ff.diagnosis.sentences import verdict
+
+    diagnosis, serious = run.diagnosis, [_check(one) for one in run.serious]
+    values: dict[str, object] = {
+        "model": run.model_file,
+        "recordings": ", ".join([*run.sources, *run.confirm]),
+        "confirmed on": diagnosis.confirmed_on,
+        "findings": len(diagnosis.found),
+        "unexplained": len(diagnosis.unexplained),
+        **{f"fix first {number}": text for number, text in enumerate(serious, 1)},
+        "not observable": ", ".join(
+            f"{one.effect} on {one.joint}" for one in diagnosis.not_observable
+        ),
+        **files,
+    }
+    message = " ".join([*(f"Fix first: {text}" for text in serious), verdict(diagnosis)])
+    missing = diagnosis.found or diagnosis.unexplained
+    return Status(Level.WARN if missing or serious else Level.OK, message, values)
 
 
-def _name(one: Mapping[str, Any]) -> str:
-    return f"{one['effect']} on {', '.join(one['joints'])}"
+def _unexplained(diagnosis: "Diagnosis") -> dict[str, Status]:
+    """Return a status for each dependence that no known effect explains."""
+    return {
+        f"unexplained on {one.joint}: {one.coordinate}": Status(
+            Level.WARN,
+            f"the torque depends on {one.coordinate} in a way that no known effect explains",
+            {"joint": one.joint, "share of the torque": one.share},
+        )
+        for one in diagnosis.unexplained
+    }
+
+
+def _finding(found: "Found") -> Status:
+    """Return the verdict on a finding with its numbers; those that it does not have are absent."""
+    before, after = found.errors
+    numbers = {"p value": found.p_value, "error before [N·m]": before, "error after [N·m]": after}
+    values: dict[str, object] = {
+        "effect": found.effect.name,
+        "joints": ", ".join(found.joints),
+        "verdict": found.said,
+        "evidence gain [nats]": float(found.log_bayes_factor),
+        **{name: float(value) for name, value in numbers.items() if value is not None},
+        **{
+            name: f"{one.value:.4g} {one.unit} ({one.low:.4g} to {one.high:.4g})"
+            for name, one in found.parameters.items()
+        },
+        **{f"shape {name}": float(value) for name, value in found.shape.items()},
+    }
+    if found.doubt:
+        values["not confirmed because"] = found.doubt.words
+    if found.told_apart_by:
+        values["told apart by"] = "; ".join(found.told_apart_by)
+    values["next motion"] = found.effect.next_motion
+    message = f"{found.said}: {found.effect.meaning}"
+    if found.confirmed and after is not None:
+        message += f"; error {before:.3g} to {after:.3g} N·m when added"
+    return Status(Level.OK if found.doubt else Level.WARN, message, values)
+
+
+def _check(check: "Check") -> str:
+    where = f"{check.joint}: " if check.joint else ""
+    return f"{where}{check.finding}. {check.advice}".strip()

@@ -1,16 +1,19 @@
 """The service ~/identify: a model from all recordings of the session."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Settings
 from lagrangian_ff.nodes.common.status import Level, Status, held_out
-from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, names_of, optional
-from lagrangian_ff.nodes.recorder.session import Session, new_path
+from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, lines_of, names_of, optional
+from lagrangian_ff.nodes.recorder.session import Result, SavedModel, Session, new_path
 from lagrangian_ff.progress import Progress, part
+from lagrangian_ff.recording import Conditioning
+
+if TYPE_CHECKING:
+    from lagrangian_ff.identification.records import Identified
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +31,7 @@ class Identify(Job):
 
     joints: tuple[str, ...] = ()
     urdf: str = ""
-    bandwidth: float = 25.0
+    bandwidth: float = Conditioning.bandwidth
     settings: Settings = field(default_factory=Settings)
 
     @classmethod
@@ -54,12 +57,11 @@ class Identify(Job):
     def summary(self) -> str:
         return f"started to identify {self.settings.model} from {names_of(self.bags)}"
 
-    def work(self, progress: Progress) -> dict[str, Any]:
-        """Write the model and return its record."""
+    def work(self, progress: Progress) -> Result:
+        """Write the model and return its error on motion that it has not seen."""
         from lagrangian_ff.identification import identify
         from lagrangian_ff.kernels.rigid import read_urdf
         from lagrangian_ff.nodes.common.models import load_own_effects
-        from lagrangian_ff.recording import Conditioning
 
         load_own_effects(self.effects_file)
         conditioning = Conditioning(
@@ -71,39 +73,39 @@ class Identify(Job):
         mechanism = read_urdf(self.urdf) if self.urdf else None
         found = identify(motions, self.settings, part(progress, 0.1, 1.0), mechanism)
         found.model.save(Path(self.output))
-        return dict(found.record)
+        return self.result(found.model.identified)
 
-    def end(self, session: Session, record: dict[str, Any]) -> None:
-        session.take_model(Path(self.output), record)
-
-    @classmethod
-    def status(cls, record: Mapping[str, Any]) -> Status:
-        values = {
-            "model": record["model"],
-            "held-out RMSE [N·m]": record["rmse"],
-            "held-out nMSE": record["nmse"],
-            **held_out(record),
-        }
-        return Status(Level.OK, "identified", values)
+    def result(self, found: "Identified") -> Result:
+        """Return what is logged of the model's findings, and the model."""
+        log = (
+            f"identified {found.model} from {found.samples} samples in {found.seconds:.1f} s; "
+            f"RMSE {found.score.total:.4g} N·m, nMSE {found.score.mean_nmse:.4g} on motion it has "
+            "not seen",
+            *lines_of(held_out(found.score)),
+            f"  model file: {self.output}",
+        )
+        return Result(log, model=saved(self.output, found))
 
     @classmethod
     def statuses(cls, session: Session) -> dict[str, Status]:
         values: dict[str, object] = {"state": session.state, "recordings": len(session.bags)}
         if session.model is not None:
-            values |= {"model file": session.model.file, **cls.status(session.model.record).values}
+            values |= {"model file": session.model.file, **session.model.values}
         level, message = Level.OK, "identified" if session.model else "no model yet"
         if failure := session.failures.get(cls.service):
             level, message = Level.ERROR, f"{cls.title} failed: {failure}"
         return {cls.title: Status(level, message, values)}
 
-    def log(self, record: Mapping[str, Any]) -> list[str]:
-        return [
-            f"identified {record['model']} from {record['samples']} samples in "
-            f"{record['seconds']:.1f} s; RMSE {record['rmse']:.4g} N·m, nMSE {record['nmse']:.4g} "
-            "on motion it has not seen",
-            *(f"  {label}: {error}" for label, error in held_out(record).items()),
-            f"  model file: {self.output}",
-        ]
+
+def saved(file: str, found: "Identified") -> SavedModel:
+    """Return the model of a file with what is shown of its findings."""
+    values = {
+        "model": found.model,
+        "held-out RMSE [N·m]": found.score.total,
+        "held-out nMSE": found.score.mean_nmse,
+        **held_out(found.score),
+    }
+    return SavedModel(Path(file), values)
 
 
 def _urdf(given: Situation, file: Path) -> str:

@@ -1,0 +1,93 @@
+"""All that one run of `diagnose` found: the type that text, page, node and JSON read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lagrangian_ff.diagnosis.preflight.base import Check
+from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding
+from lagrangian_ff.diagnosis.where.locate import Localisation
+from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.records import Estimate
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A change since the model was identified.
+
+    Attributes:
+        what: the effect, or in words the bodies that changed.
+        joints: those that feel it.
+        log_bayes_factor: nats.
+        p_value: how often the null of the maximum reaches it; None if there is no null.
+        parameters: by how much each changed, by name.
+        size: N·m, root mean square of the added torque on the first of the joints.
+        rivals: changes of a known robot's bodies that explain as much.
+    """
+
+    what: str
+    joints: tuple[str, ...]
+    log_bayes_factor: float
+    p_value: float | None
+    parameters: Mapping[str, Estimate]
+    size: float
+    rivals: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One diagnosis, and the model that it led to.
+
+    Attributes:
+        diagnosis: with the consequences of adding its findings.
+        after: the model with what was confirmed; None if nothing was, or was to be, added.
+    """
+
+    diagnosis: Diagnosis
+    after: Model | None = None
+
+    @property
+    def added(self) -> tuple[str, ...]:
+        """Return the names of what was added."""
+        if self.after is None:
+            return ()
+        new = self.after.steps[len(self.diagnosis.model.steps) :]
+        return tuple(str(step["added"]) for step in new)
+
+
+@dataclass(frozen=True, eq=False)
+class DiagnosisRun:
+    """All that one run of `diagnose` found.
+
+    Attributes:
+        model_file: of the diagnosed model.
+        sources, confirm: the recordings that were searched, and those that confirm; as given.
+        rounds: one; or several, if what was confirmed was added and the search went on.
+        checks: of the measurement, serious ones first.
+        changed: since the model was identified; None if that was not asked.
+        where: where the model fails; None if that was not looked for.
+        output: the file of the model with what is confirmed; empty if nothing was to be added.
+    """
+
+    model_file: str
+    sources: tuple[str, ...]
+    confirm: tuple[str, ...]
+    rounds: tuple[Round, ...]
+    checks: tuple[Check, ...] = ()
+    changed: tuple[Changed, ...] | None = None
+    where: Localisation | None = None
+    output: str = ""
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """Return the diagnosis of the model as it was given."""
+        return self.rounds[0].diagnosis
+
+    @property
+    def serious(self) -> tuple[Check, ...]:
+        """Return the faults of the measurement that must be mended first."""
+        return tuple(check for check in self.checks if check.serious)
+
+    @property
+    def tried(self) -> tuple[tuple[Finding, Consequence], ...]:
+        """Return the confirmed findings of all rounds, each with what it did to the error."""
+        return tuple(pair for one in self.rounds for pair in one.diagnosis.tried)
