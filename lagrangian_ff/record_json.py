@@ -4,7 +4,8 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, ClassVar, Protocol, TypeVar
+from types import UnionType
+from typing import Any, ClassVar, Protocol, TypeVar, get_args, get_origin
 
 Json = Mapping[str, Any]
 
@@ -44,7 +45,9 @@ def _plain(value: Any) -> Any:
         return by_name(value)
     if isinstance(value, Mapping):
         return {name: _plain(one) for name, one in value.items()}
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return value.tolist() if hasattr(value, "tolist") else value  # NumPy's
 
 
 def given(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -56,15 +59,25 @@ def read(kind: type[Made], record: Json, **how: Callable[[Any], Any]) -> Made:
     """Return a result from its JSON; what is missing or null has its default.
 
     Args:
-        kind: of the result.
+        kind: of the result; the types of its fields say which parts are results or tuples.
         record: may hold other fields, too.
-        how: by name, the readers of the fields that JSON does not hold as they are.
+        how: by name, the readers of fields that JSON holds in another form.
     """
-    names = {field.name for field in fields(kind)}
-    held = {name: value for name, value in given(record).items() if name in names}
-    return kind(**{name: how[name](v) if name in how else v for name, v in held.items()})
+    types = {field.name: field.type for field in fields(kind)}
+    held = {name: value for name, value in given(record).items() if name in types}
+    made = {n: how[n](v) if n in how else _made(types[n], v) for n, v in held.items()}
+    return kind(**made)
 
 
-def each(kind: type[Made]) -> Callable[[Mapping[str, Json]], dict[str, Made]]:
-    """Return the reader of results by name."""
-    return lambda records: {name: read(kind, record) for name, record in records.items()}
+def _made(kind: Any, value: Any) -> Any:
+    """Return a value of JSON as the type of a field has it."""
+    outer, inner = get_origin(kind), get_args(kind)
+    if isinstance(kind, type) and is_dataclass(kind):
+        return read(kind, value)
+    if outer is UnionType:  # X | None
+        return _made(inner[0], value)
+    if outer is tuple:
+        return tuple(_made(inner[0], one) for one in value)
+    if outer is Mapping:
+        return {name: _made(inner[1], one) for name, one in value.items()}
+    return value

@@ -21,6 +21,5 @@ from lagrangian_ff.arm.simulation import Run as Run
 from lagrangian_ff.arm.simulation import simulate as simulate
 from lagrangian_ff.arm.trajectory import Trajectory as Trajectory
 from lagrangian_ff.arm.trajectory import check_limits as check_limits
-from lagrangian_ff.arm.trajectory import move_to as move_to
 from lagrangian_ff.arm.trajectory import read_trajectory as read_trajectory
 from lagrangian_ff.arm.trajectory import write_trajectory as write_trajectory

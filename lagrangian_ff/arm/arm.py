@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.arm.description import HOME, JOINTS, Loads, limits, require_within
+from lagrangian_ff.arm.description import HOME, JOINTS, Loads, limits
 from lagrangian_ff.arm.joint_effect import JointEffect
 from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Attached, Gear, Plant
@@ -78,7 +78,12 @@ class Arm:
             ArmError: q is not finite or outside the limits; names the joint.
         """
         q = self._checked("start position", q)
-        require_within("start position", q)
+        low, high, *_ = limits()
+        for n in np.flatnonzero((q < low) | (q > high)):
+            raise ArmError(
+                f"start position of {JOINTS[n]} is {q[n]:.4f} rad, outside its limits "
+                f"{low[n]:.3f} to {high[n]:.3f} rad"
+            )
         self._ticks = 0
         self._feedback = np.zeros(len(JOINTS))
         self.torques = np.zeros((4, len(JOINTS)))

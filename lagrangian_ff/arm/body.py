@@ -20,11 +20,8 @@ CHECK_EVERY = 0.05  # s between poses of a trajectory that are checked
 class Body(AbstractContextManager["Body"]):
     """Rigid links and frictionless joints, as PyBullet computes them.
 
-    In a separate world without a window (p.DIRECT); close it, or use it in a `with` block.
-
-    Args:
-        loads: kg (or Load) by joint or link.
-        dt: s, the step of the integration.
+    In a separate world without a window (p.DIRECT) that is integrated in steps of `dt`, s; close
+    it, or use it in a `with` block.
 
     Raises:
         ArmError: a load on no link of the arm.
@@ -94,14 +91,6 @@ class Body(AbstractContextManager["Body"]):
         bias = pybullet.calculateInverseDynamics(body, q, qd, self._rest, physicsClientId=client)
         return mass, bias
 
-    def mass_matrix(self, q: Floats) -> Floats:
-        """Return (6, 6) kg·m² of the links at q (6,)."""
-        return np.array(self.dynamics(q.tolist(), self._rest)[0])
-
-    def bias(self, q: Floats, qd: Floats) -> Floats:
-        """Return gravity, Coriolis and centrifugal torque (6,) N·m at q and qd, (6,) each."""
-        return np.array(self.dynamics(q.tolist(), qd.tolist())[1])
-
     def inverse_dynamics(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """Return the torques (M, 6) N·m of the links alone in states (M, 6)."""
         torque = np.empty(q.shape)
@@ -117,15 +106,6 @@ class Body(AbstractContextManager["Body"]):
             self.id, self.index[-1], [0.0] * 3, q.tolist(), self._rest, self._rest, **self._args
         )[0]
         return np.array(linear)
-
-    def potential_energy(self) -> float:
-        """Return the links' potential energy, J above the floor, at the present state."""
-        energy = 0.0
-        for link in range(pybullet.getNumJoints(self.id, **self._args)):
-            mass = pybullet.getDynamicsInfo(self.id, link, **self._args)[0]
-            state = pybullet.getLinkState(self.id, link, computeForwardKinematics=1, **self._args)
-            energy += mass * GRAVITY * state[0][2]
-        return energy
 
     def close(self) -> None:
         """End the world; closing twice is harmless."""
@@ -145,11 +125,7 @@ class Surroundings(AbstractContextManager["Surroundings"]):
     """The arm over a floor, in a separate world.
 
     Links that share a joint touch by design and are not compared; the loads on a link count as
-    part of it.
-
-    Args:
-        loads: kg (or Load) by joint or link.
-        margin: m, nearer is a contact.
+    part of it. What is nearer than the margin, m, is a contact.
     """
 
     def __init__(self, loads: Loads = None, *, margin: float = 0.0) -> None:
@@ -184,23 +160,15 @@ class Surroundings(AbstractContextManager["Surroundings"]):
                 return f"{self._names[link]} and the floor"
         return None
 
-    def close(self) -> None:
-        """End the world."""
-        self._body.close()
-
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self._body.close()
 
 
 def check_clearance(trajectory: Trajectory, loads: Loads = None) -> None:
-    """Require that the arm can follow a trajectory without touching itself or the floor.
-
-    Args:
-        trajectory: of the arm's joints; checked every 50 ms.
-        loads: kg (or Load) by joint or link.
+    """Check every 50 ms of a trajectory that the arm touches neither itself nor the floor.
 
     Raises:
-        ArmError: it cannot; names what touches, and when.
+        ArmError: it does; names what touches, and when.
     """
     count = int(np.ceil(trajectory.duration / CHECK_EVERY)) + 1
     times = np.linspace(trajectory.time[0], trajectory.time[-1], count)

@@ -79,20 +79,6 @@ def limits() -> Limits:
     return Limits(*table)
 
 
-def require_within(what: str, q: Floats) -> None:
-    """Require that a pose (6,) rad is within the limits.
-
-    Raises:
-        ArmError: it is not; says what it is a pose of, and names the first joint.
-    """
-    low, high = limits().lower, limits().upper
-    for n in np.flatnonzero(~((q >= low) & (q <= high))):
-        raise ArmError(
-            f"{what} of {JOINTS[n]} is {q[n]:.4f} rad, outside its limits {low[n]:.3f} to "
-            f"{high[n]:.3f} rad"
-        )
-
-
 def on_links(loads: Loads) -> dict[str, Load]:
     """Return the loads by link: a joint's name stands for the link it moves, a number for kg.
 
@@ -118,14 +104,7 @@ def on_links(loads: Loads) -> dict[str, Load]:
 
 
 def robot_description(loads: Loads = None) -> str:
-    """Return the URDF of the arm, each load a ball fixed to its link.
-
-    Args:
-        loads: kg (or a Load) by joint or link.
-
-    Raises:
-        ArmError: see `on_links`.
-    """
+    """Return the URDF of the arm, each load a ball fixed to its link; raises as `on_links`."""
     text = URDF.read_text(encoding="utf-8")
     parts = [_ball(link, load) for link, load in on_links(loads).items()]
     return text.replace("</robot>", "".join(parts) + "</robot>")

@@ -29,13 +29,7 @@ CHAMFER = 0.0035  # m
 def picture(
     path: str | Path, *, q: Sequence[float] | Floats = POSE, size: int = 720, loads: Loads = None
 ) -> None:
-    """Draw the arm into a PNG file.
-
-    Args:
-        path: the file to write.
-        q: (6,) rad, the pose.
-        size: pixels of width and height.
-        loads: kg (or Load) by joint or link, drawn too.
+    """Draw the arm and its loads at a pose (6,) rad into a PNG file of `size` times `size` pixels.
 
     Raises:
         ArmError: a load on no link of the arm.
@@ -99,7 +93,7 @@ def _show(body: Body, shape: Mesh, colour: Sequence[float], where: Pose) -> None
     pybullet.createMultiBody(0, -1, visual, *where, physicsClientId=body.client)
 
 
-def _frame(body: Body, link: int) -> tuple[Sequence[float], Sequence[float]]:
+def _frame(body: Body, link: int) -> Pose:
     if link < 0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
     state = pybullet.getLinkState(

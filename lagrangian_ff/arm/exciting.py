@@ -5,7 +5,6 @@ import scipy
 
 from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.arm.description import HOME, JOINTS, PAPER_LOADS, limits
-from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Plant
 from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.arrays import Floats
@@ -23,13 +22,7 @@ REPAIRS = 300
 BLOCK = 4
 
 
-def exciting_trajectory(
-    speed: int = 5,
-    seed: int = 0,
-    duration: float | None = None,
-    *,
-    parameters: ArmParameters | None = None,
-) -> Trajectory:
+def exciting_trajectory(speed: int = 5, seed: int = 0, duration: float | None = None) -> Trajectory:
     """Return a quintic spline (C⁴) through random via points, from home at rest to home at rest.
 
     Every stretch of four via points draws each joint once from every quarter of its range, so
@@ -42,7 +35,6 @@ def exciting_trajectory(
         speed: 1 to 10; the mean norm of velocity rises with it, by 0.38 rad/s each.
         seed: the same seed, speed and duration give the same motion.
         duration: s; None for what gives that mean velocity, 30 to 40 s.
-        parameters: of the drives.
 
     Returns:
         Points every 10 ms.
@@ -58,7 +50,7 @@ def exciting_trajectory(
         raise ArmError(f"duration: expected at least 4 s, got {duration!r}")
     random = np.random.default_rng([seed, speed])
     vias = _via_points(random, MEAN_NORM * speed * (duration or DURATION))
-    plants = [Plant(parameters, loads) for loads in (None, PAPER_LOADS)]
+    plants = [Plant(loads=loads) for loads in (None, PAPER_LOADS)]
     try:
         with Surroundings(PAPER_LOADS, margin=MARGIN) as surroundings:
             for _ in range(REPAIRS):

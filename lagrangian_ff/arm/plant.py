@@ -97,7 +97,7 @@ class Plant:
 
     Args:
         parameters: rotors, friction and the rate of the integration.
-        loads: kg (or Load) by joint or link.
+        loads: on the links, from the beginning.
         effects: in the joints, besides viscous and Coulomb friction.
         attached: loads that replace `loads` at a later time.
         gears: at most one a joint; the other joints are stiff.
@@ -106,6 +106,7 @@ class Plant:
         time: s since the reset.
         q: (6,) rad.  qd: (6,) rad/s.
         qdd: (6,) rad/s² of the last step.
+        encoder: (6,) rad of the motors through their gears.  rotor_velocity: (6,) rad/s of them.
         motion: (3, 6) positions of links and rotors, rad, velocities of the links, rad/s.
         torques: (4, 6) N·m of the motors, and the three below, in the last step.
         effect_torque: (6,) N·m that friction and effects took from the motors in the last step.
@@ -179,8 +180,8 @@ class Plant:
     effect_torque = _result("effect")
     added_torque = _result("added_torque")
     load_torque = _result("load")
-    _rotor_q = _result("rotor_q")
-    _rotor_qd = _result("rotor_qd")
+    encoder = _result("rotor_q")
+    rotor_velocity = _result("rotor_qd")
 
     @property
     def body(self) -> Body:
@@ -188,22 +189,8 @@ class Plant:
         self._body.set_state(self.q, self.qd)
         return self._body
 
-    @property
-    def encoder(self) -> Floats:
-        """Return (6,) rad of the motors through their gears, where the encoders are."""
-        return self._rotor_q
-
-    @property
-    def rotor_velocity(self) -> Floats:
-        """Return (6,) rad/s of the motors through their gears."""
-        return self._rotor_qd
-
     def step(self, motor: Floats) -> None:
-        """Let the motors act for one step of the integration.
-
-        Args:
-            motor: (6,) N·m through the gears.
-        """
+        """Let the motors give (6,) N·m through the gears for one step of the integration."""
         if self.time >= self._attached_at:
             self._body = self._bodies[-1]
         (a, b, c, d, e, f), bias = self._body.dynamics(self.q.tolist(), self.qd.tolist())
@@ -218,14 +205,14 @@ class Plant:
         self.time += self.dt
         self._read()
         if self._effects:
-            rotor = self._rotor_q, self._rotor_qd
+            rotor = self.encoder, self.rotor_velocity
             moment = JointMoment(self.time, self.dt, *rotor, motor, self.load_torque)
             for effect in self._effects:
                 effect.advance(moment)
 
     def _step_with_effects(self, motor: Floats) -> None:
         """Evaluate the effects at every guess of the velocity."""
-        q, load = self._rotor_q, self.load_torque
+        q, load = self.encoder, self.load_torque
         first, *further = self._effects
         self._guess_first(self._address)
         for _ in range(ITERATIONS):
@@ -248,15 +235,6 @@ class Plant:
         rigid = numbers["stiffness"] == 0.0
         numbers["rotor_q"][rigid] = numbers["q"][rigid]
         numbers["rotor_qd"][rigid] = numbers["qd"][rigid]
-
-    def energy(self) -> float:
-        """Return the energy, J, of links, rotors and springs at the present state."""
-        mass, half = self._body.mass_matrix(self.q), self._numbers["half_play"]
-        twist = self._rotor_q - self.q
-        beyond = twist - np.clip(twist, -half, half)
-        kinetic = 0.5 * (self.qd @ mass @ self.qd + self._armature @ self._rotor_qd**2)
-        spring = 0.5 * float(self._numbers["stiffness"] @ beyond**2)
-        return float(kinetic) + spring + self.body.potential_energy()
 
     def true_torque(self, q: Floats, qd: Floats, qdd: Floats, *, friction: bool = True) -> Floats:
         """Return the motor torque through the gears for this motion, without further effects.
@@ -299,14 +277,8 @@ class Plant:
 
 
 def true_torque(
-    q: Floats,
-    qd: Floats,
-    qdd: Floats,
-    *,
-    parameters: ArmParameters | None = None,
-    loads: Loads = None,
-    friction: bool = True,
+    q: Floats, qd: Floats, qdd: Floats, *, loads: Loads = None, friction: bool = True
 ) -> Floats:
     """Return the plant's own inverse dynamics, the ideal feedforward; see Plant.true_torque."""
-    with closing(Plant(parameters, loads)) as plant:
+    with closing(Plant(loads=loads)) as plant:
         return plant.true_torque(q, qd, qdd, friction=friction)

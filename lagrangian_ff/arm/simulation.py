@@ -161,10 +161,8 @@ def _torque(
 def _drive(arm: Arm, reference: Trajectory, torque: Floats, progress: Progress) -> Run:
     count = len(reference)
     arm.reset(reference.q[0])
-    settling = round(SETTLING * arm.parameters.sample_rate)
-    still = np.zeros(len(JOINTS))
-    for _ in range(settling):
-        arm.step(reference.q[0], still, torque[0])
+    for _ in range(round(SETTLING * arm.parameters.sample_rate)):
+        arm.step(reference.q[0], np.zeros(len(JOINTS)), torque[0])
     shape = reference.q.shape
     measured, motion, torques = np.empty((3, *shape)), np.empty((3, *shape)), np.empty((4, *shape))
     saturated = np.zeros(shape, dtype=bool)

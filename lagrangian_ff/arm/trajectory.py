@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from lagrangian_ff.arm.description import JOINTS, limits, require_within
+from lagrangian_ff.arm.description import JOINTS, limits
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ArmError
 
@@ -171,27 +171,6 @@ def check_limits(trajectory: Trajectory) -> None:
                 f"trajectory: {what} of {JOINTS[n]} at {trajectory.time[point]:.3f} s is "
                 f"{value[point, n]:.3f} {unit}, outside {low[n]:.3f} to {high[n]:.3f} {unit}"
             )
-
-
-def move_to(start: Sequence[float] | Floats, goal: Sequence[float] | Floats) -> Trajectory:
-    """Return a quintic from rest to rest, at most at 40 % of the arm's velocity limits.
-
-    Args:
-        start, goal: (6,) rad.
-
-    Raises:
-        ArmError: not six finite numbers, or outside the limits of the arm; names the joint.
-    """
-    q = np.array([start, goal], dtype=np.float64)
-    if q.shape != (2, len(JOINTS)):
-        raise ArmError(f"move: expected {len(JOINTS)} joints at both ends, got {q.shape}")
-    require_within("move: start", q[0])
-    require_within("move: goal", q[1])
-    distance = np.abs(q[1] - q[0])
-    # A rest-to-rest quintic peaks at 15/8 of its mean velocity.
-    duration = max(1.0, float(np.max(15.0 / 8.0 * distance / (0.4 * limits().velocity))))
-    still = np.zeros_like(q)
-    return Trajectory(np.array([0.0, duration]), q, still, still)
 
 
 def write_trajectory(path: str | Path, trajectory: Trajectory) -> None:

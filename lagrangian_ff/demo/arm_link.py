@@ -24,6 +24,7 @@ LEAD = 2.0  # s of the arm between sending a reference and its start, for readin
 AFTER = 0.5  # s that are kept after the end of a trajectory
 RATE = 500.0  # Hz of joint states
 EVERYTHING = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
+NAME = "/arm"
 LEAST = 0.99  # least share of the samples of a run that is judged
 
 
@@ -54,10 +55,6 @@ class Tape:
 
     An executor takes half a millisecond for each message, too much for 1000 a second: messages are
     fetched many at once, serialised.
-
-    Args:
-        node: that listens.
-        topic: of type JointState.
     """
 
     def __init__(self, node: Node, topic: str) -> None:
@@ -126,9 +123,8 @@ def tracking(
 def recording_of(track: Track, source: str) -> Recording:
     """Return joint states as a recording."""
     time, start = (track.stamp - track.stamp[0]) / 1e9, float(track.stamp[0]) / 1e9
-    return Recording(
-        track.joints, time, track.position, track.velocity, track.effort, start, source
-    )
+    tables = track.position, track.velocity, track.effort
+    return Recording(track.joints, time, *tables, start, source)
 
 
 class ArmLink:
@@ -136,34 +132,26 @@ class ArmLink:
 
     Attributes:
         measured: the joint states since `listen`.
+        start: ns, of the trajectory that was sent since then; 0 before.
     """
-
-    name = "/arm"
-    _status = "arm: plant"
 
     def __init__(self, conductor: Conductor) -> None:
         self._conductor = conductor
-        node, topic = conductor.node, f"{self.name}/joint_trajectory"
+        node, topic = conductor.node, f"{NAME}/joint_trajectory"
         self.measured = Tape(node, "/joint_states")
         self._until = round(BEFORE * 1e9)
-        self._starts: list[int] = []
+        self.start = 0
         self._direct = node.create_publisher(JointTrajectory, topic, RELIABLE)
         node.create_subscription(JointTrajectory, topic, self._on_trajectory, RELIABLE)
 
     def ready(self) -> bool:
         """Return whether both sides have met."""
-        return (
-            self._conductor.node.count_publishers("/joint_states") > 0
-            and self._direct.get_subscription_count() >= 2
-        )
+        publishing = self._conductor.node.count_publishers("/joint_states") > 0
+        return publishing and self._direct.get_subscription_count() >= 2
 
-    def feed(self, source: str) -> None:
-        """Set the source of its feedforward: none, stream, trajectory or true."""
-        self._conductor.set_parameters(self.name, {"feedforward_source": source})
-
-    def run_clock(self, until: float = 0.0) -> None:
-        """Let its clock run until this time, s; 0 for ever."""
-        self._conductor.set_parameters(self.name, {"clock_until": until})
+    def set(self, **parameters: object) -> None:
+        """Set parameters of the node."""
+        self._conductor.set_parameters(NAME, parameters)
 
     def send(self, trajectory: Trajectory) -> "Drive":
         """Send a trajectory straight to the arm, whose clock stops soon after its end.
@@ -174,30 +162,22 @@ class ArmLink:
         start = self._until + round(LEAD * 1e9)
         self._until = start + round((trajectory.duration + AFTER) * 1e9)
         self._direct.publish(message_of(trajectory, start))
-        self.run_clock(self._until / 1e9)
+        self.set(clock_until=self._until / 1e9)
         return drive
 
     def listen(self, trajectory: Trajectory) -> "Drive":
         """Return the run of a trajectory that is about to be sent to the arm."""
         self.measured.clear()
-        self._starts.clear()
+        self.start = 0
         return Drive(self, trajectory)
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
-        self._starts.append(nanoseconds(message.header.stamp))
+        self.start = nanoseconds(message.header.stamp)
 
-    @property
-    def start(self) -> int:
-        """Return the start, ns, of the last trajectory that was sent to it; 0 before the first."""
-        return self._starts[-1] if self._starts else 0
-
-    def refused(self) -> int:
-        """Return how many references it refused since it started."""
-        return int(self._conductor.status(self._status).get("refused trajectory", "0"))
-
-    def refusal(self) -> str:
-        """Return why it refused the last one."""
-        return self._conductor.status(self._status).get("last refusal", "")
+    def refusals(self) -> tuple[int, str]:
+        """Return how many references it refused since it started, and why the last one."""
+        status = self._conductor.status("arm: plant")
+        return int(status.get("refused trajectory", "0")), status.get("last refusal", "")
 
 
 class Drive:
@@ -210,7 +190,7 @@ class Drive:
     def __init__(self, link: ArmLink, trajectory: Trajectory) -> None:
         self._link = link
         self._trajectory = trajectory
-        self._refused = link.refused()
+        self._refused, _ = link.refusals()
         self._began: tuple[int, float] | None = None
         self.speed = 0.0
 
@@ -228,8 +208,9 @@ class Drive:
         Raises:
             LostRunError: the arm refused the trajectory.
         """
-        if self._link.refused() > self._refused:
-            raise LostRunError(f"{self._link.name} refused the motion: {self._link.refusal()}")
+        refused, why = self._link.refusals()
+        if refused > self._refused:
+            raise LostRunError(f"{NAME} refused the motion: {why}")
         start, now, real = self._link.start, self._link.measured.latest(), time.monotonic()
         if not start or now < start:
             return False

@@ -69,12 +69,8 @@ class Conductor:
         Raises:
             DemoError: a node ended, or the condition did not hold in time.
         """
-        deadline = time.monotonic() + patience
-        look_again = 0.0
-        while True:
-            value = condition()
-            if value:
-                return value
+        deadline, look_again = time.monotonic() + patience, 0.0
+        while not (value := condition()):
             now = time.monotonic()
             if now > deadline:
                 raise DemoError(
@@ -86,6 +82,7 @@ class Conductor:
                 self._nodes.check()
                 meanwhile()
             self._executor.spin_once(timeout_sec=0.05)
+        return value
 
     def meet(self, kind: Any, service: str) -> None:
         """Wait for a service ahead of use: two nodes that have just met may lose an answer."""
@@ -109,11 +106,8 @@ class Conductor:
 
     def set_parameters(self, node: str, values: dict[str, object]) -> None:
         """Set parameters of a running node; raise DemoError if it refuses one."""
-        request = SetParameters.Request(
-            parameters=[
-                Parameter(name, value=value).to_parameter_msg() for name, value in values.items()
-            ]
-        )
+        made = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+        request = SetParameters.Request(parameters=made)
         response = self.call(SetParameters, f"{node}/set_parameters", request)
         for name, result in zip(values, response.results, strict=True):
             if not result.successful:

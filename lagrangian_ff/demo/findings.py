@@ -166,32 +166,24 @@ def print_findings(findings: Findings, folder: Folder, console: Console) -> None
 def _torque_table(findings: Findings) -> Table:
     assert findings.comparison is not None
     score, spread = findings.comparison.score, findings.comparison.motion.tau.std(axis=0)
-    table = Table(
-        title=f"Torque predicted by {findings.options.model} on {NAMES['unseen']}",
-        title_justify="left",
-    )
+    title = f"Torque predicted by {findings.options.model} on {NAMES['unseen']}"
+    table = Table(title=title, title_justify="left")
     for column in ("joint", "spread [N·m]", "RMS error [N·m]", "error / spread", "nMSE"):
         table.add_column(column, justify="left" if column == "joint" else "right")
-    for n, joint in enumerate(score.joints):
-        error, share = float(score.rmse[n]), percent(float(score.rmse[n] / spread[n]))
-        table.add_row(
-            joint, typeset(float(spread[n])), typeset(error), share, typeset(float(score.nmse[n]))
-        )
+    figures = (each.tolist() for each in (spread, score.rmse, score.rmse / spread, score.nmse))
+    for joint, moved, error, share, nmse in zip(score.joints, *figures, strict=True):
+        table.add_row(joint, typeset(moved), typeset(error), percent(share), typeset(nmse))
     return table
 
 
 def _tracking_table(findings: Findings, name: str) -> Table:
     runs = findings.runs(name)
-    table = Table(
-        title=f"RMS tracking error in mrad on {NAMES[name]}", title_justify="left", show_footer=True
-    )
+    title = f"RMS tracking error in mrad on {NAMES[name]}"
+    table = Table(title=title, title_justify="left", show_footer=True)
     table.add_column("joint", footer="all joints\nratio")
     for run, tracking in zip(LABELS, runs, strict=True):
-        table.add_column(
-            LABELS[run],
-            footer=f"{mrad(tracking.total)}\n{findings.ratio(name, run):.3f}",
-            justify="right",
-        )
+        footer = f"{mrad(tracking.total)}\n{findings.ratio(name, run):.3f}"
+        table.add_column(LABELS[run], footer=footer, justify="right")
     for n, joint in enumerate(runs[0].joints):
         table.add_row(joint, *(mrad(float(tracking.rms[n])) for tracking in runs))
     return table
@@ -200,8 +192,8 @@ def _tracking_table(findings: Findings, name: str) -> Table:
 def _verdict(findings: Findings, name: str) -> str:
     ratio, target = findings.ratio(name), TARGETS[name]
     order = "none > without friction > with friction"
-    reached = "[green]✓[/]" if findings.reached(name) else "[red]✗[/]"
-    ordered = "[green]✓[/]" if findings.ordered(name) else "[red]✗[/]"
+    met = findings.reached(name), findings.ordered(name)
+    reached, ordered = ("[green]✓[/]" if one else "[red]✗[/]" for one in met)
     return (
         f"{reached} on {NAMES[name]} the error falls to {percent(ratio)} (target: at most "
         f"{percent(target)})   {ordered} {order}"

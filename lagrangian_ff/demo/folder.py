@@ -41,9 +41,8 @@ class Folder:
                 path.unlink(missing_ok=True)
             self.logs.mkdir()
         except OSError as error:
-            raise UserError(
-                f"{error.filename or self.root}: cannot be written: {error.strerror}"
-            ) from error
+            path = error.filename or self.root
+            raise UserError(f"{path}: cannot be written: {error.strerror}") from error
 
     def bag(self) -> Path:
         """Return the bag the identify node made."""

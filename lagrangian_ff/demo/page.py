@@ -20,6 +20,10 @@ from lagrangian_ff.report.sections.tracking import (
 from lagrangian_ff.report.style import png
 
 Pictures = Mapping[str, bytes]
+THROUGH = {
+    "stream": "500 commands a second while it moved",
+    "trajectory": "with the points of the trajectory",
+}
 
 
 def write_results(findings: Findings, folder: Folder) -> None:
@@ -67,16 +71,14 @@ def write_demo_page(findings: Findings, pictures: Pictures, path: Path) -> None:
 
 
 def _verdict(findings: Findings, pictures: Pictures) -> Section:
-    cards = [_ratio_card(findings, name) for name in NAMES]
     ordered = all(findings.ordered(name) for name in NAMES)
-    cards.append(
-        html.Card(
-            "each part helps" if ordered else "not every part helps",
-            "error: no feedforward > without friction > with friction",
-            "the paper's three groups in their order, on both motions",
-            ordered,
-        )
+    order = html.Card(
+        "each part helps" if ordered else "not every part helps",
+        "error: no feedforward > without friction > with friction",
+        "the paper's three groups in their order, on both motions",
+        ordered,
     )
+    cards = [*(_ratio_card(findings, name) for name in NAMES), order]
     bars = html.figure(
         pictures["tracking_bars"],
         "bars of the RMS tracking error of each joint for the four runs on both motions",
@@ -101,11 +103,8 @@ def _ratio_card(findings: Findings, name: str) -> html.Card:
 
 def _story(findings: Findings, pictures: Pictures) -> Section:
     options, found = findings.options, findings.identification
-    learned = (
-        "all of it"
-        if options.train == 1.0
-        else f"the first {percent(options.train)} of it, the rest held out"
-    )
+    begin = f"the first {percent(options.train)} of it, the rest held out"
+    learned = "all of it" if options.train == 1.0 else begin
     steps = html.steps(
         [
             f"The arm moved for {options.duration:.0f} s through its workspace under its position "
@@ -121,7 +120,7 @@ def _story(findings: Findings, pictures: Pictures) -> Section:
                 else ""
             ),
             "The node feedforward loaded the model. For each motion it computed the torques and "
-            f"sent them to the arm ({_through(options.through)}), first without the friction part, "
+            f"sent them to the arm ({THROUGH[options.through]}), first without the friction part, "
             "then with it.",
             "The same was done on a motion the model never saw, made from another seed.",
         ]
@@ -133,12 +132,6 @@ def _story(findings: Findings, pictures: Pictures) -> Section:
         "robot; only the arm is simulated (PyBullet, geared motors, friction, noisy sensors).",
         html.beside(steps, picture),
     )
-
-
-def _through(through: str) -> str:
-    if through == "stream":
-        return "500 commands a second while it moved"
-    return "with the points of the trajectory"
 
 
 def _unseen(findings: Findings, pictures: Pictures) -> Section:
@@ -187,11 +180,8 @@ def _numbers(findings: Findings, pictures: Pictures) -> Section:
     tables = (
         ("option", _options(findings)),
         ("chosen by identify", {n: ", ".join(map(typeset, v)) for n, v in chosen.items()}),
-        ("stage [s]", {name: f"{took:.1f}" for name, took in findings.seconds.items()}),
-        (
-            "most memory held [MB]",
-            {name: f"{size / 1e6:.0f}" for name, size in findings.memory.items()},
-        ),
+        ("stage [s]", {n: f"{took:.1f}" for n, took in findings.seconds.items()}),
+        ("most memory held [MB]", {n: f"{size / 1e6:.0f}" for n, size in findings.memory.items()}),
     )
     pieces = [
         html.table([name, ""], [[k, str(v)] for k, v in rows.items()]) for name, rows in tables

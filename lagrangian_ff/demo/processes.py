@@ -27,23 +27,21 @@ class NodeProcess:
 
     Args:
         name: of the executable, a module of lagrangian_ff.nodes.
-        log: file for its output.
+        logs: folder for its output.
         parameters: ROS parameters by name.
         remap: topics or names, from and to.
-        environment: of the process.
     """
 
     def __init__(
         self,
         name: str,
-        log: Path,
+        logs: Path,
         *,
         parameters: Mapping[str, object],
         remap: Mapping[str, str],
         environment: Mapping[str, str],
     ) -> None:
-        self.name = log.stem
-        self.log = log
+        self.name, self.log = name, logs / f"{name}.log"
         arguments = ["--ros-args"]
         for old, new in remap.items():
             arguments += ["-r", f"{old}:={new}"]
@@ -51,7 +49,7 @@ class NodeProcess:
             arguments += ["-p", f"{key}:={_yaml(value)}"]
         # Not the executable's name: `identify` is also ImageMagick's.
         command = [sys.executable, "-m", f"lagrangian_ff.nodes.{name}", *arguments]
-        with log.open("wb") as file:
+        with self.log.open("wb") as file:
             self._process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
@@ -95,9 +93,10 @@ class NodeProcess:
         return self.peak
 
     def signal(self, number: int) -> None:
-        """Send a signal to the whole session."""
+        """Send a signal to the whole session while it runs."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, number)
+            if self.alive:
+                os.killpg(self._process.pid, number)
 
     def wait(self, seconds: float) -> bool:
         """Return whether it has ended within this time."""
@@ -123,17 +122,11 @@ class Nodes(contextlib.AbstractContextManager["Nodes"]):
         self._peaks: dict[str, int] = {}
 
     def start(
-        self,
-        executable: str,
-        *,
-        parameters: Mapping[str, object] | None = None,
-        remap: Mapping[str, str] | None = None,
-        log: str | None = None,
+        self, name: str, *, parameters: Mapping[str, object] = {}, remap: Mapping[str, str] = {}
     ) -> NodeProcess:
         """Start a node; return at once."""
-        file, given = self._logs / f"{log or executable}.log", parameters or {}
         process = NodeProcess(
-            executable, file, parameters=given, remap=remap or {}, environment=self._environment
+            name, self._logs, parameters=parameters, remap=remap, environment=self._environment
         )
         self._running.append(process)
         return process
@@ -174,15 +167,13 @@ class Nodes(contextlib.AbstractContextManager["Nodes"]):
 def _end(processes: Sequence[NodeProcess]) -> None:
     for number, patience in ((signal.SIGINT, PATIENCE), (signal.SIGTERM, 1.0)):
         for process in processes:
-            if process.alive:
-                process.signal(number)
+            process.signal(number)
         deadline = time.monotonic() + patience
         for process in processes:
             process.wait(deadline - time.monotonic())
     for process in processes:
-        if process.alive:
-            process.signal(signal.SIGKILL)
-            process.wait(PATIENCE)
+        process.signal(signal.SIGKILL)
+        process.wait(PATIENCE)
 
 
 def _end_with_parent() -> None:

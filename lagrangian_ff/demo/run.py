@@ -54,10 +54,8 @@ def run(options: Options | None = None) -> int:
             motions = motions_of(options)
         scenario = Scenario(options, motions, folder, stages)
         with own_graph(options.domain) as (context, domain):
-            console.print(
-                f"  [dim]watch it from another shell: ROS_DOMAIN_ID={domain} ros2 topic list[/]",
-                highlight=False,
-            )
+            hint = f"watch it from another shell: ROS_DOMAIN_ID={domain} ros2 topic list"
+            console.print(f"  [dim]{hint}[/]", highlight=False)
             findings = scenario.play(context, domain)
         _add_own_memory(findings.memory)
         with stages.stage("page", "the figures and the page are drawn"):

@@ -76,8 +76,7 @@ class Scenario:
     Args:
         options: what was asked for.
         motions: see `motions_of`.
-        folder: of the results.
-        stages: shows the progress.
+        folder, stages: of the results, and of the progress.
     """
 
     def __init__(
@@ -185,8 +184,7 @@ class Scenario:
             self._unseen = self._run("unseen", "none", lambda: self._arm.send(trajectory), report)
 
             def identified() -> str:
-                failure = self._conductor.complaint(IDENTIFICATION)
-                if failure:
+                if failure := self._conductor.complaint(IDENTIFICATION):
                     raise DemoError(f"identify: {failure}")
                 state = self._conductor.status(IDENTIFICATION)
                 report(float(state.get("progress", 1.0)), state.get("label", ""))
@@ -200,14 +198,12 @@ class Scenario:
             conductor = self._conductor
             for kind, service in FEEDFORWARD:
                 conductor.meet(kind, service)
-            conductor.set_parameters(
-                "/feedforward", {"model_file": str(self._folder.model.absolute())}
-            )
+            model = str(self._folder.model.absolute())
+            conductor.set_parameters("/feedforward", {"model_file": model})
             for step in ("configure", "activate"):
                 if not conductor.transition("/feedforward", step):
-                    raise DemoError(
-                        f"feedforward: {step} failed: {conductor.complaint(MODEL) or 'see its log'}"
-                    )
+                    why = conductor.complaint(MODEL) or "see its log"
+                    raise DemoError(f"feedforward: {step} failed: {why}")
             self._references = conductor.node.create_publisher(
                 JointTrajectory, "/feedforward/reference", QoSProfile(depth=10)
             )
@@ -215,8 +211,7 @@ class Scenario:
                 lambda: self._references.get_subscription_count() > 0, "feedforward's topics"
             )
         self._nodes.end("identify")
-        self._arm.feed(self._options.through)
-        self._arm.run_clock()
+        self._arm.set(feedforward_source=self._options.through, clock_until=0.0)
 
     def _track(self, *, friction: bool) -> None:
         run = "all" if friction else "without_friction"

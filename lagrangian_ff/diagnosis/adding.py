@@ -31,9 +31,7 @@ def add(
     """Return the model with one more effect, refitted from the data that it keeps.
 
     Args:
-        model: with its data.
-        effect: a name of the catalogue.
-        joint: where it acts.
+        model: with its data.  effect: a name of the catalogue.  joint: where it acts.
         shape: nonlinear parameters; those not given are searched.
         why: for the history: `why`, `verdict`, `evidence_gain`, `p_value`.
         progress: receives the share done, 0 to 1.
@@ -121,16 +119,9 @@ def _between(
     def rms(error: Floats) -> float:
         return float(np.sqrt(np.mean(error**2)))
 
-    return Consequence(
-        model,
-        motion.elapsed[starts],
-        by_block(before),
-        by_block(after),
-        rms(before[:, column]),
-        rms(after[:, column]),
-        rms(before),
-        rms(after),
-    )
+    blocks = by_block(before), by_block(after)
+    whole = rms(before[:, column]), rms(after[:, column])
+    return Consequence(model, motion.elapsed[starts], *blocks, *whole, rms(before), rms(after))
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

@@ -42,13 +42,7 @@ class BodyChange:
 
 
 def changed_bodies(model: Model, whitened: Whitened, boundary: float) -> BodyChange | None:
-    """Return the change that explains most from a boundary on; None without a URDF.
-
-    Args:
-        model: identified with or without a URDF.
-        whitened: the motion before and after the boundary.
-        boundary: s.
-    """
+    """Return the change that explains most from a boundary in s on; None without a URDF."""
     if not isinstance(model.kernel, Known):
         return None
     found = sorted(

@@ -24,8 +24,7 @@ class Interval:
     """The 90 % intervals of predicted torques, and the measured torques inside them.
 
     Attributes:
-        joints: N names.
-        at: (S,) the samples of the motion.
+        joints: N names.  at: (S,) the samples of the motion.
         reach: (S, N) N·m to both sides of the prediction.
         covered: (N,) the share of measured torques inside.
         seconds: s of motion; each second counts as one independent sample.
@@ -58,10 +57,8 @@ class Interval:
 
     def record(self) -> dict[str, object]:
         """Return the interval for JSON."""
-        return {
-            "covered": dict(zip(self.joints, map(float, self.covered), strict=True)),
-            "too_sure": self.words(),
-        }
+        covered = dict(zip(self.joints, self.covered.tolist(), strict=True))
+        return {"covered": covered, "too_sure": self.words()}
 
 
 @dataclass(frozen=True)
@@ -70,8 +67,7 @@ class Comparison:
 
     Attributes:
         motion: the measured motion, its joints in the model's order.
-        predicted: (M, N) N·m.
-        score: the error per joint.
+        predicted: (M, N) N·m.  score: the error per joint.
         outside: the share of samples outside the range that the model was identified on.
         interval: the 90 % intervals at some samples, if asked for.
         load: (M, N) N·m, the model's rigid-body torque; None if not kept.
@@ -118,7 +114,6 @@ def compare(
     """Return the comparison of a model with a motion.
 
     Args:
-        model: the model.
         motion: measured; may hold more joints than the model, in any order.
         progress: receives the share done, 0 to 1.
         intervals: whether to add intervals at the samples that a page draws, if the model's file
@@ -129,18 +124,13 @@ def compare(
     """
     model.require_joints(motion.joints, motion.source)
     motion = motion.select(model.joints)
-    inputs = model.inputs(
-        motion.q, motion.qd, motion.qdd, progress, time=motion.time, segment=motion.segment
-    )
+    states = motion.q, motion.qd, motion.qdd
+    inputs = model.inputs(*states, progress, time=motion.time, segment=motion.segment)
     predicted = model.torque(inputs)
-    excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd))
-    found = Comparison(
-        motion,
-        predicted,
-        Score.of(model.joints, motion.tau, predicted),
-        float(np.mean(np.any(excess > OUTSIDE, axis=1))),
-        load=inputs.load,
-    )
+    score = Score.of(model.joints, motion.tau, predicted)
+    excess = model.range.excess(States.of(*states))
+    outside = float(np.mean(np.any(excess > OUTSIDE, axis=1)))
+    found = Comparison(motion, predicted, score, outside, load=inputs.load)
     if not intervals or not len(motion) or quick_factor(model) is None:
         return found
     return with_intervals(model, found, at=found.shown)
@@ -152,8 +142,6 @@ def with_intervals(
     """Return the comparison with 90 % intervals, from the model's quick uncertainty.
 
     Args:
-        model: the compared model.
-        comparison: of the model with a motion.
         progress: receives the share done, 0 to 1.
         at: (S,) the samples with an interval; None takes all.
 

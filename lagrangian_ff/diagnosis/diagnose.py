@@ -44,7 +44,6 @@ def diagnose(
     """Return the diagnosis of a model: the physical effects that it lacks.
 
     Args:
-        model: the model.
         motion: measured; the search uses it.
         confirm: measured; the hold-out uses it; without it the last third of `motion` serves.
         effects: those that may be missing; None takes the whole catalogue.
@@ -70,16 +69,13 @@ def diagnose(
             )
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
+    fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
     # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
-    found = search(
-        fit(first, inputs, model.basis, part(progress, 0.0, 0.3), sliding),
-        effects,
-        steps,
-        part(progress, 0.3, 0.85),
-    )
+    found = search(fit(first, inputs, model.basis, fitting, sliding), effects, steps, searching)
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
     findings = findings_of(found, unseen, model, taken_up.again if taken_up else None)
+    curves = (step for step in found.steps if not step.named)
     progress(1.0, "diagnosing")
     return Diagnosis(
         model=model,
@@ -87,11 +83,7 @@ def diagnose(
         held_out=unseen,
         separate=separate,
         findings=findings,
-        unexplained=tuple(
-            _unexplained(step, found.whitened, model.joints)
-            for step in found.steps
-            if not step.named
-        ),
+        unexplained=tuple(_unexplained(one, found.whitened, model.joints) for one in curves),
         taken_up=taken_up,
         not_observable=not_observable(found, model.joints),
         ranking=_ranking(found, model.joints),
@@ -155,19 +147,12 @@ def findings_of(
     """Return the findings of a search, each with its verdict, best first.
 
     Args:
-        found: the search.
-        motion: the hold-out motion.
-        model: the diagnosed model.
+        found, motion: the search and the hold-out motion.
         change: where the hold-out motion takes up a load, if the first one did.
     """
     views, parameters = judge_hold_out(found, motion, change), frozen(found)
-    return sorted_findings(
-        [
-            _finding(found, model, number, *views[number], parameters[number])
-            for number, step in enumerate(found.steps)
-            if step.named
-        ]
-    )
+    named = [number for number, step in enumerate(found.steps) if step.named]
+    return sorted_findings([_finding(found, model, n, *views[n], parameters[n]) for n in named])
 
 
 def _finding(
@@ -209,9 +194,7 @@ def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats)
     """Return why an effect that holds on other motion is only suggested; None if it is not.
 
     Args:
-        found: the search.
         step: the step of the search that found the effect.
-        model: the diagnosed model.
         low, high: (P,) ends of the 90 % intervals of its parameters.
     """
     candidate = step.score.candidate
@@ -235,12 +218,9 @@ def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats)
 def _curves(found: Search, joint: int) -> float:
     """Return the log Bayes factor of curves on a joint, found or left over."""
     last = [s.log_bf for s in found.last if not s.candidate.named and s.candidate.joint == joint]
-    taken = [
-        step.score.log_bf
-        for step in found.steps
-        if not step.named and step.score.candidate.joint == joint
-    ]
-    return max(last, default=0.0) + sum(taken)
+    taken = [step.score for step in found.steps if not step.named]
+    here = sum(score.log_bf for score in taken if score.candidate.joint == joint)
+    return max(last, default=0.0) + here
 
 
 def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexplained:
@@ -251,13 +231,9 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
 
 
 def _ranking(found: Search, joints: Sequence[str]) -> tuple[Ranked, ...]:
-    return tuple(
-        Ranked(
-            with_joint_names(score.candidate.source.name, joints),
-            joints[score.candidate.joint],
-            score.log_bf,
-            score.candidate.named,
-            found.null.exceeded_by(score.log_bf),
-        )
-        for score in found.ranking
-    )
+    ranked = []
+    for score in found.ranking:
+        candidate, stands_out = score.candidate, found.null.exceeded_by(score.log_bf)
+        name, joint = with_joint_names(candidate.source.name, joints), joints[candidate.joint]
+        ranked.append(Ranked(name, joint, score.log_bf, candidate.named, stands_out))
+    return tuple(ranked)

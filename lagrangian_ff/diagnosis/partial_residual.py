@@ -24,8 +24,7 @@ def partial_residual(
 
     Args:
         whitened: the motion, with the effect in its basis.
-        candidate: the effect.
-        parameters: (P,) of the effect.
+        candidate: the effect.  parameters: (P,) of the effect.
     """
     x, effect = whitened.x, candidate.effect
     torque = candidate.columns(x) @ parameters

@@ -16,6 +16,7 @@ from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding, Fou
 from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun
 from lagrangian_ff.diagnosis.sentences import reason, verdict
 from lagrangian_ff.identification.records import Estimate
+from lagrangian_ff.record_json import by_name
 
 RANKED = 15
 
@@ -153,10 +154,7 @@ def _of_effect(diagnosis: Diagnosis, finding: Finding) -> Record:
             "share": hold_out.share,
             "p_value": hold_out.p_value,
         },
-        "signature": {
-            name: value.tolist() if isinstance(value, np.ndarray) else value
-            for name, value in vars(finding.partial_residual).items()
-        },
+        "signature": by_name(finding.partial_residual),
     }
 
 
@@ -182,9 +180,7 @@ class SavedFinding:
     """A finding of a diagnosis' JSON, as far as adding its effect needs it.
 
     Attributes:
-        effect: its name.
-        joints: their names.
-        shape: its nonlinear parameters.
+        effect: its name.  joints: their names.  shape: its nonlinear parameters.
         history: the entry of a model's history if it is added: `why`, `verdict`, `evidence_gain`,
             `p_value`; an event of the recording has an empty `why` and is not added.
     """

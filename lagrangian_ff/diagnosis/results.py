@@ -43,8 +43,7 @@ class Doubt:
     """A reason with its figures.
 
     Attributes:
-        reason: for a program.
-        words: for a person.
+        reason: for a program.  words: for a person.
     """
 
     reason: Reason
@@ -278,8 +277,7 @@ class Unexplained:
     """A torque that depends on a coordinate in a way that no known effect fits.
 
     Attributes:
-        joint: its name.
-        coordinate: in words.
+        joint: its name.  coordinate: in words.
         share: root mean square of this torque over that of the joint's torque.
         log_bayes_factor: nats.
     """
@@ -295,8 +293,7 @@ class NotObservable:
     """An effect that this motion cannot show.
 
     Attributes:
-        effect, joint: their names.
-        reason: why it cannot.
+        effect, joint: their names.  reason: why it cannot.
         next_motion: the motion that would show it.
     """
 
@@ -311,8 +308,7 @@ class Ranked:
     """A candidate before anything was found.
 
     Attributes:
-        name: of the effect, or of a curve.
-        joint: its name.
+        name: of the effect, or of a curve.  joint: its name.
         log_bayes_factor: nats, at its best shape.
         named: whether it is an effect of the catalogue.
         stands_out: whether it exceeds the threshold of the null.
@@ -330,12 +326,10 @@ class Diagnosis:
     """The diagnosis of a model: what it lacks.
 
     Attributes:
-        model: the diagnosed model.
-        motion: the searched motion.
+        model: the diagnosed model.  motion: the searched motion.
         held_out: the motion that findings were confirmed on.
         separate: whether `held_out` is another recording, not the end of the same.
-        findings: effects, best first.
-        unexplained: torques that no effect fits.
+        findings: effects, best first.  unexplained: torques that no effect fits.
         taken_up: a load taken up on the way, if there was one.
         not_observable: effects that this motion cannot show.
         ranking: candidates before anything was found, best first.

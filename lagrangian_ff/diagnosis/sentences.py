@@ -15,9 +15,8 @@ def verdict(diagnosis: Diagnosis) -> str:
     if diagnosis.taken_up is not None:
         parts.append(_taken_up(diagnosis.taken_up, diagnosis.model.joints))
     if diagnosis.confirmed:
-        parts.append(
-            f"Missing and confirmed: {listed(_causes(diagnosis.confirmed))}{_fall(diagnosis)}."
-        )
+        causes = listed(_causes(diagnosis.confirmed))
+        parts.append(f"Missing and confirmed: {causes}{_fall(diagnosis)}.")
     for one in unsure:
         names = " or ".join(map(spoken, (one.effect.name, *one.rivals)))
         parts.append(
@@ -36,12 +35,7 @@ def verdict(diagnosis: Diagnosis) -> str:
 
 
 def reason(finding: Finding, diagnosis: Diagnosis) -> str:
-    """Return what speaks for a finding, and against it if it is not confirmed; empty for an event.
-
-    Args:
-        finding: of the diagnosis.
-        diagnosis: the diagnosis.
-    """
+    """Return what speaks for a finding, and against it if not confirmed; empty for an event."""
     if finding.once:
         return ""
     where = "another recording" if diagnosis.separate else "the end of it, held back"

@@ -57,8 +57,7 @@ def changed_since(
     """Return the changes from the data that a model keeps to a recording, in the order found.
 
     Args:
-        model: with its data.
-        motion: recorded later.
+        model: with its data.  motion: recorded later.
         steps: the largest number of changed effects to find.
         progress: receives the share done, 0 to 1.
 
@@ -71,34 +70,26 @@ def changed_since(
     both = concatenate([model.data, new])
     sliding = sliding_of(model.kernel, len(model.joints))
     # Under other names, since the effects that the model has may have changed as well.
-    later = [_Later(effect, boundary) for effect in EFFECTS.values() if effect.kind != "event"]
-    # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
+    lasting = (effect for effect in EFFECTS.values() if effect.kind != "event")
+    later = {one.name: one for one in (_Later(effect, boundary) for effect in lasting)}
+    inputs = model.inputs_of(both)
+    fitting, searching = part(progress, 0.0, 0.4), part(progress, 0.5, 1.0)
     found: list[Changed] = []
+    # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
     done = search(
-        _bodies(
-            fit(both, model.inputs_of(both), model.basis, part(progress, 0.0, 0.4), sliding),
-            model,
-            boundary,
-            found,
-        ),
-        {effect.name: effect for effect in later},
+        _bodies(fit(both, inputs, model.basis, fitting, sliding), model, boundary, found),
+        later,
         steps,
-        part(progress, 0.5, 1.0),
+        searching,
     )
     for step in done.steps:
         if step.named:
             score, candidate = step.score, step.score.candidate
             values = zip(candidate.effect.parameters, score.coefficients.tolist(), strict=True)
-            found.append(
-                Changed(
-                    candidate.source.name.removesuffix(SINCE),
-                    (model.joints[candidate.joint],),
-                    score.log_bf,
-                    step.p_value,
-                    {one.name: Estimate(value, unit=one.unit) for one, value in values},
-                    score.size,
-                )
-            )
+            changes = {one.name: Estimate(value, unit=one.unit) for one, value in values}
+            what = candidate.source.name.removesuffix(SINCE)
+            joints = (model.joints[candidate.joint],)
+            found.append(Changed(what, joints, score.log_bf, step.p_value, changes, score.size))
     return tuple(found)
 
 
@@ -120,15 +111,9 @@ def _named(change: BodyChange, whitened: Whitened, model: Model) -> Changed:
     rms = np.sqrt(np.mean(change.torque**2, axis=0))
     order = [int(n) for n in np.argsort(-rms / whitened.spread)]
     felt = [n for n in order if rms[n] > thresholds.USED.felt * whitened.spread[n]] or order[:1]
-    return Changed(
-        change.what,
-        tuple(model.joints[n] for n in felt),
-        change.log_bayes_factor,
-        None,
-        change.parameters,
-        float(rms[felt[0]]),
-        change.rivals,
-    )
+    joints, size = tuple(model.joints[n] for n in felt), float(rms[felt[0]])
+    nats = change.log_bayes_factor
+    return Changed(change.what, joints, nats, None, change.parameters, size, change.rivals)
 
 
 def _explained(whitened: Whitened, change: BodyChange) -> Whitened:

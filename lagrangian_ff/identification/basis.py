@@ -16,8 +16,7 @@ class Term:
     """One effect on one joint, its shape parameters fixed.
 
     Attributes:
-        effect: with its columns.
-        joint: index of the joint it acts on.
+        effect: with its columns.  joint: index of the joint it acts on.
         shape: its nonlinear parameters, by name.
     """
 
@@ -64,11 +63,8 @@ class Basis:
         """Return the terms that keep energy (`Effect.energies`) on an arm of N joints."""
         still = np.zeros((1, joints))
         x = Inputs.of(States(still, still, still))
-        return Basis(
-            tuple(
-                t for t in self.terms if checked_energies(t.effect, x, t.joint, t.shape) is not None
-            )
-        )
+        energies = ((t, checked_energies(t.effect, x, t.joint, t.shape)) for t in self.terms)
+        return Basis(tuple(term for term, found in energies if found is not None))
 
     def design(self, x: Inputs) -> Floats:
         """Return Φ(x), (M, N, B): the torque of each joint per unit of each parameter."""
@@ -125,9 +121,7 @@ class Basis:
         parts = self._torque(x, b, follows=False)
         seen = replace(x, torque=x.load + self._beside_load(parts, x))
         parts |= self._torque(seen, b, follows=True)
-        return {
-            name: parts[name] for name in dict.fromkeys(t.effect.name for t, _ in self.slices())
-        }
+        return {name: parts[name] for name in dict.fromkeys(t.effect.name for t in self.terms)}
 
     def _torque(self, x: Inputs, b: Floats, follows: bool) -> dict[str, Floats]:
         parts: dict[str, Floats] = {}

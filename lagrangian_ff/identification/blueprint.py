@@ -73,16 +73,9 @@ class Blueprint:
         Raises:
             ModelError: its record has unknown or invalid settings.
         """
-        return cls(
-            name=model.name,
-            prior=model.prior,
-            data=model.data,
-            trained=model.trained,
-            index=model.index,
-            seen=model.seen,
-            settings=Settings.from_record(model.record.get("settings", {})),
-            weight=model.irls_weight,
-        )
+        samples = model.trained, model.index, model.seen
+        settings = Settings.from_record(model.record.get("settings", {}))
+        return cls(model.name, model.prior, model.data, *samples, settings, model.irls_weight)
 
     @property
     def exact(self) -> bool:
@@ -162,7 +155,6 @@ def solve(blueprint: Blueprint, inputs: Inputs, progress: Progress = silent) -> 
     """Solve (44), with the least noise added that makes the Gram matrix positive definite.
 
     Args:
-        blueprint: of the model.
         inputs: all of the data as effects see it.
         progress: receives the share done, 0 to 1.
 

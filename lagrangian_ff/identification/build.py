@@ -33,6 +33,7 @@ from lagrangian_ff.identification.solving.robust import outliers_of
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.record_json import read
 from lagrangian_ff.recording.conditioning import Conditioning
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import recorded_seconds
@@ -81,7 +82,6 @@ def build(
     """Fit a model, judge it on motion it has not seen, and record the findings.
 
     Args:
-        blueprint: of the model.
         inputs: all of the data as effects see it.
         sources: names of the recordings.
         progress: receives the share done, 0 to 1.
@@ -93,14 +93,16 @@ def build(
     """
     began = time.monotonic()
     data, learned = blueprint.data, blueprint.data.take(blueprint.seen)
-    solved = (
-        Solved(known, known, None, known.problem.prior, ())
-        if known
-        else solve(blueprint, inputs, part(progress, 0.0, 0.8))
-    )
+    solved = Solved(known, known, None, known.problem.prior, ()) if known else None
+    solved = solved or solve(blueprint, inputs, part(progress, 0.0, 0.8))
     posterior = solved.posterior
     problem = posterior.problem
-    expansion = _expansion(blueprint, posterior, part(progress, 0.8, 0.9))
+    expansion: Posterior | Expansion = posterior
+    if blueprint.settings.positive:
+        trained = np.flatnonzero(blueprint.trained)
+        along = data.take(trained[evenly(len(trained), POSITIVE_STATES)])
+        at = States.of(along.q, along.qd, along.qdd)
+        expansion = keep_positive(posterior, at, part(progress, 0.8, 0.9))
     residual = posterior.left_out(blueprint.folded)
     left_out = learned.tau - residual
     training = data.take(blueprint.trained)
@@ -113,7 +115,7 @@ def build(
         name=blueprint.name,
         # The noise of a model on inducing points is raised joint by joint; a refit begins below.
         prior=replace(problem.prior, noise=solved.prior.noise),
-        centres=expansion.centres,
+        centres=expansion.states,
         weights=expansion.weights,
         coefficients=expansion.coefficients,
         range=MotionRange.of(States.of(training.q, training.qd, training.qdd), reliable),
@@ -163,21 +165,12 @@ def build(
         settings=blueprint.settings,
         conditioning=Conditioning.from_record(training.conditioning),
         notes=(*training.notes, *solved.notes),
-        mechanism=KnownMechanism.from_record(mechanism.record()) if mechanism else None,
+        mechanism=read(KnownMechanism, mechanism.record()) if mechanism else None,
         sources=sources,
         outliers=outliers,
     )
     model = replace(draft, record=found.record())
     return Identification(model, learned, held_out, predicted, posterior)
-
-
-def _expansion(blueprint: Blueprint, posterior: Posterior, progress: Progress) -> Expansion:
-    """Return centres, weights and coefficients, with the mass matrix kept positive if asked."""
-    if not blueprint.settings.positive:
-        return Expansion(posterior.states, posterior.weights, posterior.coefficients)
-    seen = np.flatnonzero(blueprint.trained)
-    along = blueprint.data.take(seen[evenly(len(seen), POSITIVE_STATES)])
-    return keep_positive(posterior, States.of(along.q, along.qd, along.qdd), progress)
 
 
 def _quick_factor(

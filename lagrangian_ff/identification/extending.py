@@ -43,9 +43,7 @@ def extend(
     the effect.
 
     Args:
-        model: with the data it keeps.
-        effect: to add.
-        joint: name of its joint.
+        model: with the data it keeps.  effect: to add.  joint: name of its joint.
         shape: nonlinear parameters, kept as given; the others are searched.
         why: fields for the model's history that give the reason.
         progress: receives the share done, 0 to 1.
@@ -63,7 +61,7 @@ def extend(
             f"the model has {effect.name} on {joint} already ({model.name}); one is enough"
         )
     old = Blueprint.of(model)
-    inputs = model.inputs_of_data()
+    inputs = model.inputs_of(model.data)
     subset = old.subset(inputs)
     require_room(old, len(subset.samples))
     progress(0.1, f"adding {effect.name}")
@@ -91,7 +89,7 @@ def extend(
     done = 0.8 if again else 1.0
     found = build(new, inputs, then.sources, part(progress, 0.6, done))
     if again:
-        seen = found.model.inputs_of_data()
+        seen = found.model.inputs_of(found.model.data)
         found = build(new, seen, then.sources, part(progress, done, 1.0))
     reason = read(Reason, why or {})
     step = Step.between(f"{effect.name} on {joint}", then, found.model.identified, reason)

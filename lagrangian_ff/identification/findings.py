@@ -49,9 +49,7 @@ def effects_of(
     """Return every effect on every joint, its parameters with 90 % intervals.
 
     Args:
-        posterior: to make intervals from.
         value: (B,) the parameters found, which a constraint or another loss may have moved.
-        joints: names.
         block: (M,) the block of time that each training sample lies in.
     """
     away = reach(posterior, block)

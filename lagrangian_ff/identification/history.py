@@ -6,7 +6,7 @@ from datetime import datetime, timezone
 from typing import Any
 
 from lagrangian_ff.identification.records import Identified
-from lagrangian_ff.record_json import Json, by_name, each, given, read
+from lagrangian_ff.record_json import Json, by_name, given, read
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,8 @@ class Step:
     Attributes:
         added: `identified`, or the effect that was added, as `stribeck on joint_3`.
         when: UTC, in ISO format.
-        error_before, error_after: N·m, of all joints.
-        joints: the same of each.
-        judged_on: what the error is of, in words.
-        reason: for the step.
+        error_before, error_after: N·m, of all joints.  joints: the same of each.
+        judged_on: what the error is of, in words.  reason: for the step.
     """
 
     added: str = ""
@@ -83,8 +81,7 @@ class Step:
     @classmethod
     def from_record(cls, record: Json) -> "Step":
         """Return the step of a record."""
-        step = read(cls, record, joints=each(ErrorChange))
-        return replace(step, reason=read(Reason, record))
+        return replace(read(cls, record), reason=read(Reason, record))
 
     def record(self) -> dict[str, Any]:
         """Return the step for JSON."""

@@ -86,15 +86,8 @@ def identify(
     scalings = partial(_scalings, spec, settings)
     samples = Samples(inputs.take(subset), data.tau[subset])
     start = Problem.started(spec, samples, scalings(samples.tau)[0])
-    blueprint = Blueprint(
-        name=spec.basic,
-        prior=start.prior,
-        data=data,
-        trained=trained,
-        index=size.centres,
-        seen=size.seen,
-        settings=settings,
-    )
+    positions = trained, size.centres, size.seen
+    blueprint = Blueprint(spec.basic, start.prior, data, *positions, settings)
     require_room(blueprint, len(subset))
     samples = replace(samples, fold=blueprint.folds(subset))
     chosen_at = 1.0 if blueprint.exact else CHOSEN

@@ -74,7 +74,6 @@ class Model(TorqueModel):
         """Read a model from a file; see `storage`.
 
         Args:
-            path: of the file.
             linkage: of a model whose loops are closed.
 
         Raises:

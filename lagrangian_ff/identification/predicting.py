@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,13 +40,8 @@ class MotionRange:
     @classmethod
     def of(cls, x: States, tau: Floats) -> "MotionRange":
         """Return the range of these states and torques."""
-        return cls(
-            x.q.min(axis=0),
-            x.q.max(axis=0),
-            np.abs(x.qd).max(axis=0),
-            np.abs(x.qdd).max(axis=0),
-            np.abs(tau).max(axis=0),
-        )
+        speed, hardness, torque = (np.abs(one).max(axis=0) for one in (x.qd, x.qdd, tau))
+        return cls(x.q.min(axis=0), x.q.max(axis=0), speed, hardness, torque)
 
     def excess(self, x: States) -> Floats:
         """Return (M, N) how far outside each joint's state is, in parts of the range; 0 inside.
@@ -60,45 +54,10 @@ class MotionRange:
             over = np.maximum(over, np.abs(rate) / np.maximum(limit, STILL) - 1.0)
         return over
 
-    def record(self) -> dict[str, list[float]]:
-        """Return the range for JSON."""
-        return {f.name: [float(v) for v in getattr(self, f.name)] for f in fields(self)}
-
     @classmethod
     def from_record(cls, record: dict[str, list[float]]) -> "MotionRange":
         """Return the range that a record describes."""
         return cls(**{f.name: np.array(record[f.name], dtype=np.float64) for f in fields(cls)})
-
-
-class TermTorques(Protocol):
-    """A torque in parts; see `Terms`."""
-
-    @property
-    def gravity(self) -> Floats: ...
-    @property
-    def inertia(self) -> Floats: ...
-    @property
-    def coriolis(self) -> Floats: ...
-    @property
-    def effects(self) -> Mapping[str, Floats]: ...
-
-
-def by_part(terms: TermTorques) -> dict[str, Floats]:
-    """Return the torque of each of `effects.PARTS` in N·m, every effect with the part it goes with.
-
-    A constant offset goes with gravity: without an independent measurement of one of them, an
-    identification may share the mean of gravity between the two in any way.
-    """
-    parts = {
-        "gravity": terms.gravity,
-        "inertia": terms.inertia,
-        "coriolis": terms.coriolis,
-        "friction": np.zeros_like(terms.gravity),
-    }
-    for name, torque in terms.effects.items():
-        part = EFFECTS[name].part
-        parts[part] = parts[part] + torque
-    return parts
 
 
 @dataclass(frozen=True)
@@ -125,12 +84,26 @@ class Terms:
     @property
     def total(self) -> Floats:
         """Return the whole torque."""
-        return (
-            self.gravity
-            + self.inertia
-            + self.coriolis
-            + sum(self.effects.values(), np.zeros_like(self.gravity))
-        )
+        rigid = self.gravity + self.inertia + self.coriolis
+        return rigid + sum(self.effects.values(), np.zeros_like(self.gravity))
+
+
+def by_part(terms: Terms) -> dict[str, Floats]:
+    """Return the torque of each of `effects.PARTS` in N·m, every effect with the part it goes with.
+
+    A constant offset goes with gravity: without an independent measurement of one of them, an
+    identification may share the mean of gravity between the two in any way.
+    """
+    parts = {
+        "gravity": terms.gravity,
+        "inertia": terms.inertia,
+        "coriolis": terms.coriolis,
+        "friction": np.zeros_like(terms.gravity),
+    }
+    for name, torque in terms.effects.items():
+        part = EFFECTS[name].part
+        parts[part] = parts[part] + torque
+    return parts
 
 
 @dataclass(frozen=True)
@@ -206,15 +179,6 @@ class TorqueModel:
                 f"{', '.join(held) or 'none'} and lacks {', '.join(missing)}: it is of another "
                 "arm, or its joints were renamed"
             )
-
-    @property
-    def training_tau(self) -> Floats:
-        """Return (S, N) N·m measured at the samples learned from."""
-        return np.asarray(self.data.tau[self.seen])
-
-    def inputs_of_data(self) -> Inputs:
-        """Return all of the data as effects see it."""
-        return self.inputs_of(self.data)
 
     def inputs_of(self, motion: Motion) -> Inputs:
         """Return a motion of the model's joints as effects see it, with its torque."""
@@ -294,9 +258,8 @@ class TorqueModel:
         effects = self.basis.torque(inputs, self.coefficients)
         if np.ndim(q) > 1:
             return Terms(gravity, inertia, coriolis, effects)
-        return Terms(
-            gravity[0], inertia[0], coriolis[0], {name: v[0] for name, v in effects.items()}
-        )
+        single = {name: torque[0] for name, torque in effects.items()}
+        return Terms(gravity[0], inertia[0], coriolis[0], single)
 
     @cached_property
     def learned(self) -> Learned:

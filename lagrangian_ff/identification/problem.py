@@ -38,8 +38,7 @@ class Scaling:
         the noise is taken in proportion to each joint's spread instead.
 
         Args:
-            tau: (S, N) N·m.
-            per_joint: whether each joint has its own unit.
+            tau: (S, N) N·m.  per_joint: whether each joint has its own unit.
             weight: (S, N) of each torque; None is 1.
         """
         middle = np.average(tau, axis=0, weights=weight)
@@ -98,8 +97,7 @@ class Rows:
         states: (S, N), of all joints.
         columns: (S, B) the basis, each column of the torque of one joint.
         joint: (B,) the joint of each column, among the n.
-        target: (S n,) the torques y.
-        noise: (S n,) variance of each torque.
+        target: (S n,) the torques y.  noise: (S n,) variance of each torque.
     """
 
     states: States
@@ -126,8 +124,7 @@ class Problem:
     """Problem (44), ready to be solved.
 
     Attributes:
-        samples: to learn from.
-        prior: kernel, noise, scaling and basis.
+        samples: to learn from.  prior: kernel, noise, scaling and basis.
         nuisance: columns that are fitted besides.
         change: an interval of time, in s, in which another Lagrangian is added to the arm's own, as
             with a load at the hand, and its variance in parts of the first; None has none.
@@ -147,10 +144,8 @@ class Problem:
             slides = np.isin(np.arange(joints), spec.sliding)
             kernel = kernel.replace(prismatic=slides.astype(np.float64))
         shapes = {e.name: {s.name: s.start for s in e.shapes} for e in spec.effects}
-        basis = Basis(
-            tuple(Term(e, joint, shapes[e.name]) for joint in range(joints) for e in spec.effects)
-        )
-        problem = cls(samples, Prior(kernel, np.ones(joints), scaling, basis))
+        terms = (Term(e, joint, shapes[e.name]) for joint in range(joints) for e in spec.effects)
+        problem = cls(samples, Prior(kernel, np.ones(joints), scaling, Basis(tuple(terms))))
         return problem.with_relative_noise(np.array([NOISE_START]))
 
     @property
@@ -257,13 +252,9 @@ class Problem:
         noise = np.tile(self.variances[columns], len(x))
         if self.samples.weight is not None:
             noise = noise / self.samples.weight[:, columns].ravel()
-        return Rows(
-            self.samples.states,
-            np.column_stack(held),
-            np.array(whose, dtype=np.int64),
-            (self.samples.tau[:, columns] / self.unit[columns]).ravel(),
-            noise,
-        )
+        target = (self.samples.tau[:, columns] / self.unit[columns]).ravel()
+        joint = np.array(whose, dtype=np.int64)
+        return Rows(self.samples.states, np.column_stack(held), joint, target, noise)
 
 
 def rows_of(samples: Ints, width: int) -> Ints:

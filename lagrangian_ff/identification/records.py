@@ -5,7 +5,6 @@ A model's file holds the JSON. That of an older version may lack fields: they ge
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from math import isnan, nan
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification.predicting import MotionRange
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.record_json import Json, by_name, each, given, read
+from lagrangian_ff.record_json import Json, by_name, given, read
 from lagrangian_ff.recording.conditioning import Conditioning
 
 NEEDED = (
@@ -29,8 +28,7 @@ class Score:
     """Errors of predicted torque, per joint.
 
     Attributes:
-        joints: names.
-        rmse: (N,) N·m, root mean square.
+        joints: names.  rmse: (N,) N·m, root mean square.
         nmse: (N,) mean squared error over the variance of the measured torque: 0 is perfect, 1 is
             no better than the mean; NaN where the torque did not vary.
     """
@@ -106,8 +104,7 @@ class FittedEffect:
 
     Attributes:
         effect, joint: names.
-        formula: its torque, with parameters and shapes by their names.
-        parameters: by name.
+        formula: its torque, with parameters and shapes by their names.  parameters: by name.
         shape: the numbers that the torque is not linear in, by name.
         shape_words: the same for people.
     """
@@ -119,11 +116,6 @@ class FittedEffect:
     shape: Mapping[str, float] = field(default_factory=dict)
     shape_words: Mapping[str, str] = field(default_factory=dict)
 
-    @classmethod
-    def from_record(cls, record: Json) -> "FittedEffect":
-        """Return the effect of a record."""
-        return read(cls, record, parameters=each(Estimate))
-
 
 @dataclass(frozen=True)
 class MassCheck:
@@ -132,8 +124,7 @@ class MassCheck:
     Attributes:
         defined: whether the joints share a Lagrangian, and so a mass matrix; only then have the
             others a value.
-        states: number checked.
-        share: of them, where it is not positive definite.
+        states: number checked.  share: of them, where it is not positive definite.
         least: the least eigenvalue, kg·m².
         joint: the main one in the direction of that.
         where: from and to, rad, of each joint in the states where it is not positive definite.
@@ -181,8 +172,7 @@ class Outliers:
     """Torques that count less than half in a robust fit.
 
     Attributes:
-        share: of all torques, 0 to 1.
-        joints: the same by joint.
+        share: of all torques, 0 to 1.  joints: the same by joint.
         longest: the longest stretch of them; None without outliers.
         rmse_of_others: N·m on blocks left out; None if there are no others.
         words: the finding.
@@ -205,8 +195,7 @@ class Calibration:
     """Factors by joint on the standard deviations, for intervals that hold with this `level`.
 
     Attributes:
-        factor: for the whole model.
-        quick: for its cheap form; None if that cannot be made.
+        factor: for the whole model.  quick: for its cheap form; None if that cannot be made.
     """
 
     level: float = nan
@@ -240,8 +229,7 @@ class KnownMechanism:
 
     Attributes:
         kind: `urdf` for rigid bodies, which alone have what follows; or `linkage`.
-        mass: kg, of all bodies.
-        prismatic: joints that slide.
+        mass: kg, of all bodies.  prismatic: joints that slide.
         still: joints that were not recorded and are taken to stand at zero.
     """
 
@@ -250,11 +238,6 @@ class KnownMechanism:
     mass: float | None = None
     prismatic: tuple[str, ...] | None = None
     still: tuple[str, ...] | None = None
-
-    @classmethod
-    def from_record(cls, record: Json) -> "KnownMechanism":
-        """Return the mechanism of a record."""
-        return read(cls, record, prismatic=tuple, still=tuple)
 
     def record(self) -> dict[str, Any]:
         """Return the mechanism for JSON."""
@@ -313,19 +296,8 @@ class Identified:
             record,
             validation=Score.from_record,
             hyperparameters=lambda held: {name: _numbers(value) for name, value in held.items()},
-            effects=lambda held: tuple(map(FittedEffect.from_record, held)),
-            mass_matrix=partial(read, MassCheck, where=_ranges),
-            uncertainty=partial(read, Calibration),
             range=MotionRange.from_record,
-            settings=partial(read, Settings, prismatic=tuple),
             conditioning=Conditioning.from_record,
-            notes=tuple,
-            mechanism=KnownMechanism.from_record,
-            sources=tuple,
-            tried=lambda held: tuple(read(Tried, one) for one in held),
-            outliers=partial(
-                read, Outliers, joints=each(JointOutliers), longest=partial(read, Stretch)
-            ),
         )
         missing = tuple(name for name in NEEDED if name not in record)
         return replace(found, score=Score.from_record(record), missing=missing)
@@ -339,10 +311,6 @@ class Identified:
             name: number_or_list(values) for name, values in self.hyperparameters.items()
         }
         return {"model": found.pop("model"), **found.pop("score"), **given(found)}
-
-
-def _ranges(where: Mapping[str, list[float]]) -> dict[str, tuple[float, float]]:
-    return {joint: (low, high) for joint, (low, high) in where.items()}
 
 
 def _numbers(value: float | list[float]) -> tuple[float, ...]:

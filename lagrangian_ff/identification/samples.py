@@ -29,8 +29,7 @@ class Samples:
     """States and torques that a model is learned from.
 
     Attributes:
-        x: (S, N) as effects see them.
-        tau: (S, N) N·m.
+        x: (S, N) as effects see them.  tau: (S, N) N·m.
         fold: (S,) the fold that each sample is left out with; None has no folds.
         weight: (S, N) IRLS weight of each torque, whose noise is 1 / weight times as large; None
             is 1 for all.
@@ -86,8 +85,7 @@ class Sizes:
     """The uses of samples; each array holds positions in the motion.
 
     Attributes:
-        subset: (F,) for choosing hyperparameters.
-        centres: (C,) for building the kernel.
+        subset: (F,) for choosing hyperparameters.  centres: (C,) for building the kernel.
         seen: (M,) for the coefficients; the centres themselves if the fit is exact.
     """
 

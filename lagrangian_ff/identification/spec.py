@@ -86,11 +86,9 @@ def parse(text: str) -> Spec:
         )
     everywhere = {name for name in effects if "@" not in name}
     alone = [name.partition("@")[0] for name in effects if "@" in name]
-    twice = sorted(
-        {name for name in effects if effects.count(name) > 1} | everywhere.intersection(alone)
-    )
+    twice = {name for name in effects if effects.count(name) > 1} | everywhere.intersection(alone)
     if twice:
-        raise ModelError(f"model '{text}': {', '.join(twice)} stands in it twice")
+        raise ModelError(f"model '{text}': {', '.join(sorted(twice))} stands in it twice")
     basic = [name for name in effects if name in FRICTION]
     further = [name.partition("@") for name in effects if name not in FRICTION]
     named = kernels[0] if kernels else "none"
@@ -110,9 +108,7 @@ def with_sliding(spec: Spec, prismatic: tuple[str, ...], motion: Motion, known: 
     """Return the model of an arm some of whose joints slide.
 
     Args:
-        spec: kernel and effects.
         prismatic: names of the joints that slide.
-        motion: to learn from.
         known: whether there is a description of the mechanism.
 
     Raises:

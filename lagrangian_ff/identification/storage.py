@@ -19,6 +19,7 @@ from lagrangian_ff.kernels.constrained import KIND as LINKAGE
 from lagrangian_ff.kernels.constrained import Linkage
 from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
 from lagrangian_ff.kernels.rigid.robot import Robot
+from lagrangian_ff.record_json import by_name
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.sources.npz_file import DAMAGED
 
@@ -55,7 +56,7 @@ def save(model: TorqueModel, path: Path) -> None:
             {"effect": t.effect.name, "joint": t.joint, "shape": dict(t.shape)}
             for t in model.basis.terms
         ],
-        "range": model.range.record(),
+        "range": by_name(model.range),
         "record": dict(model.record),
         "steps": [dict(step) for step in model.steps],
         "mechanism": model.kernel.mechanism.stored() if model.kernel.mechanism else None,

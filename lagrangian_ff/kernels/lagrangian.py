@@ -20,13 +20,8 @@ Self = TypeVar("Self", bound="_Universal")
 SIGMA = base.Hyperparameter(
     "sigma", "1", "squared length scale of the Lagrangian's kernel (38), (39)", 1e-2, 1e3
 )
-VELOCITY_SCALE = base.Hyperparameter(
-    "velocity_scale",
-    "s/rad",
-    "c of (38), (39): brings velocities to the scale of positions",
-    1e-1,
-    1e1,
-)
+_SCALE = "c of (38), (39): brings velocities to the scale of positions"
+VELOCITY_SCALE = base.Hyperparameter("velocity_scale", "s/rad", _SCALE, 1e-1, 1e1)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from lagrangian_ff.nodes.common.joint_state_bytes import (
 from lagrangian_ff.nodes.common.models import load_model, load_own_effects
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
-from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, held_out
+from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
 from lagrangian_ff.nodes.feedforward_references import References
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
 from lagrangian_ff.nodes.streaming.stream import (
@@ -104,7 +104,7 @@ class FeedforwardLink:
             return
         self._stream.end("deactivated")
         deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.1
-        while time.monotonic() < deadline and self._sending():
+        while time.monotonic() < deadline and (last := self._monitor.last) and last.gain > 0.0:
             time.sleep(0.005)
         self._loop.stop()
         self._loop = None
@@ -112,9 +112,6 @@ class FeedforwardLink:
         for _ in range(FAREWELL):
             self._commands.publish(topics.command(np.zeros(len(self._columns))))
         self._commands.wait_for_all_acked(Duration(seconds=0.2))
-
-    def _sending(self) -> bool:
-        return self._monitor.last is not None and self._monitor.last.gain > 0.0
 
     def close(self) -> None:
         """Stop and release everything."""
@@ -161,25 +158,18 @@ class FeedforwardLink:
 
     def _take_joint_states(self) -> None:
         for data, _ in self._states.take():
-            self._take_joint_state(data)
-
-    def _take_joint_state(self, data: bytes) -> None:
-        try:
-            state = self._reader.read(data)
-        except MessageError as error:
-            self._warnings.add("bad joint state", f"ignored {error}")
-            return
-        missing = [joint for joint in self._model.joints if joint not in state.names]
-        if len(missing) == len(self._model.joints):
-            return  # of another part of the robot
-        fault = f"joint states without {', '.join(missing)}" if missing else state.fault()
-        if fault:
-            self._warnings.add("bad joint state", f"ignored {fault}")
-        else:
-            columns = [state.names.index(joint) for joint in self._model.joints]
-            at = state.stamp or self._time.now()
-            self._time.stamped(at)
-            self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
+            try:
+                state = self._reader.read(data)
+                columns = state.columns(self._model.joints)
+                fault = state.fault() if columns else ""
+            except MessageError as error:
+                fault = str(error)
+            if fault:
+                self._warnings.add("bad joint state", f"ignored {fault}")
+            elif columns:
+                at = state.stamp or self._time.now()
+                self._time.stamped(at)
+                self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
 
     def _on_description(self, message: String) -> None:
         try:
@@ -224,7 +214,7 @@ class FeedforwardLink:
         values = {
             "model file": self._parameters.value("model_file"),
             "model": self._model.name,
-            **held_out(self._model.identified.score),
+            **errors_of(self._model.identified.score),
             **{f"effort limit {joint} [N·m]": float(limit) for joint, limit in limits},
         }
         return Status(Level.OK, f"{self._model.name} loaded", values)

@@ -251,13 +251,8 @@ def _declare(parameters: Parameters) -> None:
         "the training motion")  # fmt: skip
     add("loss", Settings.loss, "what a residual costs; huber weighs down contacts and gross "
         "errors", choices=LOSSES)  # fmt: skip
-    add(
-        "bandwidth",
-        Conditioning.bandwidth,
-        "Hz of the low-pass on position and effort",
-        low=0.5,
-        high=500.0,
-    )
+    add("bandwidth", Conditioning.bandwidth, "Hz of the low-pass on position and effort",
+        low=0.5, high=500.0)  # fmt: skip
     add("output_directory", ".", "where bags, models and findings are written")
     add("bag_prefix", "recording", "how the names of bags begin")
     add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "

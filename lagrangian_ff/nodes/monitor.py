@@ -29,7 +29,7 @@ from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.common.topics import RECORDING, RELIABLE, PolledSubscription, advertise
 from lagrangian_ff.nodes.watching.health import Coverage, Health, Limits
 from lagrangian_ff.nodes.watching.live import Judged, LivePrediction
-from lagrangian_ff.nodes.watching.states import LiveStates, State
+from lagrangian_ff.nodes.watching.states import LiveStates
 
 PERIOD = 0.02  # s between readings of the topic
 MOST = 1000
@@ -100,28 +100,23 @@ class MonitorNode(ClosingNode):
         states = []
         for data, received in islice(self._subscription.take(), MOST):
             self._meter.add()
-            state = self._state(data, received)
+            try:
+                state = self._states.take(self._reader.read(data), received)
+            except MessageError as error:
+                self._warnings.add("bad joint state", f"ignored {error}")
+                continue
             if state is not None:
                 states.append(state)
         for judged in self._prediction.take(states):
             self._publish(judged)
 
-    def _state(self, data: bytes, received: int) -> State | None:
-        try:
-            return self._states.take(self._reader.read(data), received)
-        except MessageError as error:
-            self._warnings.add("bad joint state", f"ignored {error}")
-            return None
-
     def _publish(self, judged: Judged) -> None:
         state = judged.state
         with self._lock:
             self._health.add(judged, self._limits)
-        for publisher, effort in (
-            (self._residual, judged.residual),
-            (self._predicted, judged.predicted),
-        ):
-            publisher.publish(self._maker.fill(state.at, state.q, state.qd, effort))
+        now = state.at, state.q, state.qd
+        self._residual.publish(self._maker.fill(*now, judged.residual))
+        self._predicted.publish(self._maker.fill(*now, judged.predicted))
         self._published.add()
 
     def _failed(self, error: Exception) -> None:

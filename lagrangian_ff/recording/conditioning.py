@@ -22,6 +22,7 @@ from lagrangian_ff.recording.splines import interpolate
 from lagrangian_ff.words import counted
 
 _CLOCKS = ("auto", "stamps", "steady")
+_BY_JOINT = ("effort_scale", "effort_offset")
 _SLOWEST = 10.0  # Hz; an arm sampled more slowly hides its accelerations
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
@@ -72,7 +73,7 @@ class Conditioning:
             raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
         if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
             raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
-        for name in ("effort_scale", "effort_offset"):
+        for name in _BY_JOINT:
             for joint, value in getattr(self, name).items():
                 if not np.isfinite(value):
                     raise RecordingError(f"conditioning: {name} of {joint} is {value}")
@@ -103,8 +104,7 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
             enough between gaps, or a joint in `effort_scale` or `effort_offset` is unknown.
     """
     settings = conditioning or Conditioning()
-    named = {"effort_scale": settings.effort_scale, "effort_offset": settings.effort_offset}
-    _require_known(recording, named)
+    _require_known(recording, settings)
     _require_usable(recording)
     notes = list(recording.notes)
     signals = read_signals(recording, settings.clock, notes)
@@ -279,9 +279,10 @@ def _require_usable(recording: Recording) -> None:
             raise RecordingError(f"{source}: {what.format(who)} {throughout}; {hint}{rest}")
 
 
-def _require_known(recording: Recording, named: Mapping[str, Mapping[str, float]]) -> None:
-    """Require that settings by joint, given by name of the setting, are for known joints."""
-    for setting, values in named.items():
+def _require_known(recording: Recording, settings: Conditioning) -> None:
+    """Require that the settings by joint are for known joints."""
+    for setting in _BY_JOINT:
+        values = getattr(settings, setting)
         unknown = [joint for joint in values if joint not in recording.joints]
         if unknown:
             raise RecordingError(

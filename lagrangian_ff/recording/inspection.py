@@ -131,11 +131,8 @@ class Inspection:
             f"{self.jitter_p99 * 1e6:.0f} µs (99 %)",
         ]
         for joint in self.joints:
-            step = (
-                "no encoder step seen"
-                if joint.resolution is None
-                else f"encoder step {joint.resolution:.3g} rad"
-            )
+            size = joint.resolution
+            step = "no encoder step seen" if size is None else f"encoder step {size:.3g} rad"
             lacking = [name for name in ("velocity", "effort") if not getattr(joint, name)]
             found.append(
                 f"  {joint.name}: {joint.low:.3f} to {joint.high:.3f} rad, {step}"
@@ -219,13 +216,11 @@ def find_missing(recording: Recording) -> tuple[Missing, ...]:
 def _joint(recording: Recording, column: int) -> JointRange:
     position = recording.position[:, column]
     position = position[np.isfinite(position)]
-    low, high = (
-        (float(position.min()), float(position.max())) if position.size else (np.nan, np.nan)
-    )
+    low, high = (position.min(), position.max()) if position.size else (np.nan, np.nan)
     return JointRange(
         name=recording.joints[column],
-        low=low,
-        high=high,
+        low=float(low),
+        high=float(high),
         resolution=resolution(position),
         velocity=bool(np.isfinite(recording.velocity[:, column]).any()),
         effort=bool(np.isfinite(recording.effort[:, column]).any()),

@@ -7,11 +7,16 @@ OMG DDS-XTYPES 1.3, section 7.4 (plain CDR).
 """
 
 from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
+
+if TYPE_CHECKING:
+    from rosbags.typesys.store import Typestore
 
 Bytes = NDArray[np.uint8]
 
@@ -20,6 +25,14 @@ _HEADER = 4  # the encapsulation header; alignment counts from behind it
 _BATCH = 4096
 _LATEST = 2**63 - 1  # ns; MCAP has room for more, in damaged files at least
 _QUANTITIES = 3  # position, velocity, effort
+
+
+@cache
+def typestore() -> "Typestore":
+    """Return the message types of ROS 2 Jazzy."""
+    from rosbags.typesys import Stores, get_typestore  # slow to import, and reading needs none
+
+    return get_typestore(Stores.ROS2_JAZZY)
 
 
 class MalformedError(ValueError):
@@ -226,7 +239,7 @@ class JointStateTable:
 
 
 class JointStateEncoder:
-    """Writes messages that share their joints.
+    """Writes messages that share their joints, by filling in one that `rosbags` made.
 
     Args:
         joints: N names.
@@ -236,36 +249,16 @@ class JointStateEncoder:
     def __init__(
         self, joints: tuple[str, ...], *, velocity: bool = True, effort: bool = True
     ) -> None:
-        width = 8 * len(joints)
-        body = bytearray(8)  # the stamp
-
-        def pad(size: int) -> None:
-            body.extend(b"\0" * (-len(body) % size))
-
-        def count(number: int) -> None:
-            pad(4)
-            body.extend(number.to_bytes(4, "little"))
-
-        def text(value: str) -> None:
-            encoded = value.encode() + b"\0"
-            count(len(encoded))
-            body.extend(encoded)
-
-        text("")  # frame_id
-        count(len(joints))
-        for name in joints:
-            text(name)
-        self._starts: list[int | None] = []
-        for present in (True, velocity, effort):
-            count(len(joints) if present else 0)
-            if present and width:
-                pad(8)
-                self._starts.append(_HEADER + len(body))
-                body.extend(bytes(width))
-            else:
-                self._starts.append(None)
-        self._width = width
-        self._template = np.frombuffer(b"\0\1\0\0" + bytes(body), dtype=np.uint8)
+        store = typestore()
+        time, header, state = (
+            store.types[name]
+            for name in ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", MESSAGE_TYPE)
+        )
+        arrays = (np.zeros(len(joints) if given else 0) for given in (True, velocity, effort))
+        message = state(header(time(0, 0), ""), list(joints), *arrays)
+        template = bytes(store.serialize_cdr(message, MESSAGE_TYPE))
+        self._start, self._width = read_layout(template).start, 8 * len(joints)
+        self._template = np.frombuffer(template, dtype=np.uint8)
 
     def encode(
         self, stamps: Ints, position: Floats, velocity: Floats, effort: Floats
@@ -274,8 +267,8 @@ class JointStateEncoder:
         rows = np.tile(self._template, (len(stamps), 1))
         rows[:, 4:8] = _as_bytes(stamps // 1_000_000_000, "<i4")
         rows[:, 8:12] = _as_bytes(stamps % 1_000_000_000, "<u4")
-        for start, values in zip(self._starts, (position, velocity, effort), strict=True):
-            if start is not None:
+        for start, values in zip(self._start, (position, velocity, effort), strict=True):
+            if start >= 0:
                 rows[:, start : start + self._width] = _as_bytes(values, "<f8")
         return [row.tobytes() for row in rows]
 

@@ -62,11 +62,8 @@ class Motion:
             RecordingError: a joint is not in the motion; names both lists.
         """
         columns = columns_of(joints, self.joints, self.source)
-        return replace(
-            self,
-            joints=tuple(joints),
-            **{name: getattr(self, name)[:, columns] for name in _BY_JOINT},
-        )
+        tables = {name: getattr(self, name)[:, columns] for name in _BY_JOINT}
+        return replace(self, joints=tuple(joints), **tables)
 
     @property
     def elapsed(self) -> Floats:
@@ -115,12 +112,10 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
         segments.append(motion.segment - motion.segment.min(initial=0) + offset)
         offset = int(segments[-1].max(initial=offset - 1)) + 1
     ordered = [motion.select(joints) for motion in motions]
+    arrays = {n: np.concatenate([getattr(m, n) for m in ordered]) for n in ("time", *_BY_JOINT)}
     return Motion(
         joints=joints,
-        **{
-            name: np.concatenate([getattr(m, name) for m in ordered])
-            for name in ("time", *_BY_JOINT)
-        },
+        **arrays,
         segment=np.concatenate(segments),
         source=", ".join(dict.fromkeys(m.source for m in motions)),
         notes=tuple(dict.fromkeys(note for m in motions for note in m.notes)),

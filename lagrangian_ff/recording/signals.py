@@ -148,11 +148,8 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
                 samplings[key] = len(found)
                 found.append(Sampling(time[index], index, usual_period(np.diff(time[index]))))
             numbers.append(samplings[key])
-    notes += [
-        f"{entry.text()}; left out"
-        for entry in find_missing(recording)
-        if entry.quantity != "velocity"
-    ]
+    missing = [entry for entry in find_missing(recording) if entry.quantity != "velocity"]
+    notes += [f"{entry.text()}; left out" for entry in missing]
     if moved:
         notes.append(f"{counted(moved, 'sample')} arrived out of order; sorted by their stamps")
     if repeated:
@@ -167,12 +164,11 @@ def uninterrupted(signals: Signals, longest: float) -> Spans:
     """
     begin = max(sampling.time[0] for sampling in signals.samplings)
     end = min(sampling.time[-1] for sampling in signals.samplings)
+    slow = 1.5 * signals.fastest.period
     gaps = np.concatenate(
         [
-            sampling.gaps(max(longest, 2.5 * sampling.period))
-            if sampling.period > 1.5 * signals.fastest.period
-            else sampling.gaps(longest)
-            for sampling in signals.samplings
+            each.gaps(max(longest, 2.5 * each.period) if each.period > slow else longest)
+            for each in signals.samplings
         ]
     )
     spans = []
@@ -187,11 +183,9 @@ def uninterrupted(signals: Signals, longest: float) -> Spans:
 
 def ticks_of(sampling: Sampling, span: Floats) -> Floats:
     """Return the uniform clock of a span, of the sampling's period and in phase with it."""
-    inside = sampling.time[
-        np.searchsorted(sampling.time, span[0]) : np.searchsorted(
-            sampling.time, span[1], side="right"
-        )
-    ]
+    time = sampling.time
+    begin, end = np.searchsorted(time, span[0]), np.searchsorted(time, span[1], side="right")
+    inside = time[begin:end]
     period = sampling.period
     origin = inside[0] if inside.size else span[0]
     behind = (inside - origin) / period

@@ -47,9 +47,7 @@ def smooth(x: Floats, values: Floats, pieces: int) -> Floats:
     """Return the least-squares spline of equal pieces near samples (K,), at each of them.
 
     Args:
-        x: (K,) increasing, some in each piece.
-        values: (K,) the samples.
-        pieces: number of pieces.
+        x: (K,) increasing, some in each of the pieces.
     """
     u = (x - x[0]) * (pieces / (x[-1] - x[0]))
     piece = np.minimum(u.astype(np.int64), pieces - 1)

@@ -32,21 +32,16 @@ SPEEDS = (0.5, 1.1, 1.9)
 """rad/s, the pace of each joint."""
 
 
-def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -> Figure:
+def signature_figure(effect: Effect) -> Figure:
     """Draw the torque of one effect along a made-up motion of three joints.
 
     On the left over the coordinate that shows it, both directions of motion apart; on the right
     over time, above the joint's speed. What shows over time is drawn over time alone. Parameters
-    are chosen for a torque of about 2 N·m.
-
-    Args:
-        effect: the effect.
-        shape: its shape parameters; None takes those that its search starts at.
+    are chosen for a torque of about 2 N·m; shapes are those that a search starts at.
     """
-    if shape is None:
-        shape = {s.name: s.start for s in effect.shapes}
+    shape = {s.name: s.start for s in effect.shapes}
     if isinstance(effect, Gear):
-        shape = {**shape, "of": float(JOINT)}
+        shape["of"] = float(JOINT)
     x = motion(JERK if effect.rings else 0.0)
     columns = effect.columns(x, JOINT, shape)
     parameters = _parameters(columns)
@@ -69,8 +64,7 @@ def signature_figure(effect: Effect, shape: Mapping[str, float] | None = None) -
             draw = _spectrum if effect.coordinate == "order" else _over_coordinate
             draw(left, effect, x, torque)
             left.set_title(_formula(effect))
-        handles, labels = right.get_legend_handles_labels()
-        legend_above(figure, handles, labels)
+        legend_above(figure, *right.get_legend_handles_labels())
         figure.text(0.995, 0.985, effect.name, ha="right", va="top", fontsize=11.0, color=INK)
     return figure
 

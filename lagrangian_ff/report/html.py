@@ -61,12 +61,7 @@ def bullets(texts: Iterable[str]) -> str:
 
 
 def badge(text: str, kind: str = "") -> str:
-    """Return a word in a coloured frame.
-
-    Args:
-        text: the word.
-        kind: `good`, `fair`, `bad` or nothing.
-    """
+    """Return a word in a frame whose colour is that of the kind: `good`, `fair`, `bad` or none."""
     return f'<span class="badge {escape(kind)}">{escape(text)}</span>'
 
 
@@ -137,12 +132,7 @@ def _card(card: Card) -> str:
 
 
 def figure(picture: bytes, alternative: str, caption: str = "") -> str:
-    """Return a picture inside the page.
-
-    Args:
-        picture: a PNG file.
-        alternative: what it shows, for readers who cannot see it.
-        caption: text under it.
+    """Return a PNG inside the page, with an alternative for readers who cannot see it.
 
     Raises:
         ValueError: not a PNG.
@@ -166,8 +156,7 @@ def table(
     """Return a table whose first columns are words and whose others are numbers.
 
     Args:
-        header: one text a column.
-        rows: one text a column each.
+        header, rows: one text a column each.
         words: how many columns, from the left, hold words.
         strong: the column that matters most.
         total: whether the last row sums up the others.

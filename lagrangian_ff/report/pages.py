@@ -1,4 +1,7 @@
-"""The pages of compare, diagnose and history: a title that says the verdict, then the sections."""
+"""The pages of compare, diagnose and history: a title that says the verdict, then the sections.
+
+Each function writes its page to a path, and returns it; OSError says why that is not possible.
+"""
 
 import re
 from collections.abc import Callable, Sequence
@@ -31,15 +34,7 @@ Make = Callable[[Result], Section | None]
 
 
 def compare_page(path: str | PathLike[str], found: "Compared") -> Path:
-    """Write where a model fails, and return the path of the page.
-
-    Args:
-        path: the file to write.
-        found: what was compared, and the error.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write where a model fails, and return the path of the page."""
     where = found.where
     kicker = f"{found.model} compared with {where.comparison.motion.source}"
     summary = _misses(where.comparison)
@@ -47,15 +42,7 @@ def compare_page(path: str | PathLike[str], found: "Compared") -> Path:
 
 
 def diagnose_page(path: str | PathLike[str], run: "DiagnosisRun") -> Path:
-    """Write which effect a model lacks and the evidence, and return the path of the page.
-
-    Args:
-        path: the file to write.
-        run: all that `diagnose` found.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write which effect a model lacks and the evidence, and return the path of the page."""
     from lagrangian_ff.diagnosis import verdict
 
     # The heading is the first sentence of the verdict.
@@ -65,15 +52,7 @@ def diagnose_page(path: str | PathLike[str], run: "DiagnosisRun") -> Path:
 
 
 def history_page(path: str | PathLike[str], history: History) -> Path:
-    """Write how a model came to be what it is, and return the path of the page.
-
-    Args:
-        path: the file to write.
-        history: the steps.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write how a model came to be what it is, and return the path of the page."""
     title, kicker = _what_was_added(history.steps), f"history of {history.file}"
     return _page(path, "history", title, history, HISTORY, kicker)
 

@@ -111,13 +111,7 @@ def _pieces(x: Sequence[float | None]) -> Iterator[slice]:
 
 
 def embed(plot: Plot, alternative: str, caption: str = "") -> str:
-    """Return a figure as a piece of a page.
-
-    Args:
-        plot: what to draw.
-        alternative: what it shows, for readers who cannot see it.
-        caption: text under it.
-    """
+    """Return a figure as a piece of a page, with an alternative for readers who cannot see it."""
     drawn = {"data": _plain(plot.data), "layout": _plain(plot.full_layout())}
     data = json.dumps(drawn, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     below = f"<figcaption>{escape(caption)}</figcaption>" if caption else ""

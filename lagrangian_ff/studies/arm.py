@@ -209,12 +209,7 @@ class Errors:
 
     @classmethod
     def collected(cls, lines: Iterable[Line], key: str = "model") -> "Errors":
-        """Collect the errors of the cases that did not fail.
-
-        Args:
-            lines: with `speed`, `velocity` and `rmse`.
-            key: the field of a line that names the model.
-        """
+        """Collect the errors of the cases that did not fail; `key` is the field with the model."""
         of: dict[str, dict[int, float]] = {}
         velocity: dict[int, float] = {}
         for line in sorted(done(lines), key=lambda line: int(line["speed"])):
@@ -262,10 +257,7 @@ def ends(speeds: Sequence[int]) -> tuple[Sequence[int], Sequence[int]]:
 def errors_table(errors: Errors, beside: Errors | None = None, unit: float = 1.0) -> list[str]:
     """Return a row for each model, with a column for each trajectory and the geometric mean.
 
-    Args:
-        errors: of the models.
-        beside: of models on the arm without masses, to compare with.
-        unit: of the errors that are written.
+    `beside` are those on the arm without masses; `unit` is that of the errors that are written.
     """
     unloaded = beside or Errors({}, {})
     velocity = {**errors.velocity, **unloaded.velocity}

@@ -79,13 +79,8 @@ class Learning:
 
 
 def error_of(learned: Learned, samples: Samples, truth: Floats) -> float:
-    """Return the root mean square error over validation samples and joints.
-
-    Args:
-        truth: (V, N) torques there, in the samples' unit.
-    """
-    error = learned.torque(samples.asked) - truth
-    return float(np.sqrt(np.mean(error**2)))
+    """Return the rms error over validation samples and joints; the truth (V, N) is in its unit."""
+    return float(np.sqrt(np.mean((learned.torque(samples.asked) - truth) ** 2)))
 
 
 @dataclass(frozen=True)
@@ -184,11 +179,9 @@ class Comparison:
 
 
 def order(errors: RobotErrors, better_first: Sequence[str], least_joints: int = 1) -> Comparison:
-    """Compare whether models have mean errors in this order, over the robots that all learned.
+    """Compare whether mean errors rise in this order of models, over the robots that all learned.
 
-    Args:
-        better_first: models by their names.
-        least_joints: the least number of joints for which it is claimed.
+    It is claimed from `least_joints` joints on.
     """
     found = {}
     for joints in sorted({n for model in better_first for n in errors.get(model, {})}):

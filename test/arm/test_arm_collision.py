@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from arm_examples import move_to
 
-from lagrangian_ff.arm import HOME, Trajectory, check_clearance, move_to
+from lagrangian_ff.arm import HOME, Trajectory, check_clearance
 from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.errors import ArmError
 

@@ -100,7 +100,7 @@ def test_impossible_parameters_are_refused(change: dict, words: str) -> None:
 def test_trajectories_are_read_without_pybullet() -> None:
     code = (
         "import sys\n"
-        "from lagrangian_ff.arm import Trajectory, move_to, read_trajectory, JOINTS, limits\n"
+        "from lagrangian_ff.arm import Trajectory, read_trajectory, JOINTS, limits\n"
         "import lagrangian_ff.arm.trajectory\n"
         "sys.exit('pybullet' in sys.modules)"
     )

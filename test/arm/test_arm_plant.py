@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arm_examples import bias, energy, mass_matrix, potential_energy
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm import (
@@ -51,13 +52,13 @@ def test_what_the_motors_give_is_stored_or_lost_to_friction(loads: dict | None) 
     plant = Plant(loads=loads)
     work = lost = moved = 0.0
     plant.reset(np.array(HOME))
-    start = plant.energy()
+    start = energy(plant)
     for motor, _, qd in followed(plant, 5.0):
         mean = 0.5 * (qd + plant.qd)
         work += plant.dt * float(motor @ mean)
         lost += plant.dt * float(plant.effect_torque @ mean)
         moved += plant.dt * float(np.abs(motor @ mean))
-    gained = plant.energy() - start
+    gained = energy(plant) - start
     plant.close()
     assert lost > 0.1 * moved
     assert abs(gained) > 0.01 * moved
@@ -107,13 +108,13 @@ def test_a_joint_rests_at_its_stop_however_it_is_pushed(gears: list[Gear]) -> No
 def test_without_friction_and_motors_the_arm_swings_and_keeps_its_energy() -> None:
     plant = Plant(FREE)
     plant.reset(np.array([0.0, 0.2, -0.8, 0.0, 0.4, 0.0]))
-    before, height = plant.energy(), plant.body.potential_energy()
+    before, height = energy(plant), potential_energy(plant.body)
     for _ in range(350):
         plant.step(STILL)
     assert np.all((limits().lower < plant.q) & (plant.q < limits().upper))
-    fell = height - plant.body.potential_energy()
+    fell = height - potential_energy(plant.body)
     assert fell > 5.0
-    assert abs(plant.energy() - before) < 0.005 * fell
+    assert abs(energy(plant) - before) < 0.005 * fell
     plant.close()
 
 
@@ -122,10 +123,10 @@ def test_halving_the_step_halves_the_error_of_the_energy() -> None:
     for rate in (1000, 2000):
         plant = Plant(replace(FREE, physics_rate=rate))
         plant.reset(np.array([0.0, 0.2, -0.8, 0.0, 0.4, 0.0]))
-        before = plant.energy()
+        before = energy(plant)
         for _ in range(rate // 4):
             plant.step(STILL)
-        errors.append(abs(plant.energy() - before))
+        errors.append(abs(energy(plant) - before))
         plant.close()
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
 
@@ -134,10 +135,10 @@ def test_rotors_slow_the_wrist_down() -> None:
     """Joint 6 alone is almost all rotor: qdd = tau / (g²J + link)."""
     plant = Plant(FREE)
     plant.reset(STILL)
-    link = plant.body.mass_matrix(STILL)[5, 5]
+    link = mass_matrix(plant.body, STILL)[5, 5]
     rotor = FREE.gear_ratio[5] ** 2 * FREE.rotor_inertia[5]
     assert rotor > link
-    torque = plant.body.bias(STILL, STILL)
+    torque = bias(plant.body, STILL, STILL)
     torque[5] += 0.1
     plant.step(torque)
     assert plant.qdd[5] == pytest.approx(0.1 / (rotor + link), rel=0.05)
@@ -217,7 +218,7 @@ def test_an_effect_with_a_state_of_its_own_joins_the_plant() -> None:
     bristles = Bristles()
     plant = Plant(effects=[bristles])
     plant.reset(STILL)
-    hold = plant.body.bias(STILL, STILL)
+    hold = bias(plant.body, STILL, STILL)
     push = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     for _ in range(1500):
         plant.step(hold + push)

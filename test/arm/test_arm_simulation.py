@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from arm_examples import move_to
 
 from lagrangian_ff.arm import (
     HOME,
@@ -9,7 +10,6 @@ from lagrangian_ff.arm import (
     Run,
     Trajectory,
     exciting_trajectory,
-    move_to,
     simulate,
     true_torque,
 )

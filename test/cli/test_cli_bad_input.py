@@ -9,7 +9,7 @@ import pytest
 from cli_examples import JOINTS, QUICK, Outcome, arm, assert_refused, csv, lagrangian_ff
 
 from lagrangian_ff.identification import Model
-from lagrangian_ff.recording import BagWriter, Recording, write_bag, write_npz
+from lagrangian_ff.recording import Recording, write_bag, write_npz
 
 
 def identify(source: Path, *arguments: str) -> Outcome:
@@ -51,11 +51,7 @@ def test_a_bag_of_other_topics(tmp_path: Path) -> None:
 
 
 def test_the_topic_of_a_bag_that_holds_several(tmp_path: Path) -> None:
-    recording = arm()
-    with BagWriter(tmp_path / "bag", joints=JOINTS) as bag:
-        for k, time in enumerate(recording.start + recording.time):
-            row = recording.position[k], recording.velocity[k], recording.effort[k]
-            bag.append(time, *row)
+    write_bag(tmp_path / "bag", arm())
     assert_learned(identify(tmp_path / "bag", "--topic", "joint_states"), tmp_path / "bag")
 
 

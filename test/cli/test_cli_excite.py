@@ -207,7 +207,7 @@ def test_the_motion_shrinks_until_it_is_clear(
         if looked[-1] > farthest:
             raise ArmError("trajectory: link_4 and the wall touch at 2.00 s")
 
-    monkeypatch.setattr("lagrangian_ff.arm.check_clearance", wall)
+    monkeypatch.setattr("lagrangian_ff.cli.common.arm_motion.check_clearance", wall)
     output = tmp_path / "m.csv"
     command = ["excite", "slow sweep", "--arm", "--joint", "joint_3", "--duration", "12"]
     farthest = 1.0

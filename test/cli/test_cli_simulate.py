@@ -9,11 +9,12 @@ from cli_examples import assert_refused, lagrangian_ff, process, small_model
 
 pytest.importorskip("pybullet", reason="PyBullet is not installed")
 
+from arm_examples import move_to
+
 from lagrangian_ff.arm import (
     HOME,
     JOINTS,
     Trajectory,
-    move_to,
     read_trajectory,
     true_torque,
     write_trajectory,

@@ -56,8 +56,8 @@ def found(outside: float = 0.0, worst: str = "", **changes: Any) -> Findings:
 
 
 def test_columns_of_numbers_stand_to_the_right() -> None:
-    lines = table(["joint", "x"], [["a", "1.5"], ["long", "-12"]], indent="")
-    assert lines == ["joint    x", "a      1.5", "long   -12"]
+    lines = table(["joint", "x"], [["a", "1.5"], ["long", "-12"]])
+    assert lines == ["  joint    x", "  a      1.5", "  long   -12"]
 
 
 def test_equations_hold_their_numbers_and_signs() -> None:

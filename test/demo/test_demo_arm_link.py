@@ -75,17 +75,12 @@ def test_a_track_is_cut_by_stamps() -> None:
 class FakeLink:
     """What a `Drive` asks of an arm."""
 
-    name = "/arm"
-
     def __init__(self) -> None:
-        self.start, self.now, self.refusals = 0, 0, 1
+        self.start, self.now, self.refused = 0, 0, 1
         self.measured = self
 
-    def refused(self) -> int:
-        return self.refusals
-
-    def refusal(self) -> str:
-        return "joint_6 would jump by 0.5 rad"
+    def refusals(self) -> tuple[int, str]:
+        return self.refused, "joint_6 would jump by 0.5 rad"
 
     def latest(self) -> int:
         return self.now
@@ -114,7 +109,7 @@ def test_it_is_over_a_little_after_the_end(link: FakeLink, drive: Drive) -> None
 
 
 def test_a_refused_motion_ends_the_wait_with_the_reason(link: FakeLink, drive: Drive) -> None:
-    link.refusals += 1
+    link.refused += 1
     with pytest.raises(
         LostRunError, match=r"/arm refused the motion: joint_6 would jump by 0\.5 rad"
     ):

@@ -69,9 +69,9 @@ def test_leaving_ends_every_process(elsewhere: Path, body: str) -> None:
 
 def test_a_process_that_ends_by_itself_is_noticed_with_its_last_words(elsewhere: Path) -> None:
     with Nodes(elsewhere, stub(elsewhere, "raise SystemExit('no such arm')")) as nodes:
-        process = nodes.start("stub", log="left_arm")
+        process = nodes.start("stub")
         until(lambda: not process.alive, "its end")
-        with pytest.raises(DemoError, match=r"left_arm ended by itself(.|\n)*no such arm"):
+        with pytest.raises(DemoError, match=r"stub ended by itself(.|\n)*no such arm"):
             nodes.check()
 
 

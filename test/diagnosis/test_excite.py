@@ -183,11 +183,10 @@ def test_it_lasts_about_as_long_as_asked(motion: str, seconds: float) -> None:
 def test_a_run_ends_where_it_should_and_is_no_faster(way: float, speed: float) -> None:
     wide = Limits(np.array([-3.0]), np.array([3.0]), np.array([4.0]), np.array([9.0]))
     path = Path(np.array([0.0]), wide)
-    reached = path.run(0, way, speed)
+    path.run(0, way, speed)
     found = path.reference()
     assert found.q[-1, 0] == pytest.approx(way)
-    assert np.abs(found.qd).max() == pytest.approx(reached)
-    assert reached <= min(speed, 4.0) * (1 + 1e-9)
+    assert 0.0 < np.abs(found.qd).max() <= min(speed, 4.0) * (1 + 1e-9)
     assert np.abs(found.qdd).max() <= 9.0 * (1 + 1e-9)
 
 

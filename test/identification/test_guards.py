@@ -133,7 +133,7 @@ def test_the_record_notes_the_noise_that_was_raised() -> None:
     variance = model.kernel.variance(model.centres)
     hardly = 1e-18 * np.full(2, variance.mean())
     drawn = replace(drawn, index=index, seen=index, prior=replace(drawn.prior, noise=hardly))
-    found = build(drawn, model.inputs_of_data())
+    found = build(drawn, model.inputs_of(model.data))
     notes = json.loads(json.dumps(found.record["notes"]))
     assert any("Gram matrix of 40 samples" in note for note in notes)
     assert (found.model.prior.noise > hardly).all()

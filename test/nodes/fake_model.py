@@ -5,19 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.identification.predicting import MotionRange
+from lagrangian_ff.identification.predicting import MotionRange, Terms
 
 Floats = NDArray[np.float64]
 
 OFFSET = 3.0  # N·m of gravity that the identification took for a constant
-
-
-@dataclass(frozen=True)
-class FakeTerms:
-    gravity: Floats
-    inertia: Floats
-    coriolis: Floats
-    effects: dict[str, Floats]
 
 
 RANGE = MotionRange(
@@ -34,8 +26,8 @@ class FakeModel:
     joints: tuple[str, ...] = ("a", "b")
     range: MotionRange = RANGE
 
-    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
-        return FakeTerms(
+    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> Terms:
+        return Terms(
             gravity=10.0 * np.cos(q) - OFFSET,
             inertia=2.0 * qdd,
             coriolis=0.3 * qd**2,

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_model import FakeModel, FakeTerms, Floats
+from fake_model import FakeModel, Floats
 
+from lagrangian_ff.identification.predicting import Terms
 from lagrangian_ff.nodes.streaming.plan import CHUNK, STEP, Plan, Planner, Policy, make_plan, reason
 from lagrangian_ff.nodes.streaming.ranges import excess
 from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference
@@ -66,10 +67,10 @@ def test_an_effect_is_switched_with_what_it_is_like() -> None:
     """Friction off drops what dissipates, and keeps springs, rotors and offsets."""
 
     class Sprung(FakeModel):
-        def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
+        def terms(self, q: Floats, qd: Floats, qdd: Floats) -> Terms:
             terms = super().terms(q, qd, qdd)
             more = {"spring": 4.0 * q, "rotor_inertia": 0.7 * qdd, "stribeck": 0.1 * np.sign(qd)}
-            return replace(terms, effects=terms.effects | more)
+            return replace(terms, effects={**terms.effects, **more})
 
     plan = make_plan(Sprung(), swing(), Policy("allow"))
     q, qd, qdd = plan.reference.q, plan.reference.qd, plan.reference.qdd
@@ -139,7 +140,7 @@ class GatedModel(FakeModel):
     gate = threading.Event()
     begun = threading.Event()
 
-    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> FakeTerms:
+    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> Terms:
         self.begun.set()
         assert self.gate.wait(10.0)
         return super().terms(q, qd, qdd)

@@ -17,7 +17,6 @@ from lagrangian_ff.nodes.streaming.reference import Reference
 from lagrangian_ff.nodes.streaming.stream import (
     Output,
     Phase,
-    Ramp,
     Settings,
     StreamMonitor,
     TorqueStream,
@@ -315,9 +314,11 @@ def test_slew_and_clamp(previous: float, wanted: float, rate: float, dt: float) 
 
 
 def test_ramp_without_duration_is_a_switch() -> None:
-    ramp = Ramp(0.0, 0.0)
-    assert ramp.move(True, 0.001) == 1.0
-    assert ramp.move(False, 0.001) == 0.0
+    bench = Bench(ramp_time=0.0, fade_time=0.0)
+    bench.play(constant_speed())
+    assert bench.run(0.002)[0].gain == 1.0
+    bench.stream.enabled = False
+    assert bench.run(0.002)[0].gain == 0.0
 
 
 def output(

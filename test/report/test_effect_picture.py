@@ -36,8 +36,9 @@ def test_the_motion_is_one() -> None:
     assert 5.0 < np.ptp(x.q[:, JOINT]) < 2.0 * np.pi
 
 
-def test_a_shape_may_be_given() -> None:
-    figure = signature_figure(EFFECTS["ripple"], {"order": 9.0})
+def test_the_spectrum_shows_the_order_that_a_search_starts_at() -> None:
+    ripple = EFFECTS["ripple"]
+    figure = signature_figure(ripple)
     left = next(axes for axes in figure.axes if axes.get_xlabel().startswith("order"))
     heights = [patch.get_height() for patch in left.patches]  # type: ignore[attr-defined]
-    assert int(np.argmax(heights)) + 1 == 9
+    assert np.argmax(heights) + 1 == ripple.shapes[0].start

@@ -1,10 +1,10 @@
 """Hidden effects: physics beyond the arm's description, of known size."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import tanh
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -70,6 +70,16 @@ class Installed:
     gears: tuple[Gear, ...] = ()
     attached: Attached | None = None
     facts: Mapping[str, float] = field(default_factory=dict)
+
+
+def together(parts: Sequence[Installed]) -> dict[str, Any]:
+    """Return the parts of several effects as `simulate` takes them; one of them may be a load."""
+    joined: dict[str, Any] = {
+        name: [one for part in parts for one in getattr(part, name)]
+        for name in ("effects", "sensors", "gears")
+    }
+    attached = next((part.attached for part in parts if part.attached is not None), None)
+    return {**joined, "attached": attached}
 
 
 @dataclass(frozen=True)
@@ -242,13 +252,9 @@ def size(effect: HiddenEffect, installed: Installed, site: Site) -> float:
 
 
 def sized(effect: HiddenEffect, site: Site, wanted: float) -> tuple[Installed, float]:
-    """Install an effect so that it has the wanted size along the site's run.
+    """Install an effect so that it has the wanted size, such as 0.1, along the site's run.
 
     The size rises with the strength: a secant in logarithms, one step if it is proportional.
-
-    Args:
-        effect, site: what to install, and its place.
-        wanted: its size, such as 0.1.
 
     Returns:
         The effect, and the strength it has: `strongest`, if that is not enough for the size.

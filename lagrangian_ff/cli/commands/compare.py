@@ -2,6 +2,7 @@
 
 from argparse import ArgumentParser, Namespace
 
+from lagrangian_ff import report
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
@@ -61,10 +62,8 @@ def run(arguments: Namespace) -> int:
         where = locate(model, comparison, progress=progress)
     found = Compared(str(arguments.model), tuple(map(str, arguments.sources)), where)
     if arguments.report is not None:
-        from lagrangian_ff.report import compare_page
-
         with whole(arguments.report) as path:
-            compare_page(path, found)
+            report.compare_page(path, found)
     write_record(arguments.json, found.record())
     console.say(f"{arguments.model} ({model.name}) on {motion.source}")
     say_errors(comparison.score, console)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lagrangian_ff import report
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
@@ -66,35 +67,27 @@ def add_arguments(parser: ArgumentParser) -> None:
     # Defaults of the search stand in the engine alone.
     options.add_model(parser)
     options.add_sources(parser, "searched together")
-    options.add_list(
-        parser,
-        "--confirm",
-        "SOURCE",
+    confirm = (
         "other recordings of the same arm, to confirm on (default: the last third of SOURCE is "
-        "held back)",
-        Path,
+        "held back)"
     )
-    parser.add_argument(
-        "--steps",
-        type=int,
-        metavar="N",
-        help="look for at most N effects; with --apply also for at most N rounds of looking and "
-        "adding (default: 6)",
+    options.add_list(parser, "--confirm", "SOURCE", confirm, Path)
+    steps = (
+        "look for at most N effects; with --apply also for at most N rounds of looking and adding "
+        "(default: 6)"
     )
-    parser.add_argument(
-        "--since",
-        action="store_true",
-        help="also ask what changed since the model was identified, friction or masses: SOURCE "
-        "against the data that the model keeps",
+    since = (
+        "also ask what changed since the model was identified, friction or masses: SOURCE against "
+        "the data that the model keeps"
     )
-    parser.add_argument(
-        "--apply",
-        action="store_true",
-        help="add what is confirmed, look again until nothing is, and write the model",
-    )
-    parser.add_argument(
-        "--output", type=Path, metavar="NEW.npz", help="with --apply: the model file to write"
-    )
+    add = "add what is confirmed, look again until nothing is, and write the model"
+    rows = [
+        ("--steps", int, "N", steps),
+        ("--since", bool, "", since),
+        ("--apply", bool, "", add),
+        ("--output", Path, "NEW.npz", "with --apply: the model file to write"),
+    ]
+    options.add_rows(parser, rows)
     options.add_report(parser)
     options.add_reading(parser)
     options.add_common(parser)
@@ -120,10 +113,8 @@ def run(arguments: Namespace) -> int:
         with whole(arguments.output) as path:
             after.save(path)
     if arguments.report is not None:
-        from lagrangian_ff.report import diagnose_page
-
         with whole(arguments.report) as path:
-            diagnose_page(path, found)
+            report.diagnose_page(path, found)
     if arguments.json is not None:
         write_record(arguments.json, run_record(found))
     _say(found, arguments, console)

@@ -4,7 +4,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from lagrangian_ff.cli.common.console import Console
-from lagrangian_ff.cli.common.options import add_common, effect_named, load_own_effects
+from lagrangian_ff.cli.common.options import add_common, add_rows, effect_named, load_own_effects
 from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
 from lagrangian_ff.cli.text.effects import say_catalogue, say_effect
 from lagrangian_ff.errors import UserError
@@ -37,9 +37,7 @@ an effect of your own is a Python file of ten lines:
 
 def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("effect", nargs="?", metavar="EFFECT", help="the name of one effect")
-    parser.add_argument(
-        "--picture", type=Path, metavar="FILE.png", help="draw the torque of the effect"
-    )
+    add_rows(parser, [("--picture", Path, "FILE.png", "draw the torque of the effect")])
     add_common(parser)
 
 

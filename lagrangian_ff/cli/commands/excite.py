@@ -132,15 +132,8 @@ def _of_arm(arguments: Namespace, motion: str) -> "Trajectory":
     _check_joint(arguments.joint, JOINTS, "the simulated arm")
     start = _start(arguments.start, JOINTS, np.array(HOME)) if arguments.start else None
     with progress_bar("finding a motion within limits and free of contact") as progress:
-        return clear_motion(
-            motion,
-            arguments.joint,
-            start,
-            arguments.duration,
-            arguments.reach,
-            arguments.seed,
-            progress,
-        )
+        size = arguments.duration, arguments.reach, arguments.seed
+        return clear_motion(motion, arguments.joint, start, *size, progress)
 
 
 def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
@@ -149,19 +142,13 @@ def _of_model(arguments: Namespace, motion: str) -> "Trajectory":
     from lagrangian_ff.identification import Model
 
     model: Model = Model.load(arguments.model)
-    _check_joint(arguments.joint, model.joints, str(arguments.model))
-    limits = Limits.within(model.range, model.joints)
-    start = _start(arguments.start, model.joints, seen_pose(model, arguments.joint, limits))
-    found = excite(
-        motion,
-        model.joints,
-        limits.around(start, arguments.reach),
-        joint=arguments.joint,
-        start=start,
-        duration=arguments.duration,
-        seed=arguments.seed,
-    )
-    return Trajectory(found.time, found.q, found.qd, found.qdd, model.joints)
+    joints, joint = model.joints, arguments.joint
+    _check_joint(joint, joints, str(arguments.model))
+    limits = Limits.within(model.range, joints)
+    start = _start(arguments.start, joints, seen_pose(model, joint, limits))
+    near, duration, seed = limits.around(start, arguments.reach), arguments.duration, arguments.seed
+    found = excite(motion, joints, near, joint=joint, start=start, duration=duration, seed=seed)
+    return Trajectory(found.time, found.q, found.qd, found.qdd, joints)
 
 
 def _check_joint(joint: str | None, joints: "Sequence[str]", whose: str) -> None:

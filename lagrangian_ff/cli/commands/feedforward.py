@@ -43,9 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     options.add_model(parser)
     text = "the motion, see below"
     parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY.csv", help=text)
-    parser.add_argument(
-        "--output", required=True, type=Path, metavar="TORQUE.csv", help="the CSV to write"
-    )
+    options.add_rows(parser, [("--output", Path, "TORQUE.csv", "the CSV to write")], required=True)
     text = (
         "leave out parts of the torque: gravity, inertia, coriolis, friction, each with the "
         "effects that go with it (docs/nodes.md), or an effect by its name, such as coulomb"

@@ -2,6 +2,7 @@
 
 from argparse import ArgumentParser, Namespace
 
+from lagrangian_ff import report
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
@@ -39,10 +40,8 @@ def run(arguments: Namespace) -> int:
     model = Model.load(arguments.model)
     found = History(str(arguments.model), model.name, model.history)
     if arguments.report is not None:
-        from lagrangian_ff.report import history_page
-
         with whole(arguments.report) as path:
-            history_page(path, found)
+            report.history_page(path, found)
     write_record(arguments.json, found.record())
     console.say(f"{found.file}: {found.model}")
     say_history(found.steps, console)

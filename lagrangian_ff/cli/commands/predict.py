@@ -41,17 +41,12 @@ what comes out:
 def add_arguments(parser: ArgumentParser) -> None:
     options.add_model(parser)
     parser.add_argument("source", type=Path, metavar="SOURCE", help=options.SOURCE_HELP)
-    parser.add_argument(
-        "--output", type=Path, metavar="TORQUE.csv", help="write the torques as CSV"
-    )
-    parser.add_argument(
-        "--terms", action="store_true", help="with --output: the parts of the torque too"
-    )
-    parser.add_argument(
-        "--intervals",
-        action="store_true",
-        help="how sure the model is: a 90 %% interval of every torque",
-    )
+    written = [
+        ("--output", Path, "TORQUE.csv", "write the torques as CSV"),
+        ("--terms", bool, "", "with --output: the parts of the torque too"),
+        ("--intervals", bool, "", "how sure the model is: a 90 %% interval of every torque"),
+    ]
+    options.add_rows(parser, written)
     options.add_reading(parser)
     options.add_common(parser)
 

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lagrangian_ff.cli.common import options, simulated
+from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar, table
 from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
 from lagrangian_ff.errors import ArmError, UserError
@@ -13,6 +13,7 @@ from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.arm import Run
+    from lagrangian_ff.cli.common.simulated import Hidden
 
 NAME = "simulate"
 SUMMARY = "drive the simulated arm without ROS and write a bag"
@@ -35,12 +36,14 @@ what comes out:
   --feedforward true the arm gets its own true torques: no model can do better."""
 
 
+CLOSE = 0.05
+"""An effect that misses its wanted size by no more than this share has it."""
+
+
 def add_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--output", required=True, type=Path, metavar="BAG", help="the bag folder to write"
-    )
+    options.add_rows(parser, [("--output", Path, "BAG", "the bag folder to write")], required=True)
     group = parser.add_argument_group("the motion")
-    speed = f"speed of an exciting trajectory through the workspace (default: {simulated.SPEED})"
+    speed = "speed of an exciting trajectory through the workspace (default: 5)"
     group.add_argument("--speed", type=int, choices=range(1, 11), metavar="1..10", help=speed)
     options.add_rows(
         group,
@@ -70,13 +73,14 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_arguments(arguments)
+    from lagrangian_ff.arm import PAPER_LOADS, simulate, write_trajectory
+    from lagrangian_ff.cli.common import simulated
+    from lagrangian_ff.recording import write_bag
+
     paper = arguments.loads == ["paper"]
     given = {} if paper else options.assignments("--loads", arguments.loads)
     asked = simulated.wanted(arguments.hidden)
     options.load_own_effects(arguments, console)
-    from lagrangian_ff.arm import PAPER_LOADS, simulate, write_trajectory
-    from lagrangian_ff.recording import write_bag
-
     source = simulated.motion_file(arguments)
     trajectory = simulated.motion_of(source, arguments, console)
     feedforward = simulated.torque_of(arguments.feedforward, trajectory, console)
@@ -124,7 +128,7 @@ def _check_arguments(arguments: Namespace) -> None:
         raise UserError("the simulated arm needs PyBullet: pip install pybullet")
 
 
-def _record(done: "Run", inside: simulated.Hidden, arguments: Namespace) -> dict[str, Any]:
+def _record(done: "Run", inside: "Hidden", arguments: Namespace) -> dict[str, Any]:
     error = done.tracking_error
     return {
         "bag": str(arguments.output),
@@ -145,13 +149,22 @@ def _sizes(error: Any) -> dict[str, float]:
     return {"rms": float((error**2).mean() ** 0.5), "largest": float(abs(error).max())}
 
 
+def _in_words(hidden: dict[str, Any]) -> str:
+    text = (
+        f"hidden in the arm: {hidden['physics']} ({hidden['effect']} on {hidden['joint']}), "
+        f"{hidden['size']:.1%} of the joint's torque"
+    )
+    less = hidden["size"] < (1.0 - CLOSE) * hidden["wanted"]
+    return f"{text}, as much as this physics can make" if less else text
+
+
 def _say(record: dict[str, Any], arguments: Namespace, console: Console) -> None:
     console.say(
         f"drove {record['seconds']:.1f} s, feedforward: {arguments.feedforward}; "
         "tracking error, reference less measured position"
     )
     for found in record["hidden"]:
-        console.paragraph(simulated.in_words(found))
+        console.paragraph(_in_words(found))
     rows = []
     for name, one in [*record["joints"].items(), ("all joints", record)]:
         share = one.get("saturated", 0.0)

@@ -1,15 +1,23 @@
 """A motion of the simulated arm that keeps clear of itself, the floor and its torque limits."""
 
-from typing import TYPE_CHECKING
+from functools import partial
 
+import numpy as np
+
+from lagrangian_ff.arm import (
+    HOME,
+    JOINTS,
+    PAPER_LOADS,
+    Trajectory,
+    check_clearance,
+    check_limits,
+    limits,
+    true_torque,
+)
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.excite import Limits, excite
 from lagrangian_ff.errors import ArmError
 from lagrangian_ff.progress import Progress, silent
-
-if TYPE_CHECKING:
-    from lagrangian_ff.arm import Trajectory
-    from lagrangian_ff.arrays import Floats
-    from lagrangian_ff.diagnosis.excite import Limits
-
 
 REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
 """The shares of the way to the limits that are tried."""
@@ -26,12 +34,12 @@ _REACH = 0.5  # of the range, that poses are drawn from
 def clear_motion(
     motion: str,
     joint: str | None,
-    start: "Floats | None" = None,
+    start: Floats | None = None,
     duration: float | None = None,
     reach: float = 1.0,
     seed: int = 0,
     progress: Progress = silent,
-) -> "Trajectory":
+) -> Trajectory:
     """Return the widest motion that the arm can follow; poses that load the joint come first.
 
     Args:
@@ -48,33 +56,19 @@ def clear_motion(
         ArmError: none was found that is free of contact and within the torque limits.
         ModelError: see `excite`.
     """
-    import numpy as np
-
-    from lagrangian_ff.arm import HOME, JOINTS, Trajectory, check_limits
-    from lagrangian_ff.diagnosis.excite import excite
-
     home = np.array(HOME) if start is None else start
     poses = [home] if start is not None or joint is None else _poses(joint)
     bounds = _limits()
     tries = [(share, pose) for share in REACHES for pose in poses]
+    made_by = partial(excite, motion, JOINTS, joint=joint, duration=duration, seed=seed)
     reason = ""
     for number, (share, pose) in enumerate(tries):
         progress(number / len(tries), "looking for a motion free of contact")
-        limits = bounds.around(pose, reach * share)
-        begin = np.clip(home, limits.q_low, limits.q_high) if start is None else home
+        around = bounds.around(pose, reach * share)
+        begin = np.clip(home, around.q_low, around.q_high) if start is None else home
         held = pose if start is None else None
         for tempo in TEMPOS:
-            gentle = limits.gentler(tempo)
-            made = excite(
-                motion,
-                JOINTS,
-                gentle,
-                joint=joint,
-                start=begin,
-                pose=held,
-                duration=duration,
-                seed=seed,
-            )
+            made = made_by(around.gentler(tempo), start=begin, pose=held)
             trajectory = Trajectory(made.time, made.q, made.qd, made.qdd, JOINTS)
             if not _too_hard(trajectory):
                 break
@@ -83,7 +77,9 @@ def clear_motion(
             continue
         check_limits(trajectory)
         try:
-            _check_clear(trajectory, loaded=motion == "payloads")
+            check_clearance(trajectory)
+            if motion == "payloads":
+                check_clearance(trajectory, PAPER_LOADS)
         except ArmError as error:
             reason = str(error)
             continue
@@ -95,21 +91,14 @@ def clear_motion(
     )
 
 
-def _limits() -> "Limits":
-    from lagrangian_ff.arm import JOINTS, limits
-    from lagrangian_ff.diagnosis.excite import Limits
-
+def _limits() -> Limits:
     arm = limits()
     whole = Limits(arm.lower, arm.upper, arm.velocity, arm.velocity / UNTIL_FAST)
     return Limits.within(whole, JOINTS)
 
 
-def _poses(joint: str) -> "list[Floats]":
+def _poses(joint: str) -> list[Floats]:
     """Return poses, (6,) rad each, in which gravity loads the joint most; home comes last."""
-    import numpy as np
-
-    from lagrangian_ff.arm import HOME, JOINTS, limits, true_torque
-
     bounds = limits()
     share = np.random.default_rng(0).uniform(-_REACH, _REACH, (_DRAWN, len(JOINTS)))
     drawn = np.where(share < 0.0, -share * bounds.lower, share * bounds.upper)
@@ -119,19 +108,6 @@ def _poses(joint: str) -> "list[Floats]":
     return [*drawn[heaviest], np.array(HOME)]
 
 
-def _too_hard(trajectory: "Trajectory") -> bool:
-    import numpy as np
-
-    from lagrangian_ff.arm import limits, true_torque
-
+def _too_hard(trajectory: Trajectory) -> bool:
     torque = true_torque(trajectory.q[::2], trajectory.qd[::2], trajectory.qdd[::2])
     return bool(np.any(np.abs(torque) > USED_EFFORT * limits().effort))
-
-
-def _check_clear(trajectory: "Trajectory", loaded: bool) -> None:
-    """Raise ArmError if a motion touches something, with the paper's loads too if `loaded`."""
-    from lagrangian_ff.arm import PAPER_LOADS, check_clearance
-
-    check_clearance(trajectory)
-    if loaded:
-        check_clearance(trajectory, PAPER_LOADS)

@@ -56,8 +56,8 @@ class Console:
             self.paragraph(f"note: {text}", indent, f"{indent}      ")
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Return columns two spaces apart; those that hold numbers are aligned to the right."""
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return indented columns two spaces apart; those that hold numbers are aligned right."""
     columns = list(zip(header, *rows, strict=True))
     widths = [max(map(len, column)) for column in columns]
     right = [_numeric(column[1:]) for column in columns]
@@ -67,7 +67,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]], indent: str = " 
             cell.rjust(width) if to_right else cell.ljust(width)
             for cell, width, to_right in zip(row, widths, right, strict=True)
         ]
-        lines.append((indent + "  ".join(cells)).rstrip())
+        lines.append("  ".join(["", *cells]).rstrip())
     return lines
 
 
@@ -79,10 +79,8 @@ def _numeric(cells: Sequence[str]) -> bool:
 def progress_bar(title: str) -> Iterator[Progress]:
     """Show the progress of the work in the block, which reports it to what is yielded.
 
-    It goes to standard error: a bar on a terminal, else a line at the start and one at the end.
-
-    Args:
-        title: what is done, as in "identifying".
+    It goes to standard error: a bar on a terminal, else a line at the start and one at the end. The
+    title says what is done, as in "identifying".
     """
     if sys.stderr.isatty():
         yield from _bar(title)

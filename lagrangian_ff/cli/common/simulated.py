@@ -1,22 +1,20 @@
 """Motion, feedforward torque and hidden effects of the simulated arm."""
 
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from lagrangian_ff.arm import JOINTS, Trajectory, exciting_trajectory, read_trajectory, simulate
+from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Reference, Site, size, sized
+from lagrangian_ff.arm.hidden.base import together
+from lagrangian_ff.arm.simulation import Feedforward, Torque
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.sources import out_of_range
 from lagrangian_ff.errors import ModelError, UserError
-
-if TYPE_CHECKING:
-    from lagrangian_ff.arm import Trajectory
-    from lagrangian_ff.arm.hidden import HiddenEffect
-    from lagrangian_ff.arm.simulation import Feedforward
-    from lagrangian_ff.arrays import Floats
-
-    Torque = Callable[[Floats, Floats, Floats], Floats]
+from lagrangian_ff.identification import Model
 
 SPEED = 5
 """The speed of an exciting trajectory if the user gives none."""
@@ -24,8 +22,6 @@ SAME_MOTION = 1e-3
 """Positions of one motion differ by no more than this, rad."""
 SIZED_SEED, SIZED_SECONDS = 0, 20.0
 """Effects are sized along this motion, so that every recording is of the same arm; s."""
-CLOSE = 0.05
-"""An effect that misses its wanted size by no more than this share has it."""
 
 
 def motion_file(arguments: Namespace) -> Path | None:
@@ -38,14 +34,12 @@ def motion_file(arguments: Namespace) -> Path | None:
     return None
 
 
-def motion_of(path: Path | None, arguments: Namespace, console: Console) -> "Trajectory":
+def motion_of(path: Path | None, arguments: Namespace, console: Console) -> Trajectory:
     """Return the motion of a file, or an exciting one.
 
     Raises:
         ArmError: the file cannot be used, or no such motion was found.
     """
-    from lagrangian_ff.arm import exciting_trajectory, read_trajectory
-
     if path is not None:
         console.note(f"the motion is that of {path}")
         trajectory = read_trajectory(path)
@@ -56,7 +50,7 @@ def motion_of(path: Path | None, arguments: Namespace, console: Console) -> "Tra
         return exciting_trajectory(arguments.speed or SPEED, arguments.seed, arguments.duration)
 
 
-def torque_of(name: str, trajectory: "Trajectory", console: Console) -> "Feedforward":
+def torque_of(name: str, trajectory: Trajectory, console: Console) -> Feedforward:
     """Return the torque to add, as `lagrangian_ff.arm.simulate` takes it.
 
     Raises:
@@ -71,9 +65,7 @@ def torque_of(name: str, trajectory: "Trajectory", console: Console) -> "Feedfor
     return _of_model(Path(name), trajectory, console)
 
 
-def _of_csv(path: Path, trajectory: "Trajectory") -> "Floats":
-    from lagrangian_ff.arm import read_trajectory
-
+def _of_csv(path: Path, trajectory: Trajectory) -> Floats:
     given = read_trajectory(path)
     if given.effort is None:
         raise UserError(
@@ -93,10 +85,7 @@ def _of_csv(path: Path, trajectory: "Trajectory") -> "Floats":
     return given.effort_at(trajectory.time)
 
 
-def _of_model(path: Path, trajectory: "Trajectory", console: Console) -> "Torque":
-    from lagrangian_ff.arm import JOINTS
-    from lagrangian_ff.identification import Model
-
+def _of_model(path: Path, trajectory: Trajectory, console: Console) -> Torque:
     model = Model.load(path)
     if set(model.joints) != set(JOINTS):
         raise ModelError(
@@ -109,7 +98,7 @@ def _of_model(path: Path, trajectory: "Trajectory", console: Console) -> "Torque
     to_model = [JOINTS.index(name) for name in model.joints]
     to_arm = [model.joints.index(name) for name in JOINTS]
 
-    def torque(q: "Floats", qd: "Floats", qdd: "Floats") -> "Floats":
+    def torque(q: Floats, qd: Floats, qdd: Floats) -> Floats:
         return model.predict(q[:, to_model], qd[:, to_model], qdd[:, to_model])[:, to_arm]
 
     return torque
@@ -119,7 +108,7 @@ def _of_model(path: Path, trajectory: "Trajectory", console: Console) -> "Torque
 class Wanted:
     """An effect to hide, on a joint (0 to 5), of a size: its torque's rms over the joint's."""
 
-    effect: "HiddenEffect"
+    effect: HiddenEffect
     joint: int
     size: float
 
@@ -142,17 +131,12 @@ def wanted(texts: Sequence[str]) -> list[Wanted]:
     Raises:
         UserError: it is of another form, there is no such effect or joint, or it cannot be there.
     """
-    if not texts:
-        return []
-    from lagrangian_ff.arm import JOINTS
-    from lagrangian_ff.arm.hidden import HIDDEN
-
     asked = []
     for text in texts:
         place, colon, number = text.partition(":")
         name, at, joint = place.partition("@")
         try:
-            size = float(number)
+            share = float(number)
         except ValueError:
             colon = ""
         if not (at and colon):
@@ -164,30 +148,23 @@ def wanted(texts: Sequence[str]) -> list[Wanted]:
         possible = [JOINTS[n] for n in HIDDEN[name].joints]
         if joint not in possible:
             raise UserError(f"--hidden {text}: {name} can be on {', '.join(possible)}")
-        if not 0.0 < size <= 1.0:
+        if not 0.0 < share <= 1.0:
             raise UserError(
                 f"--hidden {text}: the size is the effect's torque over that of the joint, above 0 "
                 "and at most 1"
             )
-        asked.append(Wanted(HIDDEN[name], JOINTS.index(joint), size))
+        asked.append(Wanted(HIDDEN[name], JOINTS.index(joint), share))
     return asked
 
 
 def hidden(asked: Sequence[Wanted], recording: int) -> Hidden:
-    """Size and build the hidden effects.
-
-    Args:
-        asked: see `wanted`.
-        recording: number of the recording; effects that depend on chance follow it.
+    """Size and build the hidden effects; those that depend on chance follow the recording's number.
 
     Raises:
         UserError: two effects need a load at the tool, of which there can be one.
     """
     if not asked:
         return Hidden()
-    from lagrangian_ff.arm import JOINTS, exciting_trajectory, simulate
-    from lagrangian_ff.arm.hidden import Reference, Site, size, sized
-
     with progress_bar("sizing what is hidden") as progress:
         run = simulate(exciting_trajectory(SPEED, SIZED_SEED, SIZED_SECONDS), progress=progress)
     along = Reference.of(run)
@@ -206,26 +183,6 @@ def hidden(asked: Sequence[Wanted], recording: int) -> Hidden:
                 "facts": dict(part.facts),
             }
         )
-    attached = [part.attached for part in parts if part.attached is not None]
-    if len(attached) > 1:
+    if sum(part.attached is not None for part in parts) > 1:
         raise UserError("--hidden: the arm can take up one load only; name one payload")
-    return Hidden(
-        {
-            "effects": [effect for part in parts for effect in part.effects],
-            "sensors": [sensor for part in parts for sensor in part.sensors],
-            "gears": [gear for part in parts for gear in part.gears],
-            "attached": attached[0] if attached else None,
-        },
-        tuple(records),
-    )
-
-
-def in_words(record: dict[str, Any]) -> str:
-    """Return a hidden effect in words."""
-    text = (
-        f"hidden in the arm: {record['physics']} ({record['effect']} on {record['joint']}), "
-        f"{record['size']:.1%} of the joint's torque"
-    )
-    if record["size"] < (1.0 - CLOSE) * record["wanted"]:
-        text += ", as much as this physics can make"
-    return text
+    return Hidden(together(parts), tuple(records))

@@ -147,12 +147,7 @@ class OutOfRange:
 def out_of_range(
     model: "Model", time: "Floats", states: "tuple[Floats, Floats, Floats]"
 ) -> OutOfRange:
-    """Compare a motion with the range of a model.
-
-    Args:
-        time: (M,) s.
-        states: q, qd, qdd of the model's joints, (M, N) each.
-    """
+    """Compare a motion, (M,) s and q, qd, qdd, (M, N) each, with the range of a model."""
     import numpy as np
 
     from lagrangian_ff.nodes.streaming.ranges import excess

@@ -93,12 +93,7 @@ def _entry(found: "Found", every: Sequence[str]) -> "FittedEffect":
 
 
 def doubt(found: "Found", every: Sequence[str]) -> str:
-    """Return why a finding is not confirmed, and the motion to do; empty if it is.
-
-    Args:
-        found: the finding.
-        every: all joints of the arm.
-    """
+    """Return why a finding is not confirmed, and the motion to do; empty if it is."""
     if found.confirmed:
         return ""
     text = f"{found.effect.name} on {found.place(every)}"
@@ -167,13 +162,7 @@ def say_changed(changed: "Sequence[Changed]", model: str, console: Console) -> N
 
 
 def say_not_observable(diagnosis: "Diagnosis", model: str, console: Console) -> None:
-    """Print what the motion of a diagnosis could not have shown, and the motion to do.
-
-    Args:
-        diagnosis: the diagnosis.
-        model: the file of the model.
-        console: prints.
-    """
+    """Print what the motion could not have shown, and the motion to do; `model` is its file."""
     groups: dict[tuple[str, str], list[str]] = {}
     never = []
     for one in diagnosis.not_observable:
@@ -201,12 +190,7 @@ def excite(effect: str, joint: str, model: str) -> str:
 
 
 def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
-    """Return the commands to type next.
-
-    Args:
-        found: all that the run found.
-        saved: the file that holds its JSON; empty for none.
-    """
+    """Return the commands to type next; `saved` is the file that holds the JSON, empty for none."""
     diagnosis, model, sources = found.diagnosis, found.model_file, " ".join(found.sources)
     again = " ".join([sources, *(["--confirm", *found.confirm] if found.confirm else [])])
     lines = []

@@ -30,12 +30,7 @@ NOWHERE = "nowhere in particular: the error is spread evenly over the motion"
 
 
 def error_table(score: "Score", half: Mapping[str, float] | None = None) -> list[str]:
-    """Return the error of each joint and of all.
-
-    Args:
-        score: the errors.
-        half: the median error of each joint in N·m, which outliers do not move; of robust models.
-    """
+    """Return the error of each joint and of all; `half` is the median in N·m of robust models."""
     rows = [
         [name, number(rmse), *([number(half[name])] if half else []), number(nmse), grade(nmse)]
         for name, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)

@@ -32,9 +32,7 @@ def excite(
     """Return a motion that shows effects or separates look-alikes.
 
     Args:
-        motion: one of `NEXT_MOTIONS`.
-        joints: N names.
-        limits: never left.
+        motion: one of `NEXT_MOTIONS`.  joints: N names.  limits: never left.
         joint: the one to look at; None for all.
         start: (N,) rad, where it begins and ends; None for the pose.
         pose: (N,) rad, where the other joints are held meanwhile; None for the start, or without

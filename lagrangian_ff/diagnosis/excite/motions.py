@@ -190,8 +190,8 @@ class NextMotion:
         return self.seconds * max(1.0, 0.5 * joints) if self.one_each else self.seconds
 
 
-def _each(one: Callable[[Path, int, float], None]) -> Maker:
-    """Return the maker for one joint, or for all one after the other, each from the pose."""
+def _each(one: Callable[[Path, int, float], None], usual: float, meaning: str) -> NextMotion:
+    """Return the motion of one joint, or of all one after the other, each from the pose."""
 
     def make(path: Path, joint: int | None, seconds: float, seed: int) -> None:
         pose = path.at
@@ -201,7 +201,7 @@ def _each(one: Callable[[Path, int, float], None]) -> Maker:
             path.move(pose)
             path.rest(REST)
 
-    return make
+    return NextMotion(make, usual, meaning, one_each=True)
 
 
 NEXT_MOTIONS: dict[str, NextMotion] = {
@@ -211,34 +211,30 @@ NEXT_MOTIONS: dict[str, NextMotion] = {
         "All joints swing through their ranges at once, slow and fast in turn. It shows inertia, "
         "gravity and their couplings, and is what a model is best identified from.",
     ),
-    "speeds": NextMotion(
-        _each(speeds),
+    "speeds": _each(
+        speeds,
         60.0,
         "One joint runs both ways at constant speeds from creeping to its limit. It shows how "
         "friction depends on speed: viscous, quadratic, a power, unequal both ways.",
-        one_each=True,
     ),
-    "slow sweep": NextMotion(
-        _each(slow_sweep),
+    "slow sweep": _each(
+        slow_sweep,
         60.0,
         "One joint goes slowly through its whole range and back, then creeps at 0.005 to "
         "0.15 rad/s. It shows what depends on position (ripple, springs, worn places) without "
         "inertia, and the friction of creeping.",
-        one_each=True,
     ),
-    "reversals": NextMotion(
-        _each(reversals),
+    "reversals": _each(
+        reversals,
         60.0,
         "One joint reverses again and again, with strokes of 0.1 mrad to 0.15 rad at two speeds. "
         "It separates dry friction, hysteresis before sliding, and backlash.",
-        one_each=True,
     ),
-    "chirp": NextMotion(
-        _each(rising),
+    "chirp": _each(
+        rising,
         40.0,
         "One joint trembles by a few mrad, from 0.3 to 10 Hz. It separates a delay (grows with the "
         "frequency) from elasticity (grows with its square).",
-        one_each=True,
     ),
     "one by one": NextMotion(
         one_by_one,

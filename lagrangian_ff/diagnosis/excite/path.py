@@ -99,8 +99,7 @@ class Path:
     that the quintics between the points are the motion itself.
 
     Args:
-        start: (N,) rad, where it begins.
-        limits: never left.
+        start: (N,) rad, where it begins.  limits: never left.
 
     Attributes:
         at: (N,) rad, where it ends so far.
@@ -111,11 +110,6 @@ class Path:
         self.at = np.array(start, dtype=np.float64)
         still = np.zeros((1, len(self.at)))
         self._parts = [(self.at[None, :].copy(), still, still)]
-
-    @property
-    def seconds(self) -> float:
-        """Return the s that the path lasts so far."""
-        return GRID * (sum(len(q) for q, _, _ in self._parts) - 1)
 
     def rest(self, seconds: float = REST) -> None:
         """Stay at rest."""
@@ -147,15 +141,14 @@ class Path:
         end[joint] = goal
         self.move(end, seconds)
 
-    def run(self, joint: int, goal: float, speed: float) -> float:
+    def run(self, joint: int, goal: float, speed: float) -> None:
         """Take one joint to rad at a constant speed in rad/s, with short smooth ramps.
 
-        Returns:
-            The speed it really has: less where the way is too short for the ramps.
+        The speed is less where the way is too short for the ramps.
         """
         way = goal - float(self.at[joint])
         if way == 0.0:
-            return 0.0
+            return
         hardness = float(self.limits.qdd_max[joint])
         # A ramp up takes 3/2 speed / acceleration; both together may take 0.6 of the way.
         top = min(speed, float(self.limits.qd_max[joint]), np.sqrt(0.4 * hardness * abs(way)))
@@ -175,7 +168,6 @@ class Path:
         qd[:, joint] = np.concatenate([up, np.full(cruise, top), top - up])
         qdd[:, joint] = np.concatenate([hard, np.zeros(cruise), -hard])
         self._append(q, qd, qdd)
-        return abs(float(top))
 
     def wave(self, shape: Callable[[Floats], Floats], seconds: float) -> None:
         """Follow positions that are a function of the share of the time, slower if need be.

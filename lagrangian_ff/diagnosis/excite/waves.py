@@ -90,8 +90,7 @@ def pair(pose: Floats, first: int, second: int | None, sign: float, reach: Float
 
     Args:
         pose: (N,) rad, the middle of both.
-        first, second: joints; the second may be None.
-        sign: of the second.
+        first, second: joints; the second may be None.  sign: of the second.
         reach: (N,) rad to both sides.
     """
 

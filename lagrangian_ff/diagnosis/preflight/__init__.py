@@ -40,7 +40,6 @@ def preflight(model: Model, motion: Motion, others: Sequence[Motion] = ()) -> li
     """Return the faults that the checks find in a measurement, serious ones first.
 
     Args:
-        model: the model.
         motion: measured; may hold more joints than the model, in any order.
         others: further recordings, in which the same motion may occur again.
 

@@ -28,8 +28,7 @@ class Check:
     """A finding of one check.
 
     Attributes:
-        check: its name.
-        joint: the one it concerns; None for all.
+        check: its name.  joint: the one it concerns; None for all.
         finding: a sentence for people.
         serious: whether it must be mended before any effect is believed.
         advice: what to do; empty for nothing.
@@ -51,10 +50,8 @@ class Case:
     """A model and a measured motion, side by side.
 
     Attributes:
-        model: the model.
-        motion: the recording, its joints in the model's order.
-        others: further recordings, likewise.
-        thin: the motion at about `THIN`.
+        model: the model.  motion: the recording, its joints in the model's order.
+        others: further recordings, likewise.  thin: the motion at about `THIN`.
         predicted: (M, N) N·m at the samples of `thin`.
         correlation: (N,) of measured and predicted torque, inside the model's range; 0 if that is
             less than `ENOUGH` seconds.

@@ -35,9 +35,7 @@ class Score:
     """A candidate compared with the residual.
 
     Attributes:
-        candidate: the candidate.
-        log_bf: nats, tempered.
-        variance_inflation: f.
+        log_bf: of the candidate, nats, tempered.  variance_inflation: f.
         survival: the share of its whitened columns that remains after projection, 0 to 1.
         coefficients: (P,) its parameters, in their units.
         size: N·m, root mean square of its torque on the samples used.
@@ -68,8 +66,7 @@ def tempered_log_bf(
     """Return ½ cᵀ (A + I)⁻¹ c − ½ log |A + I|, (..., R) nats.
 
     Args:
-        sums: (..., R, P) c times f.
-        information: (..., P, P) A times f.
+        sums: (..., R, P) c times f.  information: (..., P, P) A times f.
         variance_inflation: (...) f.
     """
     f = np.asarray(variance_inflation)[..., None, None]
@@ -94,8 +91,6 @@ def scores(
     """Return the scores of candidates.
 
     Args:
-        whitened: the motion.
-        candidates: in any order.
         coarse: compute in single precision, for a first pass over many.
 
     Returns:
@@ -199,12 +194,10 @@ def refined(whitened: Whitened, best: Score) -> Score:
             continue
         reach = (high / low) ** (1.0 / max(len(set(tried_first)) - 1, 1))
         for _ in range(ROUNDS):
-            value = best.candidate.shape[shape.name]
-            around = np.clip(value * reach ** np.linspace(-0.75, 0.75, POINTS), low, high)
-            tried = [
-                replace(best.candidate, shape={**best.candidate.shape, shape.name: float(v)})
-                for v in around
-            ]
+            mine = best.candidate
+            steps = reach ** np.linspace(-0.75, 0.75, POINTS)
+            around = np.clip(mine.shape[shape.name] * steps, low, high).tolist()
+            tried = [replace(mine, shape={**mine.shape, shape.name: value}) for value in around]
             best = max([best, *scores(whitened, tried)], key=lambda score: score.log_bf)
             reach = reach**0.5
     return best

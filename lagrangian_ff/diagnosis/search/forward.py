@@ -85,11 +85,8 @@ def search(
         best = best_of_each(found, causes)
         null = MaximumNull.of([score for score in found if not score.once])
         rounds.append((found, best, null))
-        eligible = [
-            score
-            for score in best
-            if _stands_out(score, null, whitened) and possible(score, causes)
-        ]
+        strong = [score for score in best if _stands_out(score, null, whitened)]
+        eligible = [score for score in strong if possible(score, causes)]
         if change is None and may_change and (not taken or not eligible):
             change = change_of(whitened)
             if change is not None and change.log_bayes_factor > _to_beat(whitened, eligible):
@@ -217,10 +214,7 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
 def _expected_log_bf(score: Score) -> float:
     """Return the mean log Bayes factor of the effect at `observable_size` of the joint's torque."""
     information = score.information / score.variance_inflation
-    signal = (
-        float(np.trace(information))
-        / len(information)
-        * (thresholds.USED.observable_size / PRIOR_SHARE) ** 2
-    )
+    size = thresholds.USED.observable_size / PRIOR_SHARE
+    signal = float(np.trace(information)) / len(information) * size**2
     price = float(np.linalg.slogdet(np.eye(len(information)) + information)[1])
     return 0.5 * (signal - price)

@@ -148,9 +148,7 @@ def frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
     whitened = found.whitened
     places = [place for _, place in whitened.basis.slices()][found.own :]
     values = whitened.system.coefficients
-    deviation = np.sqrt(
-        np.maximum(whitened.system.amplitude * np.diag(whitened.system.covariance), 0.0)
-    )
+    deviation = whitened.system.deviations
     out = []
     waiting = iter(places)
     for step in found.steps:

@@ -97,8 +97,7 @@ def judge(
 
     Args:
         whitened: the motion, as it was searched.
-        first: the best candidate of the joint; or of all.
-        best: every candidate at its best shape.
+        first: the best candidate of the joint; or of all.  best: every candidate at its best shape.
         null: of the maximum, for the p-value.
         effects: that may be missing; None takes the catalogue.
     """
@@ -107,15 +106,11 @@ def judge(
     here = [score for score in best if score.candidate.joint == joint and score.log_bf > 0.0]
     name = next((score for score in (first, *here) if score.candidate.named), None)
     free = next((score for score in (first, *here) if not score.candidate.named), None)
-    leaders = [
-        score
-        for score in (name, free)
-        if score is not None and (score is first or score.log_bf > limits.near * first.log_bf)
-    ]
-    explained = [
-        (whitened.basis, whitened.problem.nuisance),
-        *(explained_with(whitened, one.candidate) for one in leaders),
-    ]
+    both = [score for score in (name, free) if score is not None]
+    near = limits.near * first.log_bf
+    leaders = [score for score in both if score is first or score.log_bf > near]
+    explained = [(whitened.basis, whitened.problem.nuisance)]
+    explained += [explained_with(whitened, one.candidate) for one in leaders]
     problem, *problems = threads.side_by_side(lambda one: refit(whitened, *one), explained)
     # One factor at a time: that of the effect, which mostly wins, is made last.
     without = evidence_without(whitened, problem)
@@ -157,8 +152,7 @@ class _View:
     """One joint with the hyperparameters that suit one candidate.
 
     Attributes:
-        leader: that candidate.
-        problem: with these hyperparameters.
+        leader: that candidate.  problem: with these hyperparameters.
         base: log evidence of the problem without the candidate.
         name, others: the best effect at its best shape, and the other effects.
         free: the best curve.
@@ -184,11 +178,8 @@ class _View:
         refitted = whitened.assuming(problem)
         candidates = candidates_of(refitted, [joint], effects)
         causes = causes_of(refitted.basis)
-        found = [
-            score
-            for score in best_of_each(scores(refitted, candidates), causes)
-            if score.log_bf > 0.0 and possible(score, causes)
-        ]
+        every = best_of_each(scores(refitted, candidates), causes)
+        found = [one for one in every if one.log_bf > 0.0 and possible(one, causes)]
         # An event as leader was not compared with the null: only events may take its place.
         best = [one for one in found if one.candidate.named and (one.once or not leader.once)]
         best = [
@@ -196,9 +187,8 @@ class _View:
             for number, one in enumerate(best)
             if number < REFINED or one.candidate.effect.plain
         ]
-        names = _plain_first(
-            sorted(best, key=lambda one: -_penalised(refitted, one)), bare(refitted, joint)
-        )
+        ranked = sorted(best, key=lambda one: -_penalised(refitted, one))
+        names = _plain_first(ranked, bare(refitted, joint))
         free = next((one for one in found if not one.candidate.named), None)
         refitted.forget()
         base = refitted.system.log_evidence

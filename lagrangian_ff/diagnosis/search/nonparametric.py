@@ -50,8 +50,7 @@ class SplineProduct:
     """Friction over the positions of two joints, as of a hose or a cable.
 
     Attributes:
-        name, coordinate: as of a spline.
-        other: the second joint.
+        name, coordinate: as of a spline.  other: the second joint.
         knots: (K,) of each of the two.
     """
 
@@ -75,8 +74,7 @@ class Sinusoid:
     """A torque that swings at one frequency, as of a floor, a pump or a controller.
 
     Attributes:
-        name, coordinate: as of a spline.
-        frequency: Hz.
+        name, coordinate: as of a spline.  frequency: Hz.
     """
 
     name: str
@@ -187,8 +185,7 @@ def sinusoids(time: Floats, residual: Floats) -> list[Sinusoid]:
     """Return a sinusoid for each joint, at the frequency where its residual swings most.
 
     Args:
-        time: (M,) s, evenly spaced.
-        residual: (M, N) N·m.
+        time: (M,) s, evenly spaced.  residual: (M, N) N·m.
     """
     step = usual_step(time)
     if not 0.0 < step < np.inf or len(time) < SHORTEST:

@@ -90,11 +90,8 @@ def best_of_each(
         for held in (best, known) if score.candidate.cause in causes else (best,):
             if key not in held or score.log_bf > held[key].log_bf:
                 held[key] = score
-    again = {
-        k: score
-        for k, score in known.items()
-        if score.log_bf > thresholds.USED.same_cause * best[k].log_bf
-    }
+    share = thresholds.USED.same_cause
+    again = {key: one for key, one in known.items() if one.log_bf > share * best[key].log_bf}
     return sorted({**best, **again}.values(), key=lambda score: -score.log_bf)
 
 
@@ -104,7 +101,6 @@ def rivals(
     """Return the effects that are not clearly worse than the best.
 
     Args:
-        best: the best one.
         others: at their best shapes, on the same whitened motion.
         more: for each of the others, (B,) nats by block that the best and the other gain on
             another recording, with frozen coefficients.

@@ -24,15 +24,13 @@ class Bins:
     """One joint's residual over one coordinate, in K bins that each hold the same share of time.
 
     Attributes:
-        coordinate: what the bins divide.
-        joint: its name.
+        coordinate: what the bins divide.  joint: its name.
         low, high: (K,) the ends of each bin; equal for a coordinate of few values.
         mean: (K,) N·m, the mean residual.
         mean_low, mean_high: (K,) N·m, its 90 % band from a bootstrap over blocks of 1 s; the mean
             itself if the motion is too short.
         rms: (K,) N·m.
-        share_of_error: (K,) of the joint's squared error.
-        share_of_time: (K,) of the samples.
+        share_of_error: (K,) of the joint's squared error.  share_of_time: (K,) of the samples.
         explained: the share of the joint's squared error that a function of this coordinate would
             take away; what the means owe to chance, by the bootstrap, is not counted.
     """
@@ -62,51 +60,40 @@ class Bins:
         }
 
 
-def edges_of(values: Floats, count: int) -> Floats:
-    """Return (K+1,) edges of at most `count` bins that hold the same number of the finite values.
-
-    Fewer if values are few or repeat; one edge, no bin, if nothing varies.
-    """
-    known = values[np.isfinite(values)]
-    count = min(count, len(known) // FEWEST_SAMPLES)
-    if count < 2 or float(np.ptp(known)) <= 1e-9 * max(1.0, float(np.abs(known).max())):
-        return np.zeros(1)
-    return np.unique(np.quantile(known, np.linspace(0.0, 1.0, count + 1)))
-
-
 def divide(coordinate: Coordinate, values: Floats, count: int) -> tuple[Ints, Floats, Floats]:
-    """Return the bin of each sample, and the ends of the bins.
+    """Return the bin of each sample, and the ends of at most `count` bins of as many samples each.
 
     Returns:
         (M,) the bin of each sample, -1 where the coordinate has no value; (K,) the low and (K,)
         the high end of each bin. K is 0 where the coordinate does not vary.
     """
     code = np.full(len(values), -1, dtype=np.int64)
+    nothing = code, np.zeros(0), np.zeros(0)
     if coordinate.levels:
         found = np.array([level for level in coordinate.levels if np.any(values == level)])
         if len(found) < 2:
-            return code, np.zeros(0), np.zeros(0)
+            return nothing
         for k, level in enumerate(found):
             code[values == level] = k
         return code, found, found
-    edges = edges_of(values, count)
+    known = values[np.isfinite(values)]
+    count = min(count, len(known) // FEWEST_SAMPLES)
+    if count < 2 or float(np.ptp(known)) <= 1e-9 * max(1.0, float(np.abs(known).max())):
+        return nothing
+    edges = np.unique(np.quantile(known, np.linspace(0.0, 1.0, count + 1)))
     if len(edges) < 3:
-        return code, np.zeros(0), np.zeros(0)
+        return nothing
     inside = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
     return np.where(np.isfinite(values), inside, -1), edges[:-1], edges[1:]
 
 
 def bins_of(
-    series: ResidualSeries, joint: int, coordinate: Coordinate, count: int = BINS, seed: int = 0
+    series: ResidualSeries, joint: int, coordinate: Coordinate, count: int = BINS
 ) -> Bins | None:
     """Return the mean of a joint's residual by bin; None if the coordinate does not vary.
 
     Args:
-        series: the residual and what it may depend on.
-        joint: its index.
-        coordinate: what to divide.
         count: how many bins; a coordinate of few values has one for each.
-        seed: of the bootstrap.
     """
     code, low, high = divide(coordinate, coordinate.values(series, joint), count)
     size = len(low)
@@ -117,18 +104,14 @@ def bins_of(
     kept = code >= 0
     place = block[kept] * size + code[kept]
     length = (int(block[-1]) + 1) * size
-    sums = np.stack(
-        [
-            np.bincount(place, weight, minlength=length).reshape(-1, size)
-            for weight in (np.ones(int(kept.sum())), r[kept], r[kept] ** 2)
-        ],
-        axis=1,
-    )
+    weights = np.ones(len(place)), r[kept], r[kept] ** 2
+    counted = [np.bincount(place, one, minlength=length).reshape(-1, size) for one in weights]
+    sums = np.stack(counted, axis=1)
     count_in, total, squared = sums.sum(axis=0)
     mean, mean_square = total / count_in, squared / count_in
     means = mean[None]
     if len(sums) >= FEWEST_BLOCKS:
-        drawn = resampled(sums[:, :2], seed)
+        drawn = resampled(sums[:, :2])
         with np.errstate(divide="ignore", invalid="ignore"):
             means = drawn[:, 1] / drawn[:, 0]
     mean_low, mean_high = band(means)

@@ -25,8 +25,7 @@ class Coordinate:
     """Something that a residual may depend on.
 
     Attributes:
-        name: as in records.
-        unit: SI, empty for a number.
+        name: as in records.  unit: SI, empty for a number.
         label: of an axis, without the unit.
         values: (M,) of a series and a joint; NaN where it has none.
         words: an interval as a person would say it, as in "below 0.1 rad/s".

@@ -124,8 +124,7 @@ class Compared:
     """A model file compared with recordings, as a page shows it and JSON holds it.
 
     Attributes:
-        model: the file.
-        sources: the recordings.
+        model: the file.  sources: the recordings.
         where: the error and its localisation.
     """
 
@@ -142,8 +141,7 @@ def locate(model: Model, comparison: Comparison, progress: Progress = silent) ->
     """Return where a model fails; the same data give the same words.
 
     Args:
-        model: the model; its load and its range are coordinates.
-        comparison: of the model with a motion.
+        model: its load and its range are coordinates.
         progress: receives the share done, 0 to 1.
     """
     motion = comparison.motion

@@ -11,6 +11,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis.where.series import ResidualSeries, block_orders
+from lagrangian_ff.record_json import by_name
 
 SAMPLES = 6000
 HIGHEST = 200.0
@@ -33,8 +34,7 @@ class Line:
     """A wave that stands out.
 
     Attributes:
-        order: waves a turn.
-        amplitude: N·m.
+        order: waves a turn.  amplitude: N·m.
     """
 
     order: float
@@ -48,8 +48,7 @@ class Spectrum:
     Attributes:
         joint: its name.
         resolution: the difference of orders that shows: one over the turns the joint travelled.
-        order: (K,) waves a turn.
-        amplitude: (K,) N·m.
+        order: (K,) waves a turn.  amplitude: (K,) N·m.
         noise: (K,) N·m, below which 95 % lie where the residual is not tied to the angle.
         lines: those that stand out, the strongest first.
         spread: N·m, rms of the residual without its mean.
@@ -74,17 +73,10 @@ class Spectrum:
 
     def record(self) -> dict[str, object]:
         """Return the spectrum for JSON."""
-        return {
-            "joint": self.joint,
-            "resolution": self.resolution,
-            "order": self.order.tolist(),
-            "amplitude": self.amplitude.tolist(),
-            "noise": self.noise.tolist(),
-            "lines": [
-                {"order": line.order, "amplitude": line.amplitude, "share": self.share(line)}
-                for line in self.lines
-            ],
-        }
+        found = by_name(self)
+        del found["spread"]
+        lines = [{**by_name(line), "share": self.share(line)} for line in self.lines]
+        return {**found, "lines": lines}
 
 
 def order_spectrum(series: ResidualSeries, joint: int, seed: int = 0) -> Spectrum | None:
@@ -93,8 +85,6 @@ def order_spectrum(series: ResidualSeries, joint: int, seed: int = 0) -> Spectru
     None if the joint hardly moves or errs, or the motion is too short.
 
     Args:
-        series: the residual and the angle.
-        joint: its index.
         seed: of the random orders of blocks that give the noise.
     """
     small = series.thinned(SAMPLES)
@@ -107,10 +97,8 @@ def order_spectrum(series: ResidualSeries, joint: int, seed: int = 0) -> Spectru
         return None
     order = np.arange(max(1.0, resolution), HIGHEST, max(FINEST_STEP, 0.25 * resolution))
     residuals = np.concatenate([r[None], r[block_orders(small.motion.time, SHUFFLES, seed)]])
-    amplitude = np.concatenate(
-        [_amplitudes(q, residuals, order[k : k + CHUNK]) for k in range(0, len(order), CHUNK)],
-        axis=1,
-    )
+    chunks = (order[k : k + CHUNK] for k in range(0, len(order), CHUNK))
+    amplitude = np.concatenate([_amplitudes(q, residuals, chunk) for chunk in chunks], axis=1)
     measured, chance = amplitude[0], amplitude[1:]
     noise = np.quantile(chance, 1.0 - CHANCE, axis=0)
     usual = np.maximum(np.median(chance, axis=0), 1e-300)

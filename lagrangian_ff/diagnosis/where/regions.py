@@ -50,8 +50,7 @@ class Condition:
     """An interval of one coordinate.
 
     Attributes:
-        coordinate: its name.
-        low, high: the ends, both included.
+        coordinate: its name.  low, high: the ends, both included.
         words: as in "below 0.1 rad/s".
     """
 
@@ -72,12 +71,10 @@ class Region:
     """A part of the motion that holds clearly more of a joint's error than of its time.
 
     Attributes:
-        joint: its name.
-        conditions: one or two, all of them met.
+        joint: its name.  conditions: one or two, all of them met.
         share_of_error: of the joint's squared error.
         band: 90 % of it, from a bootstrap over blocks of 1 s.
-        share_of_time: of the samples.
-        rms: N·m, of the residual inside.
+        share_of_time: of the samples.  rms: N·m, of the residual inside.
     """
 
     joint: str
@@ -130,8 +127,7 @@ class Axis:
     """One coordinate of a scan: its bins, and the intervals made of neighbouring ones.
 
     Attributes:
-        coordinate: which.
-        code: (M,) the bin of each sample, -1 for none.
+        coordinate: which.  code: (M,) the bin of each sample, -1 for none.
         low, high: (K,) the ends of the bins.
         intervals: (I, 2) first and last bin of each interval; never all bins.
     """

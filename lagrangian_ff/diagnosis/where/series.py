@@ -3,7 +3,7 @@
 Neighbouring samples of a motion are not independent, so that chance is estimated block by block.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -49,21 +49,15 @@ class ResidualSeries:
         if step <= 1:
             return self
         part = slice(None, None, step)
-        return replace(
-            self,
-            motion=self.motion.take(part),
-            residual=self.residual[part],
-            load=self.load[part],
-            excess=self.excess[part],
-        )
+        arrays = self.residual[part], self.load[part], self.excess[part]
+        return ResidualSeries(self.motion.take(part), *arrays)
 
 
-def resampled(sums: "NDArray[Any]", seed: int) -> Floats:
+def resampled(sums: "NDArray[Any]", seed: int = 0) -> Floats:
     """Return sums over blocks that are drawn with replacement.
 
     Args:
         sums: (B, ...) what each of B blocks adds.
-        seed: of the draws.
 
     Returns:
         (R, ...) the sums over B blocks drawn R = `REPEATS` times.
@@ -85,8 +79,7 @@ def block_orders(time: Floats, repeats: int, seed: int) -> Ints:
 
     Args:
         time: (M,) s; the blocks last `BLOCK_SECONDS` and are cut at another place each time.
-        repeats: S.
-        seed: of what is drawn.
+        repeats: S.  seed: of what is drawn.
     """
     rng = np.random.default_rng(seed)
     count, steps = len(time), np.diff(time)

@@ -88,15 +88,12 @@ def refit(
     basis: Basis,
     nuisance: tuple[Nuisance, ...] = (),
     change: tuple[float, float, float] | None = None,
-    progress: Progress = silent,
 ) -> Problem:
     """Return the problem with hyperparameters refitted while more is explained.
 
     Args:
-        whitened: a motion.
         basis, nuisance: the effects and the columns that are explained.
         change: instead of that of the problem; None keeps that one.
-        progress: receives the share done, 0 to 1.
     """
     change = change or whitened.problem.change
     whole = replace(whitened.problem.having(basis=basis), nuisance=nuisance, change=change)
@@ -105,7 +102,7 @@ def refit(
     sliding = sliding_of(problem.kernel, whitened.joints)
     start = _started(samples, samples.tau, samples.states, basis, sliding)
     with threadpool_limits(1):
-        return _maximised(problem, _about(start), AGAIN, progress)
+        return _maximised(problem, _about(start), AGAIN, silent)
 
 
 def _started(
@@ -114,7 +111,6 @@ def _started(
     """Return the problem before the fit.
 
     Args:
-        samples: of the problem.
         tau: (M, N) N·m and states: (M, N) give the scales.
         basis: the effects already in the model.
         sliding: (N,) 1 for a joint that slides; None if all turn.
@@ -201,11 +197,8 @@ def _by_gain(problem: Problem) -> Callable[[Floats], float]:
     def evidence(gain: Floats) -> float:
         unit = problem.unit[0] * gain
         scale = problem.unit / unit
-        scaled = replace(
-            system,
-            white_design=system.white_design * scale[problem.basis.joints],
-            white_target=white @ scale,
-        )
+        design = system.white_design * scale[problem.basis.joints]
+        scaled = replace(system, white_design=design, white_target=white @ scale)
         return scaled.log_evidence - len(problem.samples) * float(np.sum(np.log(unit)))
 
     return evidence

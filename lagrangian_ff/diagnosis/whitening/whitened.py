@@ -41,8 +41,7 @@ class Whitened:
 
     Attributes:
         motion: the whole motion.
-        index: (S,) the samples used.
-        block: (S,) the block of time of each.
+        index: (S,) the samples used.  block: (S,) the block of time of each.
         inputs: the whole motion as effects read it.
         problem: of the samples used: a serial arm of unknown masses with white noise on every
             joint, the effects already in the model with free parameters, and nuisance columns.
@@ -147,7 +146,6 @@ class Whitened:
 
         Args:
             columns: (S, K) N·m.
-            joint: the joint.
             coarse: whether many columns at once come in single precision, which is twice as fast
                 and exact enough to choose by.
         """
@@ -175,9 +173,7 @@ class Whitened:
         x = States.of(motion.q, motion.qd, motion.qdd)
         speed = self.basis.sign_speed(self.joints)
         inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
-        load, torque = self._predicted(
-            inputs, self.system.weights, self.system.coefficients[: self.basis.size]
-        )
+        load, torque = self._predicted(inputs, self.system.weights, self.system.coefficients)
         return replace(inputs, load=load, torque=torque, rotor=self._rotor)
 
     @property
@@ -200,10 +196,9 @@ class Whitened:
 
         def predict(number: int) -> None:
             here = np.flatnonzero(nearest == number)
+            x = self.inputs.take(here)
             coefficients = self.system.coefficients + left[number].change
-            load[here], torque[here] = self._predicted(
-                self.inputs.take(here), weights[:, number], coefficients[: self.basis.size]
-            )
+            load[here], torque[here] = self._predicted(x, weights[:, number], coefficients)
 
         threads.side_by_side(predict, range(len(left)))
         whole = replace(self.inputs, load=load, torque=torque, rotor=self._rotor)
@@ -338,9 +333,8 @@ def _response(upper: Floats, joints: int, joint: int) -> Floats:
         own = own[(own >= here.start) & (own < here.stop)]
         out[own // joints, own] = 1.0
         corner = upper[here, here]
-        out[known, here] = solve_triangular(
-            corner, out[known, here].T, trans=1, check_finite=False
-        ).T
+        solved = solve_triangular(corner, out[known, here].T, trans=1, check_finite=False)
+        out[known, here] = solved.T
     return out
 
 

@@ -31,7 +31,6 @@ def reach(posterior: Posterior, block: Ints) -> Floats:
     of the fit.
 
     Args:
-        posterior: of the model.
         block: (M,) the block of time each training sample lies in.
 
     Returns:

@@ -73,7 +73,7 @@ class Uncertainty:
         if kept is None:
             return cls.of(model).thinned(QUICK)
         made = Blueprint.of(model)
-        ones = np.ones_like(model.training_tau)
+        ones = np.ones((len(made.seen), len(model.joints)))
         weight = ones if made.weight is None else heavy_tailed(made.weight)
         subset = SubsetOfData(made, _data(model).take(made.seen), weight, QUICK)
         return cls(model, kept, subset.fit())

@@ -124,9 +124,12 @@ def choose(
         # A scaling that is clearly worse with one kernel is so with the next.
         used = [one.latest.prior.scaling for one in kept]
         left = [scaling for scaling in scalings if any(one is scaling for one in used)]
-        starts = [_Candidate.started(kernel, scaling, samples) for scaling in left or scalings]
-        kept += [one for start in starts if (one := improved(start, first, rough))]
-        kept = _not_clearly_worse(kept, criterion)
+        starts = [Problem.started(kernel, samples, scaling) for scaling in left or scalings]
+        candidates = [_Candidate(kernel, start, start, start) for start in starts]
+        kept += [one for candidate in candidates if (one := improved(candidate, first, rough))]
+        if criterion == "validation":
+            least = min((one.cost for one in kept), default=0.0)
+            kept = [one for one in kept if one.cost <= WORSE * least]
     if not kept:
         raise no_factor(spec.text, samples.x.qd, samples.x.qdd)
     pairs = [(improved(one, second, rough) or one, one) for one in kept]
@@ -140,8 +143,7 @@ def choose(
         if final and (criterion == "evidence" or final.cost < best.cost):
             best = final
     shown = samples.thinned(shaped // samples.x.joints)
-    candidates = tuple(one.shown(criterion) for one in tried)
-    chosen = Chosen(best.spec, best.choice.of(shown), candidates)
+    chosen = Chosen(best.spec, best.choice.of(shown), tuple(one.shown(criterion) for one in tried))
     progress(1.0, "fitting")
     chosen = _reshaped(chosen)
     if len(shown) == len(samples):
@@ -183,11 +185,6 @@ class _Candidate:
     evidence: float = -np.inf
     cost: float = np.inf
 
-    @classmethod
-    def started(cls, spec: Spec, scaling: Scaling, samples: Samples) -> "_Candidate":
-        start = Problem.started(spec, samples, scaling)
-        return cls(spec, start, start, start)
-
     def improved(self, samples: Samples, stage: Stage, progress: Progress) -> "_Candidate":
         """Return the candidate after some more steps."""
         count, steps = stage
@@ -212,14 +209,6 @@ class _Candidate:
         scale = "common" if np.ptp(self.latest.unit) == 0.0 else "joint"
         costs = {"evidence": self.evidence, criterion: self.cost}
         return Tried(self.spec.kernel.name, scale, self.samples, **costs)
-
-
-def _not_clearly_worse(candidates: list[_Candidate], criterion: str) -> list[_Candidate]:
-    """Return the candidates whose error on blocks left out is not far above the least."""
-    if criterion == "evidence":
-        return candidates
-    least = min((one.cost for one in candidates), default=0.0)
-    return [one for one in candidates if one.cost <= WORSE * least]
 
 
 def _least_error(problem: Problem, first: int) -> tuple[int, Problem, float]:

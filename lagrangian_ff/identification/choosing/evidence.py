@@ -13,6 +13,8 @@ arrive. A weak prior holds hyperparameters that the torques leave open.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
+from operator import attrgetter
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -125,8 +127,7 @@ def maximise_evidence(
 
     Args:
         problem: with the hyperparameters to begin with; its kernel is differentiable.
-        steps: at most.
-        prior: of the logarithms.
+        steps: at most.  prior: of the logarithms.
         progress: receives the share done, 0 to 1.
         shapes: whether the effects' shapes are chosen as well.
         enough: nats that a step must bring for another to be tried.
@@ -145,22 +146,14 @@ def maximise_evidence(
             raise NotPositiveDefiniteError("too little noise for a problem of many samples")
         return exact(tried)
 
-    density = Density(
-        prior,
-        at,
-        lambda found: found.log_evidence,
-        lambda found: derivatives(found, shapes=shapes),
-        *logarithms.ends,
-    )
+    def report(step: int) -> None:
+        progress(step / steps, "maximising the evidence")
+
+    evidence, by_logarithm = attrgetter("log_evidence"), partial(derivatives, shapes=shapes)
+    density = Density(prior, at, evidence, by_logarithm, *logarithms.ends)
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
-        return density.maximised(
-            begin,
-            steps,
-            lambda step: progress(step / steps, "maximising the evidence"),
-            enough,
-            damping,
-        )[1]
+        return density.maximised(begin, steps, report, enough, damping)[1]
 
 
 def quiet(problem: Problem, least: float) -> bool:

@@ -28,8 +28,7 @@ class Derivatives:
     """Derivatives of a log density by K logarithms.
 
     Attributes:
-        gradient: (K,).
-        curvature: (K, K) minus the second derivative, about.
+        gradient: (K,).  curvature: (K, K) minus the second derivative, about.
     """
 
     gradient: Floats
@@ -99,8 +98,7 @@ class Density(Generic[Found]):
         """Return a maximum and the solution there (Levenberg 1944, Marquardt 1963).
 
         Args:
-            point: where to begin.
-            steps: at most.
+            point: where to begin.  steps: at most.
             report: receives the number of each step.
             enough: nats that a step must bring for another to be tried.
             damping: of the first step; the farther the maximum may be, the more.

@@ -28,8 +28,7 @@ def best_shape(
 
     Args:
         found: posterior of the model so far.
-        effect, joint: to add.
-        given: known values of the shape.
+        effect, joint: to add.  given: known values of the shape.
 
     Raises:
         ModelError: the motion leaves no shape to try.
@@ -78,8 +77,7 @@ def refit_shapes(
 
     Args:
         found: posterior of the model so far, which gives the kernel and the noise.
-        basis: its terms, moved or new.
-        joint: to refit the friction of.
+        basis: its terms, moved or new.  joint: to refit the friction of.
         given: effect and name of each shape that stays.
     """
     x = found.problem.samples.x
@@ -150,7 +148,6 @@ def _orthonormal(columns: Floats) -> Floats:
     if columns.shape[1] == 0:
         return columns
     scale = np.sqrt(np.sum(columns**2, axis=0))
-    left, values, _ = np.linalg.svd(
-        columns / np.where(scale > 0.0, scale, 1.0), full_matrices=False
-    )
+    scaled = columns / np.where(scale > 0.0, scale, 1.0)
+    left, values, _ = np.linalg.svd(scaled, full_matrices=False)
     return np.asarray(left[:, values > 1e-9 * values.max(initial=0.0)])

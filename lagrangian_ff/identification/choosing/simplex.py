@@ -52,8 +52,7 @@ def search(
     """Return the problem with the kernel's numbers, the noise and the effects' shapes searched.
 
     Args:
-        spec: kernel family and effects.
-        samples: with their folds.
+        spec: kernel family and effects.  samples: with their folds.
         scalings: the ways to normalise torques that are tried; the better one is kept.
         settings: the criterion, `validation` (blocked cross-validation, section IV-B) or
             `evidence`, and the number of points tried, for each joint if joints choose apart.

@@ -96,8 +96,7 @@ class Dynamics:
         """Return M = ∂τ/∂qdd, (M, N, N), in kg·m², symmetric.
 
         Args:
-            q: rad.
-            qd: rad/s; for kernels whose mass matrix depends on it; None is rest.
+            q: rad.  qd: rad/s; for kernels whose mass matrix depends on it; None is rest.
         """
         x = self._at(q, qd)
         return _as(q, mass_of(self.torque, x))
@@ -230,8 +229,7 @@ def mass_of(torque: Torque, x: States, step: float = 1.0) -> Floats:
 
     Args:
         torque: (M, N) N·m of states; if it is affine in acceleration, any step is exact.
-        x: (M, N).
-        step: rad/s².
+        x: (M, N).  step: rad/s².
     """
     joints = x.joints
     q, qd, qdd = (np.repeat(part, joints + 1, axis=0) for part in (x.q, x.qd, x.qdd))

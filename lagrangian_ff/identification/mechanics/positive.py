@@ -43,14 +43,14 @@ JITTER = 1e-9
 
 @dataclass(frozen=True)
 class Expansion:
-    """Centres and coefficients of a torque; see `Posterior.weights`.
+    """Centres and coefficients of a torque, as a `Posterior` has them.
 
     Attributes:
-        centres: (C, N) those of the posterior, then those of constraints.
+        states: (C, N) centres of the posterior, then those of constraints.
         weights: (C, N) of all centres.  coefficients: (B,).
     """
 
-    centres: States
+    states: States
     weights: Floats
     coefficients: Floats
 
@@ -73,7 +73,9 @@ class _Cuts:
         return _Cuts(*(np.vstack(list(part)) for part in parts))
 
 
-def keep_positive(posterior: Posterior, at: States, progress: Progress = silent) -> Expansion:
+def keep_positive(
+    posterior: Posterior, at: States, progress: Progress = silent
+) -> Posterior | Expansion:
     """Solve again so that the mass matrix is positive definite at some states.
 
     Args:
@@ -87,7 +89,7 @@ def keep_positive(posterior: Posterior, at: States, progress: Progress = silent)
     system = posterior.system
     none = np.empty((0, at.joints))
     cuts = _Cuts(none, none, none)
-    solution = Expansion(posterior.states, posterior.weights, posterior.coefficients)
+    solution: Posterior | Expansion = posterior
     watched = evenly(len(at), WATCHED)
     mass = _mass(posterior, solution, at.take(watched))
     scale = np.sqrt(np.median(np.abs(np.einsum("inn->in", mass)), axis=0))
@@ -173,11 +175,11 @@ def _kept_design(posterior: Posterior, x: States) -> Floats:
     return out / posterior.problem.unit[None, :, None]
 
 
-def _mass(posterior: Posterior, solution: Expansion, at: States) -> Floats:
+def _mass(posterior: Posterior, solution: Posterior | Expansion, at: States) -> Floats:
     """Return the mass matrices (M, N, N), in units of torque."""
 
     def torque(x: States) -> Floats:
-        kernel = posterior.problem.kernel.apply(x, solution.centres, solution.weights)
+        kernel = posterior.problem.kernel.apply(x, solution.states, solution.weights)
         return np.asarray(kernel + _kept_design(posterior, x) @ solution.coefficients)
 
     return mass_of(torque, replace(at, qdd=np.zeros_like(at.q)))

@@ -31,8 +31,7 @@ class InducingPoints:
     Attributes:
         kernel: of the torques.  states: (C, N).  joints: the n joints that are solved together.
         pivots: (M,) the torques, of C n, that are features.
-        scale: (M,) their prior standard deviation.
-        upper: (M, M) L, of their correlations.
+        scale: (M,) their prior standard deviation.  upper: (M, M) L, of their correlations.
     """
 
     kernel: Kernel

@@ -45,8 +45,7 @@ class Reduced(Solution):
 
     Attributes:
         sums: over all samples that are learned from.
-        points: of the features.
-        factor: f, on the noise.
+        points: of the features.  factor: f, on the noise.
     """
 
     sums: Sums
@@ -170,7 +169,6 @@ class LowRank(Reduced):
         """Sum over all samples, group by group.
 
         Args:
-            points, rows, groups: see `LowRank`.
             progress: receives the share done, 0 to 1.
         """
         parts = []

@@ -86,12 +86,7 @@ class Posterior(Generic[AnySystem]):
     @property
     def deviations(self) -> Floats:
         """Return (B,) the standard deviations of b under the model's noise."""
-        return self._gather(
-            [
-                np.sqrt(np.maximum(system.amplitude * np.diag(system.covariance), 0.0))
-                for _, _, system in self.systems
-            ]
-        )
+        return self._gather([system.deviations for _, _, system in self.systems])
 
     @property
     def log_evidence(self) -> float:
@@ -183,8 +178,7 @@ class Variance:
     """The variance of torques, in parts; every array is (M, N) in (N·m)².
 
     Attributes:
-        prior: of the kernel before any data.
-        kernel: after the data.
+        prior: of the kernel before any data.  kernel: after the data.
         basis: of the effects' parameters, less what the kernel compensates.
         noise: of a measurement.
     """
@@ -221,7 +215,6 @@ def exact(
     """Solve (44) with one Cholesky factor a system.
 
     Args:
-        problem: complete.
         only: a joint, if joints are learned apart; None is all.
         like: solved with the same samples, kernel and noise, whose factor is taken; coupled.
         progress: receives the share done, 0 to 1.

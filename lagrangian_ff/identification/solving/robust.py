@@ -61,8 +61,7 @@ def huber(
         solve: the problem, for given IRLS weights.
         weight: (S, N) initial; None is 1 for all.
         threshold: (N,) N·m, δ; None takes it from the residuals.
-        enough: error at which to stop, see `ENOUGH`.
-        steps: at most.
+        enough: error at which to stop, see `ENOUGH`.  steps: at most.
         progress: receives the share done, 0 to 1.
 
     Raises:

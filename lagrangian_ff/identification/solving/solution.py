@@ -180,6 +180,11 @@ class Solution(ABC):
         return self.squares / self.degrees
 
     @property
+    def deviations(self) -> Floats:
+        """Return (B,) the standard deviations of the coefficients under white noise."""
+        return np.sqrt(np.maximum(self.amplitude * np.diag(self.covariance), 0.0))
+
+    @property
     def prior_amplitude(self) -> float:
         """Return the scale of the kernel and of the covariance for correlated samples."""
         return self.amplitude
@@ -189,8 +194,5 @@ class Solution(ABC):
         """Return the restricted log evidence of the torques in nats, maximised over s²."""
         seen = np.linalg.eigvalsh(self.covariance)
         seen = seen[seen > seen.max(initial=0.0) * 1e-14]
-        return -0.5 * (
-            self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
-            + self.log_det
-            - float(np.sum(np.log(seen)))
-        )
+        fit = self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
+        return -0.5 * (fit + self.log_det - float(np.sum(np.log(seen))))

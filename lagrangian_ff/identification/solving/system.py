@@ -59,11 +59,8 @@ class System(Solution):
 
     Attributes:
         cholesky: the factor.
-        design: (n, B) the basis Φ.
-        target: (n,) the torques y.
-        noise: (n,) variance of each, D.
-        white_design: (n, B) U⁻ᵀ Φ.
-        white_target: (n,) U⁻ᵀ y.
+        design: (n, B) the basis Φ.  target: (n,) the torques y.  noise: (n,) variance of each, D.
+        white_design: (n, B) U⁻ᵀ Φ.  white_target: (n,) U⁻ᵀ y.
     """
 
     cholesky: Cholesky
@@ -79,9 +76,7 @@ class System(Solution):
 
         Args:
             gram: (n, n), C-contiguous, lower triangle used; overwritten.
-            noise: (n,) variance of each torque.
-            design: (n, B).
-            target: (n,).
+            noise: (n,) variance of each torque.  design: (n, B).  target: (n,).
 
         Raises:
             NotPositiveDefiniteError: a pivot is not positive, or the Gram matrix is not finite.

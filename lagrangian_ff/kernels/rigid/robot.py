@@ -167,13 +167,9 @@ def read_urdf(path: "str | Path") -> Robot:
 
 
 def robot_of(text: str, source: str) -> Robot:
-    """Return the robot of a URDF's text.
+    """Return the robot of a URDF's text, whose source messages name.
 
     Fixed joints join their bodies. The base stands in the world as the root link does.
-
-    Args:
-        text: the XML.
-        source: its origin, for messages.
 
     Raises:
         ModelError: it is no URDF, has no movable joint or one of an unsupported type, or Pinocchio

@@ -5,6 +5,7 @@ this takes a few µs, because the layout is the same every time.
 """
 
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,19 @@ class JointStateView:
     position: Floats
     velocity: Floats
     effort: Floats
+
+    def columns(self, joints: Sequence[str]) -> list[int]:
+        """Return the index of each joint; an empty list if the message has none of them.
+
+        Raises:
+            MessageError: some of them are missing.
+        """
+        missing = [joint for joint in joints if joint not in self.names]
+        if len(missing) == len(joints):
+            return []
+        if missing:
+            raise MessageError(f"joint states without {', '.join(missing)}")
+        return [self.names.index(joint) for joint in joints]
 
     def fault(self) -> str:
         """Return why the positions cannot be used; empty if they can.
@@ -93,7 +107,7 @@ class JointStateReader:
 
 
 class JointStateMaker:
-    """Fills one serialised JointState again and again.
+    """Fills one serialised JointState again and again, in rad, rad/s and N·m.
 
     Building a message object and letting rclpy serialise it takes several times as long as
     publishing it.
@@ -106,12 +120,7 @@ class JointStateMaker:
         self._starts = read_layout(message).start
 
     def fill(self, at: int, position: Floats, velocity: Floats, effort: Floats) -> bytes:
-        """Return the message of this instant, for `Publisher.publish`.
-
-        Args:
-            at: ns.
-            position: (N,) rad.  velocity: (N,) rad/s.  effort: (N,) N·m.
-        """
+        """Return the message of an instant (ns), for `Publisher.publish`; the others are (N,)."""
         data = self._data
         struct.pack_into("<iI", data, STAMP, *divmod(at, 1_000_000_000))
         for start, values in zip(self._starts, (position, velocity, effort), strict=True):

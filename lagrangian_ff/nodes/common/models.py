@@ -29,7 +29,6 @@ def load_model(file: str, joints: tuple[str, ...] = ()) -> tuple[Model, Ints]:
     """Load a model and try it on one state.
 
     Args:
-        file: a model file.
         joints: in which order torques are sent; empty for the order of the model.
 
     Returns:
@@ -59,7 +58,6 @@ def conditioning_for(
     """Return the conditioning of the recordings that the model was identified from.
 
     Args:
-        model: its record holds the conditioning.
         effort_scale: N·m per unit of effort by joint; others than 1 override the model's.
         effort_offset: N·m by joint; others than 0 override the model's.
     """

@@ -81,10 +81,8 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
             try:
                 executor.spin_once(timeout_sec=0.1)
             except Exception:
-                node.get_logger().error(
-                    f"a callback failed and was skipped:\n{traceback.format_exc()}",
-                    throttle_duration_sec=1.0,
-                )
+                said = f"a callback failed and was skipped:\n{traceback.format_exc()}"
+                node.get_logger().error(said, throttle_duration_sec=1.0)
     except (UserError, *BAD_PARAMETER) as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         code = 2
@@ -136,8 +134,7 @@ class Parameters:
             name: snake_case, nested with dots.
             default: its type is the type of the parameter.
             description: what it does, with the unit.
-            low: smallest value; needs `high`.
-            high: largest value; needs `low`.
+            low, high: smallest and largest value; each needs the other.
             choices: the only texts allowed.
             read_only: can be set at the start only.
 
@@ -194,10 +191,8 @@ class Parameters:
             allowed = self._choices.get(parameter.name)
             value = self._plain(parameter.name, parameter.value)
             if allowed is not None and value not in allowed:
-                return SetParametersResult(
-                    successful=False,
-                    reason=f"{parameter.name} is {value!r}; expected one of {', '.join(allowed)}",
-                )
+                reason = f"{parameter.name} is {value!r}; expected one of {', '.join(allowed)}"
+                return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
 
 
@@ -237,9 +232,8 @@ class Diagnostics:
             except (UserError, *BAD_PARAMETER) as error:
                 found = Status(Level.ERROR, str(error))
             except Exception as error:
-                self._node.get_logger().error(
-                    f"{part}: {traceback.format_exc()}", throttle_duration_sec=60.0
-                )
+                said = f"{part}: {traceback.format_exc()}"
+                self._node.get_logger().error(said, throttle_duration_sec=60.0)
                 found = Status(Level.ERROR, f"{type(error).__name__}: {error}")
             statuses |= {part: found} if isinstance(found, Status) else found or {}
         message = DiagnosticArray()

@@ -37,10 +37,10 @@ class Status:
         }
 
 
-def held_out(score: "Score") -> dict[str, str]:
-    """Return the held-out error by joint: RMSE in N·m, and the share of the variance missed."""
+def errors_of(score: "Score", name: str = "held-out error") -> dict[str, str]:
+    """Return the error by joint: RMSE in N·m, and the share of the variance missed."""
     return {
-        f"held-out error {joint}": f"{rmse:.4g} N·m, nMSE {nmse:.4g}"
+        f"{name} {joint}": f"{rmse:.4g} N·m, nMSE {nmse:.4g}"
         for joint, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)
     }
 
@@ -87,9 +87,5 @@ class ThrottledWarnings:
                 return
             pending, self._pending = self._pending, {}
             self._logged_at = now
-        self._warn(
-            "; ".join(
-                text if count == 1 else f"{text} ({count} times)"
-                for count, text in pending.values()
-            )
-        )
+        each = (text if n == 1 else f"{text} ({n} times)" for n, text in pending.values())
+        self._warn("; ".join(each))

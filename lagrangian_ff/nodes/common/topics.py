@@ -65,8 +65,6 @@ class PolledSubscription:
     and finds the newest command at the very tick that uses it.
 
     Args:
-        node: its owner.
-        kind: message type.
         topic: may be relative or private.
         profile: its depth bounds the messages that can wait.
         raw: whether messages are left serialised.
@@ -149,13 +147,9 @@ def points(message: JointTrajectory) -> Points:
 def annotated(
     message: JointTrajectory, joints: tuple[str, ...], effort: Floats, start: int
 ) -> JointTrajectory:
-    """Fill effort and start into the message and return it; joints without a torque get zero.
+    """Fill the effort (K, N) N·m of N joints and the start, ns, into a message and return it.
 
-    Args:
-        message: K points; it changes.
-        joints: N names in it.
-        effort: (K, N) N·m.
-        start: ns.
+    The message itself changes; joints without a torque get zero.
     """
     columns = [message.joint_names.index(joint) for joint in joints]
     row = np.zeros(len(message.joint_names))

@@ -26,13 +26,9 @@ class Tally:
     seconds: float = 0.0
     joints: tuple[str, ...] = ()
 
-    @property
-    def rate(self) -> float:
-        """Return the samples per second; 0 if there are too few."""
-        return (self.samples - 1) / self.seconds if self.seconds > 0.0 else 0.0
-
     def __str__(self) -> str:
-        return f"{self.samples} samples, {self.seconds:.2f} s, {self.rate:.1f} Hz"
+        rate = (self.samples - 1) / self.seconds if self.seconds > 0.0 else 0.0
+        return f"{self.samples} samples, {self.seconds:.2f} s, {rate:.1f} Hz"
 
 
 class BagRecorder:
@@ -133,7 +129,7 @@ class BagRecorder:
         if self._bag is None:
             return
         try:
-            self._bag.append_raw(data, received)
+            self._bag.append(data, received)
         except UserError as error:
             self._bag, self.failure = None, str(error)
             self._warn("recording ended", f"recording ended: {error}")

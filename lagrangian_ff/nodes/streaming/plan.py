@@ -10,7 +10,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import PARTS
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.identification.predicting import MotionRange, TermTorques, by_part
+from lagrangian_ff.identification.predicting import MotionRange, Terms, by_part
 from lagrangian_ff.nodes.streaming.ranges import (
     Doubts,
     Excess,
@@ -36,7 +36,7 @@ class InverseDynamics(Protocol):
     def joints(self) -> tuple[str, ...]: ...
     @property
     def range(self) -> MotionRange: ...
-    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> TermTorques: ...
+    def terms(self, q: Floats, qd: Floats, qdd: Floats) -> Terms: ...
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,7 @@ class Plan:
 
         Args:
             switches: (4,) 1 or 0 for each term.
-            scale: (N,) factor of each joint.
-            limit: (N,) largest torque of each joint, N·m.
+            scale, limit: (N,) factor and largest torque, N·m, of each joint.
         """
         parts = self.parts[self.own]
         tau = np.einsum("t,ltn->ln", switches, parts) * scale * self.weight[self.own][:, None]
@@ -119,9 +118,7 @@ def make_plan(
     """Return the torques of a reference.
 
     Args:
-        model: gives the torques.
-        reference: its joints are those of the model, in the same order.
-        policy: what to do outside the identified range.
+        model: of the joints of the reference, in the same order.
         report: receives the share done after each chunk, 0 to 1; may raise to cancel.
         doubts: evaluates how far torques are a guess; None if the model cannot.
 
@@ -220,7 +217,6 @@ class Planner(Generic[Tag]):
     """A thread that turns references into plans; a newer one replaces an older one.
 
     Args:
-        model: gives the torques.
         done: called in this thread with each plan and the tag of its reference.
         failed: called in this thread with the reason why there is no plan.
         doubts: evaluates how far torques are a guess; None if the model cannot.
@@ -251,7 +247,6 @@ class Planner(Generic[Tag]):
 
         Args:
             read: called in the thread; returns the reference and its tag.
-            policy: what to do outside the identified range.
         """
         with self._wake:
             self._task = read, policy

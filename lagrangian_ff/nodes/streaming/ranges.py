@@ -47,10 +47,8 @@ def excess(
     """Compare L states with the identified range, widened by `margin` times its width.
 
     Args:
-        joints: N names.
         time: (L,) s, for the words.
         states: q, qd, qdd, each (L, N).
-        known: the identified range.
         margin: 0.25 lets each quantity go a quarter of its range beyond.
     """
     q, qd, qdd = states
@@ -135,7 +133,6 @@ def along(
     """Return the doubt (L, N) along L states, each that of a state at most `STEP` s before.
 
     Args:
-        doubts: evaluates any states.
         times: (L,) s, increasing.
         states: q, qd, qdd, (L, N) each.
         report: called after each chunk; may raise to cancel.
@@ -171,7 +168,6 @@ def doubt_status(
     """Return how sure the torques of the present reference are.
 
     Args:
-        joints: N names.
         known: whether the model file keeps a calibration.
         doubt: (N,) the largest along the reference; None without one.
         limit: above which a torque fades; 0 = never.

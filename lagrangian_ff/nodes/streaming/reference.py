@@ -116,7 +116,6 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
     A set-point (one point at time 0) has no neighbours: zeros fill what it lacks.
 
     Args:
-        points: the message.
         joints: the N joints wanted, in this order.
         max_points: refuse longer ones.
 
@@ -232,7 +231,6 @@ class Segment:
     """A reference with its start.
 
     Attributes:
-        reference: the motion.
         start: ns.
         effort: (K, N) N·m at its points, linear between them; None if the message has none.
     """
@@ -264,7 +262,6 @@ class Follower:
     One thread may accept references while another asks for the present state.
 
     Args:
-        joints: N names.
         q: (N,) rad, the first position.
         tolerance: rad by which a new reference may differ from the present one when it
             takes over.
@@ -295,14 +292,11 @@ class Follower:
         worst = int(np.argmax(np.abs(jump)))
         if abs(jump[worst]) > self.tolerance:
             late = (now - segment.start) / 1e9
+            came = f"it came {late:.3f} s after its start: send it earlier"
             raise RefusedReference(
                 f"{reference.joints[worst]} would jump by {jump[worst]:.4f} rad from the present "
                 f"reference, more than the tolerance of {self.tolerance:g} rad; "
-                + (
-                    f"it came {late:.3f} s after its start: send it earlier"
-                    if late > 0.0
-                    else "start where the arm is"
-                )
+                f"{came if late > 0.0 else 'start where the arm is'}"
             )
         with self._lock:
             self._next = segment

@@ -31,21 +31,6 @@ def slew(previous: Floats, wanted: Floats, rate: Floats, dt: float) -> tuple[Flo
     return previous + step, flagged
 
 
-class Ramp:
-    """A gain between 0 and 1 that takes `up` seconds to rise and `down` seconds to fall."""
-
-    def __init__(self, up: float, down: float) -> None:
-        self.value, self.up, self.down = 0.0, up, down
-
-    def move(self, on: bool, dt: float) -> float:
-        """Move towards 1 or 0 for dt seconds and return the new gain."""
-        if on:
-            self.value = min(1.0, self.value + (dt / self.up if self.up > 0.0 else 1.0))
-        else:
-            self.value = max(0.0, self.value - (dt / self.down if self.down > 0.0 else 1.0))
-        return self.value
-
-
 def effort_limits(urdf: str) -> dict[str, float]:
     """Return the torque limits of a robot description: N·m by joint (N for prismatic ones).
 
@@ -155,7 +140,7 @@ class TorqueStream:
         self._start = 0
         self._next: tuple[Plan, int] | None = None
         self._lock = threading.Lock()
-        self._ramp = Ramp(settings.ramp_time, settings.fade_time)
+        self._gain = 0.0
         self._limited = np.zeros(len(joints))
         self._reference_at = -np.inf
         self._joint_state_at = -np.inf
@@ -195,23 +180,18 @@ class TorqueStream:
         with self._lock:
             self._plan = self._next = None
         self._refused = self._ending = ""
-        self._ramp.value = 0.0
+        self._gain = 0.0
         self._last_tick = None
 
     def tick(self, now: int, steady: float) -> Output:
-        """Return the torque to send.
-
-        Args:
-            now: ns of the node's clock.
-            steady: s of the steady clock.
-        """
+        """Return the torque to send at `now` (ns, node's clock) and `steady` (s, steady clock)."""
         dt = 0.0 if self._last_tick is None else min(steady - self._last_tick, LONGEST_STEP)
         self._last_tick = steady
         self._take_over(now)
         settings, plan = self.settings, self._plan
         none = np.zeros(len(self.joints), dtype=bool)
         if plan is None:
-            self._ramp.value = 0.0
+            self._gain = 0.0
             withheld, silent = self._withheld(Phase.WAITING, steady)
             zero = np.zeros(len(self.joints))
             return Output(zero, 0.0, Phase.WAITING, withheld, none, none, silent=silent)
@@ -222,16 +202,21 @@ class TorqueStream:
         parts, weight = plan.at(elapsed)
         wanted = (settings.switches @ parts) * settings.scale * weight
         wanted, saturated = clamp(wanted, settings.effort_limit)
-        if self._ramp.value == 0.0:
+        if self._gain == 0.0:
             # Nothing was sent, so there is nothing to move away from gently.
             self._limited, held_back = wanted, none
         else:
             self._limited, held_back = slew(self._limited, wanted, settings.effort_rate, dt)
-        self._ramp.up, self._ramp.down = settings.ramp_time, settings.fade_time
-        gain = self._ramp.move(not withheld, dt)
+        self._gain = self._ramped(not withheld, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
-        tau = gain * self._limited
-        return Output(tau, gain, phase, withheld, saturated, held_back, q, qd, silent)
+        tau = self._gain * self._limited
+        return Output(tau, self._gain, phase, withheld, saturated, held_back, q, qd, silent)
+
+    def _ramped(self, on: bool, dt: float) -> float:
+        """Return the gain, 0 to 1, after dt s in which it rises or falls."""
+        seconds = self.settings.ramp_time if on else self.settings.fade_time
+        step = dt / seconds if seconds > 0.0 else 1.0
+        return min(1.0, self._gain + step) if on else max(0.0, self._gain - step)
 
     def _astray(self, plan: Plan) -> str:
         """Return which joint is away from its reference, where the torque would be wrong, or ""."""
@@ -308,12 +293,7 @@ class StreamMonitor:
         return output.withheld if begins else ""
 
     def status(self, wanted_rate: float, more: Mapping[str, object]) -> Status:
-        """Return the state of the stream since the last call.
-
-        Args:
-            wanted_rate: Hz.
-            more: further values to show.
-        """
+        """Return the state since the last call, with more values; `wanted_rate` in Hz."""
         output, rate = self.last, self._meter.take()
         saturated, self._saturated = self._saturated, 0
         held_back, self._held_back = self._held_back, 0

@@ -99,7 +99,6 @@ class Health:
     """The residual of the last seconds against the error the model had on unseen motion.
 
     Args:
-        joints: N names.
         score: the errors of the model on motion it has not seen; joints may lack.
         known: the identified range.
         coverage: None if the model has no calibration.
@@ -120,10 +119,8 @@ class Health:
     def add(self, judged: Judged, limits: Limits) -> None:
         """Take one more instant."""
         state = judged.state
-        where = tuple(values[None] for values in (state.q, state.qd, state.qdd))
-        out = excess(
-            self._joints, np.zeros(1), (where[0], where[1], where[2]), self._known, limits.margin
-        ).outside[0]
+        here = state.q[None], state.qd[None], state.qdd[None]
+        out = excess(self._joints, np.zeros(1), here, self._known, limits.margin).outside[0]
         counts = (np.abs(state.qd) > limits.still) & ~out
         if self._seen and state.at < self._seen[-1][0]:
             self._seen.clear()  # the clock was set back
@@ -145,19 +142,17 @@ class Health:
             more = {**more, **self._coverage.values()}
         if not self._seen:
             return Status(Level.STALE, "nothing to compare", more)
-        squared = np.stack([each[1] for each in self._seen])
-        counts = np.stack([each[2] for each in self._seen])
+        squared, counts = (np.stack([each[k] for each in self._seen]) for k in (1, 2))
         away = float(np.mean([each[3] for each in self._seen]))
         number = counts.sum(axis=0)
         rms = np.sqrt((squared * counts).sum(axis=0) / np.maximum(number, 1))
         ratio = np.where(number >= FEWEST, rms / self._expected, np.nan)
-        values: dict[str, object] = {}
-        for n, joint in enumerate(self._joints):
-            values[joint] = (
-                f"{rms[n]:.4g} N·m, {ratio[n]:.2g} times what it was when identified"
-                if np.isfinite(ratio[n])
-                else "hardly moves: not judged"
-            )
+        values: dict[str, object] = {
+            joint: f"{rms[n]:.4g} N·m, {ratio[n]:.2g} times what it was when identified"
+            if np.isfinite(ratio[n])
+            else "hardly moves: not judged"
+            for n, joint in enumerate(self._joints)
+        }
         values |= {"outside the identified range": f"{away:.0%}", **more}
         level, message = self._verdict(ratio, away, limits)
         return Status(level, message, values)

@@ -107,8 +107,4 @@ class _Past:
 
 
 def _stacked(states: Sequence[State]) -> States:
-    return States.of(
-        np.stack([s.q for s in states]),
-        np.stack([s.qd for s in states]),
-        np.stack([s.qdd for s in states]),
-    )
+    return States.of(*(np.stack([getattr(s, name) for s in states]) for name in ("q", "qd", "qdd")))

@@ -75,12 +75,8 @@ class CausalFilter:
 
     def output(self) -> tuple[Floats, Floats, Floats]:
         """Return the signals (S,) and their first and second derivative by time."""
-        change = self._system[1] @ self._state
-        return (
-            self._state[0].copy(),
-            self._scale * (self._system[0] @ self._state),
-            self._scale**2 * change,
-        )
+        x, scale = self._state, self._scale
+        return x[0].copy(), scale * (self._system[0] @ x), scale**2 * (self._system[1] @ x)
 
     def _over(self, step: float) -> Floats:
         """Return the matrix exponential of a step in scaled time; a steady clock needs it once."""
@@ -186,13 +182,10 @@ class LiveStates:
     def _values(self, view: JointStateView) -> Floats | None:
         """Return positions and torques (2N,), or None for another part of the robot."""
         if view.names != self._names:
-            missing = [joint for joint in self._joints if joint not in view.names]
-            if len(missing) == len(self._joints):
+            columns = view.columns(self._joints)
+            if not columns:
                 return None
-            if missing:
-                raise MessageError(f"joint states without {', '.join(missing)}")
-            self._names = view.names
-            self._columns = [view.names.index(joint) for joint in self._joints]
+            self._names, self._columns = view.names, columns
         if len(view.position) == 0 or len(view.effort) == 0:
             lacking = "positions" if len(view.position) == 0 else "effort"
             raise MessageError(f"joint states without {lacking}: there is nothing to compare")

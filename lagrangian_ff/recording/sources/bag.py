@@ -123,14 +123,10 @@ def _files(path: Path, notes: list[str]) -> list[Path]:
     """Return the files of the bag in the order they were recorded."""
     if path.is_file():
         return [path]
-    found = [file for file in path.iterdir() if file.is_file() and _kind(file)]
+    files = [file for file in path.iterdir() if file.is_file() and _kind(file)]
     # A compressor that was killed leaves the whole file beside the part it has compressed.
-    names = {file.name for file in found}
-    found = [
-        file
-        for file in found
-        if not (file.suffix == ".zstd" and file.name.removesuffix(".zstd") in names)
-    ]
+    halves = {f"{file.name}.zstd" for file in files}
+    found = [file for file in files if file.name not in halves]
     if not found:
         raise RecordingError(f"{path}: not a bag; it holds no .db3 or .mcap file")
     metadata = path / "metadata.yaml"
@@ -273,11 +269,8 @@ def _read_file(
     table.rewind(mark)
     salvaged = _salvage(path, name)
     _append(salvaged, name, topic, table, progress)
-    what = (
-        f"cut off or damaged ({salvaged.damage})"
-        if salvaged.damage
-        else f"read record by record ({reason})"
-    )
+    damage = salvaged.damage
+    what = f"cut off or damaged ({damage})" if damage else f"read record by record ({reason})"
     notes.append(f"{name}: {what}; {counted(len(table) - before, 'message')} could be read")
 
 
@@ -301,13 +294,10 @@ def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Reco
     malformed = table.malformed
     joints, stamps, received, position, velocity, effort = table.finish()
     if malformed:
-        notes.append(
-            f"{source}: left out {counted(malformed, 'message')} without joints or malformed"
-        )
+        lost = counted(malformed, "message")
+        notes.append(f"{source}: left out {lost} without joints or malformed")
     if stamps.size == 0:
-        raise RecordingError(
-            f"{source}: no joint state can be read" + "".join(f"; {note}" for note in notes)
-        )
+        raise RecordingError("; ".join([f"{source}: no joint state can be read", *notes]))
     unset = stamps == 0
     if unset.all() or (unset.any() and stamps[~unset].min() > _EPOCH_NS):
         notes.append(

@@ -1,10 +1,8 @@
 """CSV with the header `time,position/<joint>,velocity/<joint>,effort/<joint>`."""
 
 import csv
-from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 
@@ -31,7 +29,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             columns = _columns(path, names)
             blocks = []
             line, done = 2, 0
-            for lines in _blocks(file):
+            while lines := list(islice(file, _BLOCK)):
                 blocks.append(_parse(path, names, lines, line))
                 line += len(lines)
                 done += sum(map(len, lines))
@@ -40,9 +38,10 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
         raise RecordingError(f"{path}: not a CSV text file: {error.reason}") from error
     table = np.concatenate([np.empty((0, len(names))), *blocks])
     blocks.clear()
+    missing: Floats = np.full(len(table), np.nan)
     tables = [
-        _gather(table, [found.get(quantity) for found in columns.values()])
-        for quantity in QUANTITIES
+        np.column_stack([table[:, at[name]] if name in at else missing for at in columns.values()])
+        for name in QUANTITIES
     ]
     return from_arrays(path, list(columns), table[:, names.index("time")], tables)
 
@@ -54,12 +53,8 @@ def write(path: Path, recording: Recording) -> None:
         csv.writer(file, lineterminator="\n").writerow(header)
         for first in range(0, len(recording), _BLOCK):
             part = slice(first, first + _BLOCK)
-            block = np.column_stack(
-                [
-                    recording.time[part],
-                    *(getattr(recording, quantity)[part] for quantity in QUANTITIES),
-                ]
-            )
+            tables = (getattr(recording, quantity)[part] for quantity in QUANTITIES)
+            block = np.column_stack([recording.time[part], *tables])
             rows = (
                 ",".join("" if value != value else repr(value) for value in row)
                 for row in block.tolist()
@@ -89,11 +84,6 @@ def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
     return columns
 
 
-def _blocks(file: TextIO) -> Iterator[list[str]]:
-    while lines := list(islice(file, _BLOCK)):
-        yield lines
-
-
 def _parse(path: Path, names: list[str], lines: list[str], first: int) -> Floats:
     """Return the numbers of these lines, the first of which is line `first` of the file."""
     try:
@@ -121,11 +111,3 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
         raise RecordingError(
             f"{path}, line {line}: column {name} holds {cell!r}, expected a number"
         ) from None
-
-
-def _gather(table: Floats, columns: list[int | None]) -> Floats:
-    values = np.full((len(table), len(columns)), np.nan)
-    for target, column in enumerate(columns):
-        if column is not None:
-            values[:, target] = table[:, column]
-    return values

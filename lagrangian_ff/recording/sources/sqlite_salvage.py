@@ -15,7 +15,7 @@ from lagrangian_ff.errors import RecordingError
 _MAGIC = b"SQLite format 3\0"
 _LEAF = 0x0D
 _FILE_HEAD = 100  # the file header, on the first page only
-_INT_SIZES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8}
+_SIZES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 7: 8}  # bytes of integers, and of a float
 
 Value = int | bytes | str | None
 
@@ -174,16 +174,12 @@ def _columns(payload: bytes) -> list[Value]:
         kinds.append(kind)
     values: list[Value] = []
     for kind in kinds:
-        size = _INT_SIZES.get(kind, 0)
-        if kind >= 12:
-            size = (kind - 12) // 2
-        elif kind == 7:
-            size = 8
+        size = (kind - 12) // 2 if kind >= 12 else _SIZES.get(kind, 0)
         part = payload[position : position + size]
         if len(part) != size:
             raise ValueError("ends inside a value")
         position += size
-        if kind in _INT_SIZES:
+        if 1 <= kind <= 6:
             values.append(int.from_bytes(part, "big", signed=True))
         elif kind in (8, 9):
             values.append(kind - 8)

@@ -23,8 +23,6 @@ def effects_section(
     found: "Sequence[FittedEffect]",
     truth: Mapping[tuple[str, str], Sequence[float]] | None = None,
     *,
-    title: str = TITLE,
-    lead: str = LEAD,
     remark: str = "",
 ) -> Section:
     """Return a table for each effect, with a row for each joint.
@@ -33,15 +31,13 @@ def effects_section(
         found: every effect on every joint.
         truth: by effect and parameter, the true value of each joint in the order of `found`,
             where a simulator knows it.
-        title: of the section.
-        lead: under it.
         remark: small print under the tables.
     """
     names = dict.fromkeys(one.effect for one in found)
     if not names:
-        return Section(title, "", html.paragraph("The model has no effects besides its kernel."))
+        return Section(TITLE, "", html.paragraph("The model has no effects besides its kernel."))
     parts = [_effect([one for one in found if one.effect == name], truth or {}) for name in names]
-    return Section(title, lead, "".join(parts) + (html.note(remark) if remark else ""))
+    return Section(TITLE, LEAD, "".join(parts) + (html.note(remark) if remark else ""))
 
 
 def _effect(

@@ -29,12 +29,7 @@ NOTE = (
 
 
 def joints_section(where: "Localisation", first: str | None = None) -> Section:
-    """Return a panel for each joint.
-
-    Args:
-        where: the error and its localisation.
-        first: the joint shown first; None takes that of the first region.
-    """
+    """Return a panel for each joint; the first shown is `first`, or that of the first region."""
     joints = where.comparison.score.joints
     if first is None and where.regions:
         first = where.regions[0].joint

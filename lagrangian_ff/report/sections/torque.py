@@ -24,13 +24,9 @@ LETTERS = 45
 
 
 def torque_section(comparison: Comparison, picture: bytes, title: str, lead: str) -> Section:
-    """Return table and figure of measured and predicted torque.
+    """Return table and figure, the PNG of `torque_figure`, of measured and predicted torque.
 
-    Args:
-        comparison: of a model with a motion.
-        picture: PNG of `torque_figure`.
-        title: of the section.
-        lead: which motion it is, and whether the model has seen it.
+    The lead says which motion it is, and whether the model has seen it.
     """
     score, tau, interval = comparison.score, comparison.motion.tau, comparison.interval
     spread = tau.std(axis=0)

@@ -61,14 +61,9 @@ class Tracking:
 def tracking_section(
     runs: Sequence[Tracking], picture: bytes, title: str, lead: str, *, strong: int | None = None
 ) -> Section:
-    """Return table and figure of the runs along one trajectory.
+    """Return table and figure, the PNG of `tracking_time_figure`, of the runs along one trajectory.
 
-    Args:
-        runs: of the same trajectory; the first is what the others are compared with.
-        picture: PNG of `tracking_time_figure`.
-        title: of the section.
-        lead: which trajectory it is.
-        strong: the run that matters most.
+    The first run is what the others are compared with, the strong one is what matters most.
     """
     first = runs[0]
     rows = [
@@ -96,7 +91,7 @@ def tracking_bars_figure(trajectories: Mapping[str, Sequence[Tracking]]) -> Figu
     """Draw a panel for each trajectory, with the joints side by side and all of them last.
 
     Args:
-        trajectories: name of the trajectory to its runs; the same runs for each.
+        trajectories: by name, the same runs for each.
 
     Raises:
         ValueError: nothing to draw.
@@ -124,16 +119,12 @@ def tracking_bars_figure(trajectories: Mapping[str, Sequence[Tracking]]) -> Figu
             axes.margins(y=0.12)
             axes.set_ylabel("RMS error [mrad]")
             axes.set_title(name)
-        handles, labels = panels[0].get_legend_handles_labels()
-        legend_above(figure, handles, labels)
+        legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 
 
 def tracking_time_figure(runs: Sequence[Tracking]) -> Figure:
     """Draw each joint's error in mrad, the runs over one another in the given order.
-
-    Args:
-        runs: of the same trajectory and joints.
 
     Raises:
         ValueError: no runs, or of different joints.
@@ -160,8 +151,7 @@ def tracking_time_figure(runs: Sequence[Tracking]) -> Figure:
             if n >= len(joints) - columns:
                 axes.set_xlabel("time [s]")
                 axes.tick_params(labelbottom=True)
-        handles, labels = figure.axes[0].get_legend_handles_labels()
-        legend_above(figure, handles, labels)
+        legend_above(figure, *figure.axes[0].get_legend_handles_labels())
     return figure
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from lagrangian_ff.arm import JOINTS, Run, Trajectory, exciting_trajectory, simulate
 from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Installed, Reference, Site, size, sized
+from lagrangian_ff.arm.hidden.base import together
 from lagrangian_ff.files import whole
 from lagrangian_ff.recording import load, write_npz
 from lagrangian_ff.recording.recording import Recording
@@ -77,15 +78,10 @@ class HiddenCase:
 
 
 def cases(seed: int = 0, *, small: bool = False) -> list[HiddenCase]:
-    """Return all cases of the study, the same for the same seed.
+    """Return all cases of the study, or a few if `small`, the same for the same seed.
 
-    Args:
-        seed: of the joints that are drawn and of the cases' own seeds.
-        small: a few cases, to see the study work.
-
-    Returns:
-        The most telling first, so that a study that is stopped early has some of each kind: clean
-        plants, then each effect by size from 10 % on.
+    The most telling come first, so that a study that is stopped early has some of each kind: clean
+    plants, then each effect by size from 10 % on.
     """
     found = list((_small if small else _full)(_Maker(seed)))
     assert len({case.name for case in found}) == len(found)
@@ -239,9 +235,8 @@ def recorded(
 ) -> tuple[Recording, Recording, Plant]:
     """Hide the case's effects in the arm and record it twice.
 
-    Args:
-        folder: of the study; it keeps runs of the arm without effects.
-        keep: keep the recordings in the folder, too, and use those that are there.
+    The study's folder keeps runs of the arm without effects; with `keep` the recordings, too, and
+    those that are there are used.
     """
     place = folder / "recordings" / case.name
     paths, about = [place / f"{number}.npz" for number in (1, 2)], place / "info.json"
@@ -283,15 +278,8 @@ def _record(
         ]
         parts = [part for _, _, part in placed]
         facts = facts or [dict(part.facts) for part in parts]
-        attached = [part.attached for part in parts if part.attached is not None]
-        run = simulate(
-            motion(case.motion, number, stretches),
-            effects=[effect for part in parts for effect in part.effects],
-            sensors=[sensor for part in parts for sensor in part.sensors],
-            gears=[gear for part in parts for gear in part.gears],
-            attached=attached[0] if attached else None,
-            seed=case.seed + number,
-        )
+        reference, noise = motion(case.motion, number, stretches), case.seed + number
+        run = simulate(reference, **together(parts), seed=noise)
         runs.append(run)
         measured.append([_sizes(hidden, part, site, run) for hidden, site, part in placed])
     built = [
@@ -331,12 +319,7 @@ def _along(pair: int, folder: Path, stretches: Stretches) -> Reference:
 
 
 def motion(pair: int, recording: int, stretches: Stretches = FULL) -> Trajectory:
-    """Return the reference of one recording: stretches one after the other, at rest between.
-
-    Args:
-        pair: index of the pair of motions.
-        recording: 0 or 1 of the pair.
-    """
+    """Return the reference of recording 0 or 1 of a pair: its stretches, at rest between them."""
     seed = 100 + RECORDINGS * pair + recording
     time, columns, begin = [], [], 0.0
     for k, (speed, seconds) in enumerate(stretches.parts):

@@ -73,10 +73,6 @@ def judge(truths: Sequence[Truth], findings: Sequence[Found]) -> Judgement:
 
     With one truth of the catalogue, a claim that matches makes the case right whatever else is
     claimed; with two, with none, or outside the catalogue every claim that matches none is wrong.
-
-    Args:
-        truths: what was hidden.
-        findings: of the diagnosis.
     """
     matches: dict[int, Outcome] = {}
     suggested: set[int] = set()

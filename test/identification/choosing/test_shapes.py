@@ -51,7 +51,7 @@ def with_steps(basis: Basis, v0: float, joints: tuple[int, ...]) -> Basis:
 
 def fitted_on_subset(model: Model) -> tuple[Posterior[System], Basis, Inputs]:
     """Return a fit to 200 of a model's samples, its basis, and those samples."""
-    few = Blueprint.of(model).subset(model.inputs_of_data(), 200)
+    few = Blueprint.of(model).subset(model.inputs_of(model.data), 200)
     return exact(few), few.basis, few.samples.x
 
 

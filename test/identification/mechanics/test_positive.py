@@ -63,21 +63,21 @@ def test_it_is_the_nearest_one(name: str) -> None:
     ((_, _, system),) = free.systems
     target = system.target.reshape(count, 2)
     design = free.problem.basis.design(Inputs.of(states)) / unit
-    left = target - kernel.apply(states, held.centres, held.weights) - design @ held.coefficients
+    left = target - kernel.apply(states, held.states, held.weights) - design @ held.coefficients
     noise = free.problem.variances
     np.testing.assert_allclose(left, noise * held.weights[:count], atol=1e-6 * abs(target).max())
 
-    added = slice(count, count + (len(held.centres) - count) // 2)
-    moved, push = held.centres.take(added), held.weights[added]
+    added = slice(count, count + (len(held.states) - count) // 2)
+    moved, push = held.states.take(added), held.weights[added]
     assert len(moved) > 0
     multiplier = np.sum(push * moved.qdd, axis=1) / np.sum(moved.qdd**2, axis=1)
     assert (multiplier > 0.0).all()
     np.testing.assert_allclose(push, multiplier[:, None] * moved.qdd)
     rest = States.of(moved.q, moved.qd, 0.0 * moved.q)
-    np.testing.assert_array_equal(held.centres.take(slice(added.stop, None)).qdd, rest.qdd)
+    np.testing.assert_array_equal(held.states.take(slice(added.stop, None)).qdd, rest.qdd)
     np.testing.assert_array_equal(held.weights[added.stop :], -push)
 
-    up, down = (kernel.apply(x, held.centres, held.weights) for x in (moved, rest))
+    up, down = (kernel.apply(x, held.states, held.weights) for x in (moved, rest))
     pull = up - down
     rotor = free.problem.basis.slices()[-1][1]
     pull[:, 1] += moved.qdd[:, 1] * held.coefficients[rotor][0] / unit

@@ -78,8 +78,8 @@ def test_with_all_samples_as_inducing_points_it_is_kept_positive_as_the_exact_fi
     """Both factors give the least change to the same fit."""
     found, exact = pair(name, noise=1.0)
     ours, theirs = (keep_positive(fit, exact.states) for fit in (found, exact))
-    assert len(theirs.centres) > len(exact.states)
+    assert len(theirs.states) > len(exact.states)
     at = States(AT.q, AT.qd, AT.qdd)
-    one, other = (exact.problem.kernel.apply(at, e.centres, e.weights) for e in (ours, theirs))
+    one, other = (exact.problem.kernel.apply(at, e.states, e.weights) for e in (ours, theirs))
     np.testing.assert_allclose(one, other, atol=1e-4 * np.abs(other).max())
     np.testing.assert_allclose(ours.coefficients, theirs.coefficients, atol=1e-3)

@@ -72,8 +72,7 @@ class Add(Job):
         is not in them.
 
         Args:
-            found: the findings of the new model.
-            steps: its history.
+            found, steps: the findings of the new model and its history.
             page: the file of the page by name, or why there is none.
         """
         from lagrangian_ff.identification.history import ErrorChange

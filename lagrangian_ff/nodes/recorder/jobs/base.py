@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
@@ -20,8 +20,6 @@ from lagrangian_ff.record_json import to_json
 if TYPE_CHECKING:
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Conditioning, Motion
-
-J = TypeVar("J", bound="Job")
 
 
 @dataclass(frozen=True)
@@ -125,7 +123,7 @@ class Job(ABC):
 
     @classmethod
     @abstractmethod
-    def request(cls: type[J], given: Situation) -> J:
+    def request(cls, given: Situation) -> "Job":
         """Return the request for what is to be done now.
 
         Raises:
@@ -212,8 +210,7 @@ def write_findings(
     Args:
         output: the file of the JSON, which is written whole or not at all.
         record: the JSON; numbers that are not finite become null.
-        make: writes the page.
-        found: what it writes.
+        make, found: what writes the page, and what it writes.
 
     Raises:
         OSError: the JSON cannot be written.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lagrangian_ff.nodes.common.status import Level, Status
+from lagrangian_ff.nodes.common.status import Level, Status, errors_of
 from lagrangian_ff.nodes.recorder.jobs import base
 from lagrangian_ff.nodes.recorder.session import Result, new_path
 from lagrangian_ff.progress import Progress, part
@@ -64,10 +64,7 @@ class Compare(base.Job):
             "recordings": ", ".join(found.sources),
             "RMSE [N·m]": score.total,
             "nMSE": score.mean_nmse,
-            **{
-                f"error {joint}": f"{rmse:.4g} N·m, nMSE {nmse:.4g}"
-                for joint, rmse, nmse in zip(score.joints, score.rmse, score.nmse, strict=True)
-            },
+            **errors_of(score, "error"),
             "outside the identified range": f"{outside:.1%}",
             **{f"where {number}": text for number, text in enumerate(words[:REGIONS], 1)},
             **files,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Settings
-from lagrangian_ff.nodes.common.status import Level, Status, held_out
+from lagrangian_ff.nodes.common.status import Level, Status, errors_of
 from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, lines_of, names_of, optional
 from lagrangian_ff.nodes.recorder.session import Result, SavedModel, Session, new_path
 from lagrangian_ff.progress import Progress, part
@@ -81,7 +81,7 @@ class Identify(Job):
             f"identified {found.model} from {found.samples} samples in {found.seconds:.1f} s; "
             f"RMSE {found.score.total:.4g} N·m, nMSE {found.score.mean_nmse:.4g} on motion it has "
             "not seen",
-            *lines_of(held_out(found.score)),
+            *lines_of(errors_of(found.score)),
             f"  model file: {self.output}",
         )
         return Result(log, model=saved(self.output, found))
@@ -103,7 +103,7 @@ def saved(file: str, found: "Identified") -> SavedModel:
         "model": found.model,
         "held-out RMSE [N·m]": found.score.total,
         "held-out nMSE": found.score.mean_nmse,
-        **held_out(found.score),
+        **errors_of(found.score),
     }
     return SavedModel(Path(file), values)
 
