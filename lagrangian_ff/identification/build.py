@@ -34,8 +34,7 @@ from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteErr
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.record_json import read
-from lagrangian_ff.recording.conditioning import Conditioning
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.motion import Conditioning, Motion
 from lagrangian_ff.sampling import recorded_seconds
 
 POSITIVE_STATES = 1000

@@ -14,7 +14,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification.predicting import MotionRange
 from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.record_json import Json, by_name, given, read
-from lagrangian_ff.recording.conditioning import Conditioning
+from lagrangian_ff.recording.motion import Conditioning
 
 NEEDED = (
     "model", "samples", "training_seconds", "seconds", "judged_on", "held_out_seconds", "joints",

@@ -1,12 +1,12 @@
 from lagrangian_ff.recording.bag_writer import BagWriter as BagWriter
 from lagrangian_ff.recording.bag_writer import write_bag as write_bag
-from lagrangian_ff.recording.conditioning import Conditioning as Conditioning
 from lagrangian_ff.recording.conditioning import condition as condition
 from lagrangian_ff.recording.files import load as load
 from lagrangian_ff.recording.files import write_csv as write_csv
 from lagrangian_ff.recording.files import write_npz as write_npz
 from lagrangian_ff.recording.inspection import Inspection as Inspection
 from lagrangian_ff.recording.inspection import inspect as inspect
+from lagrangian_ff.recording.motion import Conditioning as Conditioning
 from lagrangian_ff.recording.motion import Motion as Motion
 from lagrangian_ff.recording.motion import concatenate as concatenate
 from lagrangian_ff.recording.recording import Recording as Recording

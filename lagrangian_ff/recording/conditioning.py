@@ -5,8 +5,7 @@ the gaps; position and torque pass the same Butterworth low-pass, forward and ba
 they stay in step; position is differentiated twice.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -15,14 +14,12 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 from lagrangian_ff.recording.inspection import find_clipping
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.motion import SCALINGS, Conditioning, Motion
 from lagrangian_ff.recording.recording import Recording, require_times
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.splines import interpolate
 from lagrangian_ff.words import counted
 
-_CLOCKS = ("auto", "stamps", "steady")
-_BY_JOINT = ("effort_scale", "effort_offset")
 _SLOWEST = 10.0  # Hz; an arm sampled more slowly hides its accelerations
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
@@ -31,69 +28,6 @@ _EFFORT_HINT = (
     "the driver must offer an effort state interface and joint_state_broadcaster must publish it"
 )
 _ZERO_HINT = f"{_EFFORT_HINT}, not fill it with zeros"
-
-
-@dataclass(frozen=True)
-class Conditioning:
-    """Settings of conditioning.
-
-    Attributes:
-        bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be.
-        order: of the Butterworth low-pass.
-        rate: Hz, of the resulting motion; None keeps the rate of the recording.
-        max_gap: s, longer pauses of a signal end a segment, shorter ones are interpolated;
-            None takes the longer of half a period of the bandwidth and 2.5 samples.
-        trim: s, cut off at both ends of a segment, where the filter extrapolates; None takes the
-            time in which it settles to 1/1000.
-        clock: "stamps" trusts the stamps, "steady" assumes a steady clock and late stamps, "auto"
-            decides by which of the two the motion follows.
-        effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
-        effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
-    """
-
-    bandwidth: float = 25.0
-    order: int = 3
-    rate: float | None = None
-    max_gap: float | None = None
-    trim: float | None = None
-    clock: str = "auto"
-    effort_scale: Mapping[str, float] = field(default_factory=dict)
-    effort_offset: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for name in ("bandwidth", "rate", "max_gap"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise RecordingError(f"conditioning: {name} is {value}, expected more than 0")
-        if self.clock not in _CLOCKS:
-            raise RecordingError(
-                f"conditioning: clock is {self.clock!r}, expected one of {', '.join(_CLOCKS)}"
-            )
-        if self.order < 1:
-            raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
-        if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
-            raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
-        for name in _BY_JOINT:
-            for joint, value in getattr(self, name).items():
-                if not np.isfinite(value):
-                    raise RecordingError(f"conditioning: {name} of {joint} is {value}")
-
-    def record(self) -> dict[str, object]:
-        """Return the settings for a model's record, so that other recordings are treated alike."""
-        return {
-            name: dict(value) if isinstance(value, Mapping) else value
-            for name, value in asdict(self).items()
-        }
-
-    @classmethod
-    def from_record(cls, record: object) -> "Conditioning | None":
-        """Return the settings of a record; None if it has none, or those of another version."""
-        if not isinstance(record, dict) or not record:
-            return None
-        try:
-            return cls(**record)
-        except TypeError:
-            return None
 
 
 def condition(recording: Recording, conditioning: Conditioning | None = None) -> Motion:
@@ -281,7 +215,7 @@ def _require_usable(recording: Recording) -> None:
 
 def _require_known(recording: Recording, settings: Conditioning) -> None:
     """Require that the settings by joint are for known joints."""
-    for setting in _BY_JOINT:
+    for setting in SCALINGS:
         values = getattr(settings, setting)
         unknown = [joint for joint in values if joint not in recording.joints]
         if unknown:

@@ -1,7 +1,7 @@
-"""A recording made ready for identification: q, qd, qdd and tau on one clock."""
+"""A recording made ready for identification, on one clock; and the settings that make it so."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,72 @@ from lagrangian_ff.recording.recording import columns_of, require_tables
 
 _BY_JOINT = ("q", "qd", "qdd", "tau")
 _BY_SAMPLE = ("time", *_BY_JOINT, "segment")
+CLOCKS = ("auto", "stamps", "steady")
+SCALINGS = ("effort_scale", "effort_offset")
+"""Settings of each joint."""
+
+
+@dataclass(frozen=True)
+class Conditioning:
+    """Settings of conditioning.
+
+    Attributes:
+        bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be.
+        order: of the Butterworth low-pass.
+        rate: Hz, of the resulting motion; None keeps the rate of the recording.
+        max_gap: s, longer pauses of a signal end a segment, shorter ones are interpolated;
+            None takes the longer of half a period of the bandwidth and 2.5 samples.
+        trim: s, cut off at both ends of a segment, where the filter extrapolates; None takes the
+            time in which it settles to 1/1000.
+        clock: "stamps" trusts the stamps, "steady" assumes a steady clock and late stamps, "auto"
+            decides by which of the two the motion follows.
+        effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
+        effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
+    """
+
+    bandwidth: float = 25.0
+    order: int = 3
+    rate: float | None = None
+    max_gap: float | None = None
+    trim: float | None = None
+    clock: str = "auto"
+    effort_scale: Mapping[str, float] = field(default_factory=dict)
+    effort_offset: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("bandwidth", "rate", "max_gap"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise RecordingError(f"conditioning: {name} is {value}, expected more than 0")
+        if self.clock not in CLOCKS:
+            raise RecordingError(
+                f"conditioning: clock is {self.clock!r}, expected one of {', '.join(CLOCKS)}"
+            )
+        if self.order < 1:
+            raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
+        if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
+            raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
+        for name in SCALINGS:
+            for joint, value in getattr(self, name).items():
+                if not np.isfinite(value):
+                    raise RecordingError(f"conditioning: {name} of {joint} is {value}")
+
+    def record(self) -> dict[str, object]:
+        """Return the settings for a model's record, so that other recordings are treated alike."""
+        return {
+            name: dict(value) if isinstance(value, Mapping) else value
+            for name, value in asdict(self).items()
+        }
+
+    @classmethod
+    def from_record(cls, record: object) -> "Conditioning | None":
+        """Return the settings of a record; None if it has none, or those of another version."""
+        if not isinstance(record, dict) or not record:
+            return None
+        try:
+            return cls(**record)
+        except TypeError:
+            return None
 
 
 @dataclass(frozen=True)
