@@ -57,7 +57,7 @@ class Scaling:
 
 @dataclass(frozen=True)
 class Prior:
-    """What (44) assumes of torques before any was measured.
+    """The assumptions of (44) about torques before any was measured.
 
     Attributes:
         kernel: of the rigid-body torques, in units of `scaling`, with its hyperparameters.

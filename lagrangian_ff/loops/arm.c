@@ -140,7 +140,7 @@ EXPORT void arm_guess(Plant *p)
     }
 }
 
-/* Make the guess better, by so many iterations at most. */
+/* Improve the guess by at most `iterations` iterations. */
 EXPORT void arm_settle(Plant *p, int iterations)
 {
     int seat[JOINTS], rows = JOINTS;

@@ -86,7 +86,7 @@ class Region:
 
     @property
     def strength(self) -> float:
-        """How much it stands out, see `divergence`."""
+        """Return how much it stands out; see `divergence`."""
         share, time = np.array([self.share_of_error]), np.array([self.share_of_time])
         return float(divergence(share, time)[0])
 
