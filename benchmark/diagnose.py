@@ -16,7 +16,7 @@ from scipy.linalg import lapack, solve_triangular
 from timing import moving, seconds
 
 from lagrangian_ff.diagnosis import diagnose
-from lagrangian_ff.diagnosis.search.bayes_factor import scores
+from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import named, nonparametric
 from lagrangian_ff.diagnosis.search.significance import DRAWS, MaximumNull
 from lagrangian_ff.diagnosis.whitening import fit
@@ -57,7 +57,7 @@ def main() -> None:
     right = np.ones((upper.shape[0], 256), dtype=np.float32, order="F")
 
     def look() -> object:
-        return scores(whitened, candidates, coarse=True)
+        return bayes_factors(whitened, candidates, coarse=True)
 
     def bare() -> None:
         for _ in range(-(-columns // 256)):
@@ -69,7 +69,7 @@ def main() -> None:
     print(
         f"look {ours:.2f} s, bare solve {bound:.2f} s, ratio {ours / bound:.2f} (bound {BOUND:g})"
     )
-    scored = scores(whitened, candidates, coarse=True)
+    scored = bayes_factors(whitened, candidates, coarse=True)
     blocks = np.hstack([score.blocks for score in scored])
     signs = np.random.default_rng(0).choice([-1.0, 1.0], (DRAWS, len(blocks)))
     pairs = (

@@ -12,9 +12,9 @@ from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     PRIOR_SHARE,
+    bayes_factors,
     evidence_without,
     log_bayes_factor_of,
-    scores,
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
@@ -49,7 +49,7 @@ def test_it_is_a_difference_of_log_evidence(clean: Whitened) -> None:
     """Against the definition, with dense matrices, on a few samples and without a basis."""
     small = begun(clean, 40)
     candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
-    (score,) = scores(small, [candidate])
+    (score,) = bayes_factors(small, [candidate])
     columns = candidate.columns(small.x)
     amplitude = small.explaining(small.basis, (Nuisance(1, columns),)).system.amplitude
     scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2, axis=0))
@@ -64,21 +64,21 @@ def test_it_is_a_difference_of_log_evidence(clean: Whitened) -> None:
 
 def test_a_candidate_that_takes_the_place_of_gravity_is_rejected(clean: Whitened) -> None:
     poor = with_prior(clean, potential=1e-4 * chain_of(clean.problem).potential)
-    (score,) = scores(poor, [Candidate(EFFECTS["ripple"], 0, {"order": 1.0})])
+    (score,) = bayes_factors(poor, [Candidate(EFFECTS["ripple"], 0, {"order": 1.0})])
     assert score.log_bf > thresholds.USED.floor
     assert log_bayes_factor_of(score, poor, without(poor)) < 0.0
 
 
 def test_noise_that_was_fitted_too_large_favours_no_candidate(clean: Whitened) -> None:
     noisy = with_prior(clean, noise=30.0 * clean.problem.noise)
-    (score,) = scores(clean, [Candidate(EFFECTS["drift"], 1)])
+    (score,) = bayes_factors(clean, [Candidate(EFFECTS["drift"], 1)])
     assert log_bayes_factor_of(score, clean, noisy.system.log_evidence) > 100.0
     assert log_bayes_factor_of(score, clean, without(noisy)) < 20.0
 
 
 def test_what_is_there_keeps_its_log_bayes_factor() -> None:
     whitened = whitened_of(two_rods.motion(1, 30.0, two_rods.stick))
-    (score,) = scores(whitened, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
+    (score,) = bayes_factors(whitened, [Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})])
     assert log_bayes_factor_of(score, whitened, without(whitened)) > 100.0
 
 
@@ -89,5 +89,5 @@ def test_a_parameter_that_the_motion_never_asks_for_does_no_harm(clean: Whitened
     forth = replace(clean, problem=clean.problem.of(samples))
     candidate = Candidate(EFFECTS["asymmetric_viscous"], 1)
     assert (candidate.columns(forth.x) == 0.0).all(axis=0).any()
-    (score,) = scores(forth, [candidate])
+    (score,) = bayes_factors(forth, [candidate])
     assert np.isfinite(log_bayes_factor_of(score, forth, without(forth)))

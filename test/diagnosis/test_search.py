@@ -10,7 +10,12 @@ from scipy.stats import multivariate_normal
 from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, Score, scores, tempered_log_bf
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    PRIOR_SHARE,
+    BayesFactor,
+    bayes_factors,
+    tempered_log_bf,
+)
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.forward import Needed, search, superfluous
@@ -34,7 +39,7 @@ def test_the_log_bayes_factor_is_the_difference_of_log_evidence(clean: Whitened)
     """Against the definition, with dense matrices, on a few samples and without a basis."""
     small = begun(clean, 40)
     candidate = Candidate(EFFECTS["quadratic_drag"], 1)
-    (score,) = scores(small, [candidate])
+    (score,) = bayes_factors(small, [candidate])
     columns = candidate.columns(small.x)
     scale = PRIOR_SHARE * small.spread[1] / np.sqrt(np.mean(columns**2))
     full = np.zeros((40, 2))
@@ -51,14 +56,16 @@ def test_the_log_bayes_factor_is_the_difference_of_log_evidence(clean: Whitened)
 def test_what_the_model_has_explains_nothing_more(clean: Whitened) -> None:
     twins = [Candidate(EFFECTS[name], joint) for name in ("viscous", "offset") for joint in (0, 1)]
     twins.append(Candidate(EFFECTS["asymmetric_coulomb"], 0))
-    for score in scores(clean, twins):
+    for score in bayes_factors(clean, twins):
         assert score.log_bf <= 1e-6
         assert score.survival < 1e-4
 
 
 def test_clean_motion_gives_no_candidate_more_than_chance(clean: Whitened) -> None:
     found = [
-        *scores(clean, [*named(clean.x, clean.basis, (0, 1)), *nonparametric(clean.x, (0, 1))])
+        *bayes_factors(
+            clean, [*named(clean.x, clean.basis, (0, 1)), *nonparametric(clean.x, (0, 1))]
+        )
     ]
     lasting = [score for score in found if not score.once]
     null = MaximumNull.of(lasting)
@@ -69,7 +76,7 @@ def test_clean_motion_gives_no_candidate_more_than_chance(clean: Whitened) -> No
 
 
 def test_chance_is_reproducible_from_its_seed(clean: Whitened) -> None:
-    found = list(scores(clean, named(clean.x, clean.basis, (0,))))
+    found = list(bayes_factors(clean, named(clean.x, clean.basis, (0,))))
     np.testing.assert_array_equal(
         MaximumNull.of(found, 3).largest, MaximumNull.of(found, 3).largest
     )
@@ -77,7 +84,7 @@ def test_chance_is_reproducible_from_its_seed(clean: Whitened) -> None:
 
 def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
     whitened = whitened_of(two_rods.motion(2, 30.0, two_rods.stick))
-    found = best_of_each(scores(whitened, named(whitened.x, whitened.basis, (0, 1))))
+    found = best_of_each(bayes_factors(whitened, named(whitened.x, whitened.basis, (0, 1))))
     assert found[0].candidate.key == ("stribeck", 1)
     assert found[0].log_bf > 30.0
     assert found[0].candidate.shape["v_s"] == pytest.approx(0.15, rel=0.5)
@@ -85,7 +92,7 @@ def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
 
 def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:
     whitened = whitened_of(two_rods.motion(2, 30.0, two_rods.stick))
-    found = best_of_each(scores(whitened, named(whitened.x, whitened.basis, (1,))))
+    found = best_of_each(bayes_factors(whitened, named(whitened.x, whitened.basis, (1,))))
     names = [score.candidate.source.name for score in rivals(found[0], found[1:])]
     assert "ripple" not in names
     assert "drift" not in names
@@ -115,10 +122,10 @@ def test_several_recordings_have_no_common_moment() -> None:
 
 def test_a_cause_found_already_is_preferred_to_a_new_one(clean: Whitened) -> None:
     """Unless the new one explains clearly more."""
-    (score, *_) = scores(clean, named(clean.x, clean.basis, (0,)))
+    (score, *_) = bayes_factors(clean, named(clean.x, clean.basis, (0,)))
     gear = EFFECTS["elasticity"]
 
-    def of(joint: float, gain: float) -> Score:
+    def of(joint: float, gain: float) -> BayesFactor:
         shape = {"of": joint, "f": 4.0, "z": 0.1}
         return replace(score, candidate=Candidate(gear, 0, shape), log_bf=gain)
 

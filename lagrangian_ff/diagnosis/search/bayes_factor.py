@@ -31,7 +31,7 @@ ROUNDS, POINTS = 3, 5
 
 
 @dataclass(frozen=True)
-class Score:
+class BayesFactor:
     """A candidate compared with the residual.
 
     Attributes:
@@ -85,10 +85,10 @@ def expected(columns: Floats, spread: float) -> Floats:
     return np.asarray(PRIOR_SHARE * spread / np.where(rms > 0.0, rms, np.inf))
 
 
-def scores(
+def bayes_factors(
     whitened: Whitened, candidates: Sequence[Candidate], *, coarse: bool = False
-) -> list[Score]:
-    """Return the scores of candidates.
+) -> list[BayesFactor]:
+    """Return the Bayes factors of candidates.
 
     Args:
         coarse: compute in single precision, for a first pass over many.
@@ -108,11 +108,13 @@ def scores(
     return [score for some in found for score in some]
 
 
-def _of_joint(whitened: Whitened, candidates: Sequence[Candidate], coarse: bool) -> list[Score]:
-    """Return the scores of candidates on one joint, in their order."""
+def _of_joint(
+    whitened: Whitened, candidates: Sequence[Candidate], coarse: bool
+) -> list[BayesFactor]:
+    """Return the Bayes factors of candidates on one joint, in their order."""
     columns = [one.columns(whitened.x) for one in candidates]
     widths = np.array([one.shape[1] for one in columns])
-    held: dict[int, Score] = {}
+    held: dict[int, BayesFactor] = {}
     for width in np.unique(widths).tolist():
         places = np.flatnonzero(widths == width)
         for first in range(0, len(places), max(1, COLUMNS_AT_ONCE // max(1, width))):
@@ -125,8 +127,8 @@ def _of_joint(whitened: Whitened, candidates: Sequence[Candidate], coarse: bool)
 
 def _scored(
     whitened: Whitened, candidates: Sequence[Candidate], raw: Floats, coarse: bool
-) -> list[Score]:
-    """Return the scores of candidates on one joint with columns `raw` (C, S, P)."""
+) -> list[BayesFactor]:
+    """Return the Bayes factors of candidates on one joint with columns `raw` (C, S, P)."""
     joint = candidates[0].joint
     count, samples, width = raw.shape
     flat = raw.transpose(1, 0, 2).reshape(samples, -1)
@@ -158,7 +160,7 @@ def _scored(
     parameters = found * scale.reshape(count, width)
     size = np.sqrt(np.mean((raw @ parameters[:, :, None])[:, :, 0] ** 2, axis=1))
     return [
-        Score(
+        BayesFactor(
             candidate,
             float(log_bf[n]),
             float(variance_inflation[n]),
@@ -178,7 +180,7 @@ def _by_block(values: Floats, whitened: Whitened) -> Floats:
     return np.add.reduceat(values, whitened.starts, axis=-1).astype(np.float64)
 
 
-def refined(whitened: Whitened, best: Score) -> Score:
+def refined(whitened: Whitened, best: BayesFactor) -> BayesFactor:
     """Return the score at the continuous shapes of largest log Bayes factor, one by one."""
     if not best.candidate.named:
         return best
@@ -198,7 +200,7 @@ def refined(whitened: Whitened, best: Score) -> Score:
             steps = reach ** np.linspace(-0.75, 0.75, POINTS)
             around = np.clip(mine.shape[shape.name] * steps, low, high).tolist()
             tried = [replace(mine, shape={**mine.shape, shape.name: value}) for value in around]
-            best = max([best, *scores(whitened, tried)], key=lambda score: score.log_bf)
+            best = max([best, *bayes_factors(whitened, tried)], key=lambda score: score.log_bf)
             reach = reach**0.5
     return best
 
@@ -208,7 +210,7 @@ def evidence_without(whitened: Whitened, chosen: Problem) -> float:
     return max(whitened.system.log_evidence, whitened.assuming(chosen).system.log_evidence)
 
 
-def log_bayes_factor_of(score: Score, whitened: Whitened, without: float) -> float:
+def log_bayes_factor_of(score: BayesFactor, whitened: Whitened, without: float) -> float:
     """Return the log Bayes factor of a candidate, tempered as its score is.
 
     Args:

@@ -1,6 +1,6 @@
 """Forward search: find the best candidate, explain it, refit, look again; then backward.
 
-The same scores show which effects the motion could not have shown.
+The same Bayes factors show which effects the motion could not have shown.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, Score, scores
+from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, BayesFactor, bayes_factors
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.judging import (
     Step,
@@ -47,9 +47,9 @@ class Search:
     """
 
     steps: tuple[Step, ...]
-    all: tuple[Score, ...]
-    ranking: tuple[Score, ...]
-    last: tuple[Score, ...]
+    all: tuple[BayesFactor, ...]
+    ranking: tuple[BayesFactor, ...]
+    last: tuple[BayesFactor, ...]
     null: MaximumNull
     change: Change | None
     whitened: Whitened
@@ -74,12 +74,12 @@ def search(
     taken: list[Step] = []
     change: Change | None = None
     may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
-    rounds: list[tuple[list[Score], list[Score], MaximumNull]] = []
+    rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
     while True:
         share = len(taken) / (steps + 1)
         progress(share, f"looking at every effect, step {len(taken) + 1}")
         candidates = candidates_of(whitened, range(whitened.joints), effects)
-        found = scores(whitened, candidates, coarse=True)
+        found = bayes_factors(whitened, candidates, coarse=True)
         whitened.forget()
         causes = causes_of(whitened.basis)
         best = best_of_each(found, causes)
@@ -119,7 +119,7 @@ def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Ste
             if step.named:
                 basis = _without(whitened.basis, own, step)
                 less = whitened.explaining(basis, whitened.problem.nuisance)
-                (score,) = scores(less, [step.score.candidate])
+                (score,) = bayes_factors(less, [step.score.candidate])
                 needed.append(Needed(number, score.candidate.joint, score.log_bf))
         last = superfluous(needed)
         if last is None:
@@ -160,7 +160,7 @@ def _without(basis: Basis, own: int, step: Step) -> Basis:
     return Basis((*basis.terms[:own], *found))
 
 
-def _stands_out(score: Score, null: MaximumNull, whitened: Whitened) -> bool:
+def _stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bool:
     """Return whether a score is large enough to be claimed."""
     limits = thresholds.USED
     if score.size <= limits.least_size * whitened.spread[score.candidate.joint]:
@@ -170,7 +170,7 @@ def _stands_out(score: Score, null: MaximumNull, whitened: Whitened) -> bool:
     return score.log_bf > limits.floor and null.exceeded_by(score.log_bf)
 
 
-def _to_beat(whitened: Whitened, eligible: Sequence[Score]) -> float:
+def _to_beat(whitened: Whitened, eligible: Sequence[BayesFactor]) -> float:
     """Return the nats that a change of the whole arm must exceed to come before these scores.
 
     Where friction is missing altogether, a second Lagrangian takes up much of it.
@@ -211,7 +211,7 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
     return tuple(missing)
 
 
-def _expected_log_bf(score: Score) -> float:
+def _expected_log_bf(score: BayesFactor) -> float:
     """Return the mean log Bayes factor of the effect at `observable_size` of the joint's torque."""
     information = score.information / score.variance_inflation
     size = thresholds.USED.observable_size / PRIOR_SHARE

@@ -8,7 +8,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
-from lagrangian_ff.diagnosis.search.bayes_factor import Score
+from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
@@ -90,7 +90,7 @@ class HoldOutMotion:
             z += whitened.project(whitened.whitened(self.torques[number][:, None], joint))[:, 0]
         return _judged(whitened, z)
 
-    def rival(self, score: Score, instead_of: int) -> Floats:
+    def rival(self, score: BayesFactor, instead_of: int) -> Floats:
         """Return the log Bayes factor by block (B,) of a frozen rival instead of a finding."""
         whitened, candidate = self.whitened, score.candidate
         joint = candidate.joint

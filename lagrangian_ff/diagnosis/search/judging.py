@@ -7,11 +7,11 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
-    Score,
+    BayesFactor,
+    bayes_factors,
     evidence_without,
     log_bayes_factor_of,
     refined,
-    scores,
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.nonparametric import sinusoids
@@ -39,11 +39,11 @@ class Step:
         free: the best nonparametric alternative on the same joint, if any helped.
     """
 
-    score: Score
-    rivals: tuple[Score, ...]
+    score: BayesFactor
+    rivals: tuple[BayesFactor, ...]
     first_log_bf: float
     p_value: float
-    free: Score | None
+    free: BayesFactor | None
 
     @property
     def named(self) -> bool:
@@ -70,7 +70,7 @@ def candidates_of(
     ]
 
 
-def possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
+def possible(score: BayesFactor, causes: frozenset[tuple[str, int]]) -> bool:
     """Return whether hardware could do this.
 
     What the hardware of another joint causes must have been found on that joint first.
@@ -85,8 +85,8 @@ def possible(score: Score, causes: frozenset[tuple[str, int]]) -> bool:
 
 def judge(
     whitened: Whitened,
-    first: Score,
-    best: Sequence[Score],
+    first: BayesFactor,
+    best: Sequence[BayesFactor],
     null: MaximumNull,
     effects: Mapping[str, Effect] | None,
 ) -> tuple[Step | None, Whitened]:
@@ -158,18 +158,18 @@ class _View:
         free: the best curve.
     """
 
-    leader: Score
+    leader: BayesFactor
     problem: Problem
     base: float
-    name: Score | None
-    others: tuple[Score, ...]
-    free: Score | None
+    name: BayesFactor | None
+    others: tuple[BayesFactor, ...]
+    free: BayesFactor | None
 
     @classmethod
     def of(
         cls,
         whitened: Whitened,
-        leader: Score,
+        leader: BayesFactor,
         problem: Problem,
         effects: Mapping[str, Effect] | None,
     ) -> tuple["_View", Whitened]:
@@ -178,7 +178,7 @@ class _View:
         refitted = whitened.assuming(problem)
         candidates = candidates_of(refitted, [joint], effects)
         causes = causes_of(refitted.basis)
-        every = best_of_each(scores(refitted, candidates), causes)
+        every = best_of_each(bayes_factors(refitted, candidates), causes)
         found = [one for one in every if one.log_bf > 0.0 and possible(one, causes)]
         # An event as leader was not compared with the null: only events may take its place.
         best = [one for one in found if one.candidate.named and (one.once or not leader.once)]
@@ -195,7 +195,7 @@ class _View:
         name = names[0] if names else None
         return cls(leader, problem, base, name, tuple(names[1:]), free), refitted
 
-    def total(self, score: Score | None) -> float:
+    def total(self, score: BayesFactor | None) -> float:
         """Return the log evidence with a candidate, which can be compared between views."""
         return -np.inf if score is None else self.base + score.log_bf
 
@@ -205,7 +205,7 @@ def bare(whitened: Whitened, joint: int) -> bool:
     return not any(term.effect.plain for term in whitened.basis.terms if term.joint == joint)
 
 
-def _plain_first(names: list[Score], bare_joint: bool) -> list[Score]:
+def _plain_first(names: list[BayesFactor], bare_joint: bool) -> list[BayesFactor]:
     """Return the effects, plain friction first if it explains a large share of what the best does.
 
     Where plain friction is missing altogether, one curve with a bend does better than Coulomb's or
@@ -224,7 +224,7 @@ def _over_velocity(effect: Effect) -> bool:
     return effect.kind == "friction" or effect.coordinate == "velocity"
 
 
-def _penalised(whitened: Whitened, score: Score) -> float:
+def _penalised(whitened: Whitened, score: BayesFactor) -> float:
     """Return the log Bayes factor less the log of the number of shapes tried."""
     shapes = score.candidate.effect.candidates(whitened.x, score.candidate.joint)
     return score.log_bf - float(np.log(max(len(shapes), 1)))

@@ -8,7 +8,11 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.search.bayes_factor import COLUMNS_AT_ONCE, Score, tempered_log_bf
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    COLUMNS_AT_ONCE,
+    BayesFactor,
+    tempered_log_bf,
+)
 
 DRAWS = 400
 TIE = 1e-6
@@ -30,7 +34,7 @@ class MaximumNull:
     largest: Floats
 
     @classmethod
-    def of(cls, found: Sequence[Score], seed: int = 0) -> "MaximumNull":
+    def of(cls, found: Sequence[BayesFactor], seed: int = 0) -> "MaximumNull":
         """Return the null of these candidates.
 
         Args:
@@ -63,9 +67,9 @@ class MaximumNull:
         return (1.0 + above) / (1.0 + len(self.largest))
 
 
-def _alike(found: Sequence[Score]) -> Iterator[list[Score]]:
+def _alike(found: Sequence[BayesFactor]) -> Iterator[list[BayesFactor]]:
     """Yield scores with equally many parameters together, a few hundred columns at a time."""
-    by_width: dict[int, list[Score]] = {}
+    by_width: dict[int, list[BayesFactor]] = {}
     for score in found:
         by_width.setdefault(len(score.information), []).append(score)
     for width, scores in by_width.items():
@@ -74,8 +78,8 @@ def _alike(found: Sequence[Score]) -> Iterator[list[Score]]:
 
 
 def best_of_each(
-    found: Iterable[Score], causes: AbstractSet[tuple[str, int]] = frozenset()
-) -> list[Score]:
+    found: Iterable[BayesFactor], causes: AbstractSet[tuple[str, int]] = frozenset()
+) -> list[BayesFactor]:
     """Return the score at the best shape for every effect and joint, best first.
 
     Args:
@@ -83,8 +87,8 @@ def best_of_each(
         causes: found on other joints already, as `Candidate.cause`. They are preferred where
             another cause explains hardly more: one elastic gear shakes other joints too.
     """
-    best: dict[tuple[str, int], Score] = {}
-    known: dict[tuple[str, int], Score] = {}
+    best: dict[tuple[str, int], BayesFactor] = {}
+    known: dict[tuple[str, int], BayesFactor] = {}
     for score in found:
         key = score.candidate.key
         for held in (best, known) if score.candidate.cause in causes else (best,):
@@ -96,8 +100,8 @@ def best_of_each(
 
 
 def rivals(
-    best: Score, others: Sequence[Score], more: Sequence[tuple[Floats, Floats]] = ()
-) -> list[Score]:
+    best: BayesFactor, others: Sequence[BayesFactor], more: Sequence[tuple[Floats, Floats]] = ()
+) -> list[BayesFactor]:
     """Return the effects that are not clearly worse than the best.
 
     Args:
