@@ -182,7 +182,12 @@ class TorqueModel:
 
     def inputs_of(self, motion: Motion) -> Inputs:
         """Return a motion of the model's joints as effects see it, with its torque."""
-        x = self.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
+        return self.with_torque(
+            self.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
+        )
+
+    def with_torque(self, x: Inputs) -> Inputs:
+        """Return a motion that `inputs` has prepared, with the model's whole torque."""
         return replace(x, torque=x.load + self.basis.beside_load(x, self.coefficients))
 
     def predict(

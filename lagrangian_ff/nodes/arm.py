@@ -252,11 +252,11 @@ def _declare(parameters: Parameters) -> None:
         low=0.0, high=10.0)  # fmt: skip
     add("publish_clock", False, "whether the arm has its own time, from 0 on, published on /clock: "
         "it slows down if the machine cannot keep up", read_only=True)  # fmt: skip
-    add("clock_speed", 1.0, "fastest speed of its own clock, as a factor of real time; 0 = it "
+    add("clock_speed", 1.0, "fastest speed of the arm's clock, as a factor of real time; 0 = it "
         "stands still", low=0.0, high=100.0)  # fmt: skip
-    add("clock_until", 0.0, "s of its own clock at which it stands still; 0 = never",
+    add("clock_until", 0.0, "time on the arm's clock at which the clock stops, s; 0 = never",
         low=0.0, high=1e9)  # fmt: skip
-    add("wait_for_command", 0.0, "s of real time that its own clock waits at a tick for a new "
+    add("wait_for_command", 0.0, "s of real time that the arm's clock waits at a tick for a new "
         "command on ~/commands, for a stream that answers every joint state; 0 = never",
         low=0.0, high=10.0)  # fmt: skip
     add("start_tolerance", 0.05, "rad by which a new reference may differ from the present one "

@@ -18,7 +18,7 @@ HIGHEST = 200.0
 FINEST_STEP = 0.25
 SHUFFLES = 60
 CHANCE = 0.05
-"""How often a residual that is not tied to the angle may show a line, over all orders."""
+"""Probability, over all orders, that a residual not tied to the angle shows a line."""
 MOST_LINES = 5
 LOWEST_LINE, LEAST_WAVES = 3.0, 2.0
 """Waves a turn, and within the motion, that a line has at least: fewer are a slow dependence on

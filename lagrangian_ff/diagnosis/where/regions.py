@@ -34,8 +34,8 @@ ENOUGH = 0.8
 """Share of the error: once regions hold it, no more are looked for."""
 SHUFFLES = 100
 CHANCE, CHANCE_OF_TIME = 0.05, 0.01
-"""How often error that is spread evenly may show a region, and one of time: error comes and goes by
-itself over more than a block, so that less is allowed there."""
+"""Probability that evenly spread error shows a region, and a region of time. The latter is smaller
+because error comes and goes over more than a block."""
 LEAST_RATIO, SURE_RATIO = 1.5, 1.2
 """Least share of error over share of time of a region, and least low end of that ratio's band."""
 LEAST_SHARE = 0.1

@@ -11,7 +11,7 @@ to the residuals of blocks left out. Models on inducing points have a variance o
 see `low_rank`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 
@@ -29,10 +29,11 @@ from lagrangian_ff.identification.certainty.calibration import (
     calibrated,
 )
 from lagrangian_ff.identification.predicting import TorqueModel
-from lagrangian_ff.identification.records import Identified
+from lagrangian_ff.identification.records import Calibration
 from lagrangian_ff.identification.solving.posterior import Posterior, Variance
 from lagrangian_ff.identification.solving.robust import heavy_tailed
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.record_json import read
 
 CHUNK_ENTRIES = 4_000_000
 """Kernel values held at once: 32 MB."""
@@ -200,10 +201,11 @@ class Uncertainty:
 
 def quick_factor(model: TorqueModel) -> Floats | None:
     """Return (N,) the calibration of `Uncertainty.quick` in the record; None if it has none."""
-    kept = Identified.from_record(model.record).uncertainty
-    if kept is None or kept.quick is None or tuple(kept.quick) != model.joints:
+    kept = model.record.get("uncertainty")
+    quick = read(Calibration, kept).quick if isinstance(kept, Mapping) else None
+    if quick is None or tuple(quick) != model.joints:
         return None
-    return np.array(list(kept.quick.values()), dtype=np.float64)
+    return np.array(list(quick.values()), dtype=np.float64)
 
 
 def _data(model: TorqueModel) -> Inputs:
@@ -224,5 +226,4 @@ def _inputs(
     if not any(term.effect.uses for term in model.basis.terms):
         speed = model.basis.sign_speed(len(model.joints))
         return Inputs.of(model.states(q, qd, qdd), time, segment, sign_speed=speed)
-    x = model.inputs(q, qd, qdd, time=time, segment=segment)
-    return replace(x, torque=x.load + model.basis.beside_load(x, model.coefficients))
+    return model.with_torque(model.inputs(q, qd, qdd, time=time, segment=segment))

@@ -304,8 +304,8 @@ def weights_beyond(problem: Problem, weight: Floats, x: Inputs, tau: Floats) -> 
 def _weights(problem: Problem) -> Floats:
     """Return (S, N) IRLS weights by each torque's distance from a robust fit without its block.
 
-    A fit with little noise follows most of its own torques closely, so that the others would look
-    like outliers, and the noise chosen next would be smaller still.
+    A fit with little noise follows most of the torques it was fitted to. The others would look like
+    outliers, and the noise chosen next would be smaller still.
     """
 
     def solved(noisier: Problem) -> Posterior:

@@ -1,4 +1,4 @@
-"""How far a reference leaves what the model knows: the identified range, and its doubt."""
+"""The excess of a reference over the identified range, and the model's doubt along it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What changed since the model was identified: each change, its size, and how sure it is."""
+"""The section on changes since the identification: each change, its size and its evidence."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
