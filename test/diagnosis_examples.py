@@ -9,16 +9,18 @@ import pendulum
 import pendulum_models
 
 from lagrangian_ff.diagnosis import Changed, Diagnosis, DiagnosisRun, Finding, Round
+from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.contacts import Contact
 from lagrangian_ff.diagnosis.preflight import Check
 from lagrangian_ff.diagnosis.results import (
     Change,
-    Consequence,
     Doubt,
     HoldOut,
     NotObservable,
     PartialResidual,
     Ranked,
     Reason,
+    Remainder,
     TakenUp,
     Unexplained,
 )
@@ -150,6 +152,10 @@ def full_run() -> DiagnosisRun:
     found = diagnosis(
         findings=(finding(), spring),
         unexplained=(Unexplained("shoulder", "position", 0.19, 40.0),),
+        remainders=(Remainder("shoulder", 0.4, 0.06),),
+        contacts=(
+            Contact(6.4, 6.5, {"elbow": Estimate(-0.41, -0.5, -0.3, "N·m")}, 0.001, "a bag"),
+        ),
         not_observable=(NotObservable("rotor_inertia", "elbow", "it cannot", "two payloads"),),
         ranking=(
             Ranked("stribeck", "elbow", 213.0, named=True, stands_out=True),

@@ -10,7 +10,8 @@ import re
 import sys
 from pathlib import Path
 
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.effects.user import trial_motion
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "effects.md"
 TABLE = re.compile(r"^\| effect \|.*?(?=\n\n)", re.MULTILINE | re.DOTALL)
@@ -30,11 +31,18 @@ def main(check: bool) -> int:
 
 def table() -> str:
     """Return the table of all effects in Markdown."""
-    lines = ["| effect | torque | shows as |", "|---|---|---|"]
+    lines = ["| effect | torque | shows as | above zero |", "|---|---|---|---|"]
     for effect in EFFECTS.values():
         formula = effect.formula.replace("|", r"\|")
-        lines.append(f"| `{effect.name}` | `{formula}` | {effect.shows_as} |")
+        lines.append(f"| `{effect.name}` | `{formula}` | {effect.shows_as} | {_signs(effect)} |")
     return "\n".join(lines)
+
+
+def _signs(effect: Effect) -> str:
+    """Return what nature has above zero of an effect."""
+    shape = {shape.name: shape.start for shape in effect.shapes}
+    words = [words.partition(" in ")[0] for words in effect.signs(trial_motion(), 1, shape)]
+    return ", ".join([*words, *(["all friction"] if effect.part == "friction" else [])])
 
 
 if __name__ == "__main__":

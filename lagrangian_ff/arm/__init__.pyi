@@ -8,6 +8,9 @@ from lagrangian_ff.arm.description import Load as Load
 from lagrangian_ff.arm.description import limits as limits
 from lagrangian_ff.arm.description import robot_description as robot_description
 from lagrangian_ff.arm.drawing import picture as picture
+from lagrangian_ff.arm.driver import Driver as Driver
+from lagrangian_ff.arm.driver import fine as fine
+from lagrangian_ff.arm.driver import reported as reported
 from lagrangian_ff.arm.exciting import exciting_trajectory as exciting_trajectory
 from lagrangian_ff.arm.joint_effect import JointEffect as JointEffect
 from lagrangian_ff.arm.joint_effect import JointMoment as JointMoment
@@ -23,3 +26,5 @@ from lagrangian_ff.arm.trajectory import Trajectory as Trajectory
 from lagrangian_ff.arm.trajectory import check_limits as check_limits
 from lagrangian_ff.arm.trajectory import read_trajectory as read_trajectory
 from lagrangian_ff.arm.trajectory import write_trajectory as write_trajectory
+from lagrangian_ff.arm.working import MOTIONS as MOTIONS
+from lagrangian_ff.arm.working import working_motion as working_motion

@@ -21,13 +21,16 @@ class Body(AbstractContextManager["Body"]):
     """Rigid links and frictionless joints, as PyBullet computes them.
 
     In a separate world without a window (p.DIRECT) that is integrated in steps of `dt`, s; close
-    it, or use it in a `with` block.
+    it, or use it in a `with` block. `masses` are the mass and inertia of each link relative to
+    those described, (6,).
 
     Raises:
         ArmError: a load on no link of the arm.
     """
 
-    def __init__(self, loads: Loads = None, *, dt: float = 1e-3) -> None:
+    def __init__(
+        self, loads: Loads = None, *, dt: float = 1e-3, masses: Sequence[float] = ()
+    ) -> None:
         on_links(loads)
         self.client = pybullet.connect(pybullet.DIRECT)
         self._args = {"physicsClientId": self.client}
@@ -44,6 +47,8 @@ class Body(AbstractContextManager["Body"]):
             pybullet.changeDynamics(
                 self.id, link, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0, **self._args
             )
+        for link, factor in zip(self.index, masses, strict=False):
+            self._scale(link, factor)
         self._rest = [0.0] * len(self.index)
         pybullet.setJointMotorControlArray(
             self.id, self.index, pybullet.VELOCITY_CONTROL, forces=self._rest, **self._args
@@ -60,6 +65,15 @@ class Body(AbstractContextManager["Body"]):
             return int(pybullet.loadURDF(path, useFixedBase=True, flags=flags, **self._args))
         finally:
             os.unlink(path)
+
+    def _scale(self, link: int, factor: float) -> None:
+        if factor != 1.0:
+            mass, _, inertia, *_ = pybullet.getDynamicsInfo(self.id, link, **self._args)
+            scaled = {
+                "mass": factor * mass,
+                "localInertiaDiagonal": [factor * moment for moment in inertia],
+            }
+            pybullet.changeDynamics(self.id, link, **scaled, **self._args)
 
     def set_state(self, q: Floats, qd: Floats) -> None:
         """Put the joints at q (6,) rad, moving at qd (6,) rad/s."""

@@ -1,5 +1,7 @@
 """Motions through the whole workspace at ten speeds, to identify the arm from (section IV-B)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 
@@ -61,7 +63,7 @@ def exciting_trajectory(speed: int = 5, seed: int = 0, duration: float | None = 
                     ratio = norm / (MEAN_NORM * speed)
                     times = _times(vias, float(np.clip(DURATION * ratio, SHORTEST, LONGEST)))
                     trajectory = _sampled(times, vias)
-                failures = _failures(trajectory, plants, surroundings)
+                failures = failed_checks(trajectory, plants, surroundings)
                 if not len(failures):
                     return trajectory
                 _replace(vias, times, failures, random)
@@ -74,14 +76,15 @@ def exciting_trajectory(speed: int = 5, seed: int = 0, duration: float | None = 
     )
 
 
-def _range() -> tuple[Floats, Floats]:
+def usable_range() -> tuple[Floats, Floats]:
+    """Return the ends of the part of each joint's range that poses are drawn from, (6,) rad."""
     bounds = limits()
     return REACH * bounds.lower, REACH * bounds.upper
 
 
 def _via_points(random: np.random.Generator, path: float) -> Floats:
     """Return home, enough via points for the path's length in rad, and home: (K, 6) rad."""
-    low, high = _range()
+    low, high = usable_range()
     vias = [np.array(HOME)]
     length, goal = 0.0, max(path, 6.0)
     while length < goal:
@@ -114,7 +117,9 @@ def _sampled(times: Floats, vias: Floats) -> Trajectory:
     return Trajectory(time, spline(time), spline(time, 1), spline(time, 2))
 
 
-def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroundings) -> Floats:
+def failed_checks(
+    trajectory: Trajectory, plants: Sequence[Plant], surroundings: Surroundings
+) -> Floats:
     """Return the times of failed checks; the cheap checks come first."""
     bounds = limits()
     q, qd, qdd = trajectory.q, trajectory.qd, trajectory.qdd
@@ -136,7 +141,7 @@ def _failures(trajectory: Trajectory, plants: list[Plant], surroundings: Surroun
 
 def _replace(vias: Floats, times: Floats, failures: Floats, random: np.random.Generator) -> None:
     """Draw the inner via points nearest to the failures again."""
-    low, high = _range()
+    low, high = usable_range()
     nearest = np.argmin(np.abs(failures[:, None] - times[None, 1:-1]), axis=1) + 1
     for k in np.unique(nearest):
         vias[k] = random.uniform(low, high)

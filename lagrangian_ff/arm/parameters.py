@@ -30,6 +30,7 @@ class ArmParameters:
         current_noise: A, standard deviation of a current sample.
         velocity_measured: whether the driver reports the difference quotient of its encoder;
             if not, it reports NaN.
+        link_masses: mass and inertia of each link, relative to those described in the URDF.
         physics_rate, current_rate, position_rate, sample_rate: Hz of the integration of the
             links, the PI current loop, the PD position loop and the measurements.
     """
@@ -48,6 +49,7 @@ class ArmParameters:
     encoder_counts: int = 2048
     current_noise: PerJoint = (0.12, 0.12, 0.09, 0.04, 0.035, 0.025)
     velocity_measured: bool = True
+    link_masses: PerJoint = (1.0,) * 6
     physics_rate: int = 1000
     current_rate: int = 10_000
     position_rate: int = 250

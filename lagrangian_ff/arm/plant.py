@@ -96,7 +96,7 @@ class Plant:
     and effects act on the rotor's side, as do encoder and back-EMF.
 
     Args:
-        parameters: rotors, friction and the rate of the integration.
+        parameters: masses, rotors, friction and the rate of the integration.
         loads: on the links, from the beginning.
         effects: in the joints, besides viscous and Coulomb friction.
         attached: loads that replace `loads` at a later time.
@@ -124,9 +124,10 @@ class Plant:
     ) -> None:
         self.parameters = parameters or ArmParameters()
         self.dt = 1.0 / self.parameters.physics_rate
-        self._bodies = [Body(loads, dt=self.dt)]
+        masses = self.parameters.link_masses
+        self._bodies = [Body(loads, dt=self.dt, masses=masses)]
         if attached is not None:
-            self._bodies.append(Body(attached.loads, dt=self.dt))
+            self._bodies.append(Body(attached.loads, dt=self.dt, masses=masses))
         self._attached_at = np.inf if attached is None else attached.time
         self._body = self._bodies[0]
         self.friction = Friction(self.parameters)
@@ -277,8 +278,14 @@ class Plant:
 
 
 def true_torque(
-    q: Floats, qd: Floats, qdd: Floats, *, loads: Loads = None, friction: bool = True
+    q: Floats,
+    qd: Floats,
+    qdd: Floats,
+    *,
+    loads: Loads = None,
+    friction: bool = True,
+    parameters: ArmParameters | None = None,
 ) -> Floats:
     """Return the plant's own inverse dynamics, the ideal feedforward; see Plant.true_torque."""
-    with closing(Plant(loads=loads)) as plant:
+    with closing(Plant(parameters, loads)) as plant:
         return plant.true_torque(q, qd, qdd, friction=friction)

@@ -263,7 +263,9 @@ class Scenario:
             recording = arm_link.recording_of(self._unseen, "the motion never seen")
             write_bag(self._folder.unseen, recording)
             self.findings.identification = model.identified
-            self.findings.comparison = compare(model, condition(recording), intervals=True)
+            self.findings.comparison = compare(
+                model, condition(recording, model.identified.conditioning), intervals=True
+            )
             for name, found in zip(self._motions, bound(), strict=True):
                 self.findings.keep(name, "bound", found)
 

@@ -5,9 +5,9 @@ from lagrangian_ff.diagnosis.compare import Comparison, compare, with_intervals
 from lagrangian_ff.diagnosis.diagnose import diagnose
 from lagrangian_ff.diagnosis.record import diagnosis_record, run_record
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Verdict
-from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun, Round
+from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun, Round, believed
 from lagrangian_ff.diagnosis.sentences import verdict
-from lagrangian_ff.diagnosis.since import changed_since
+from lagrangian_ff.diagnosis.since import changed_if_misfit, changed_since
 
 __all__ = [
     "Changed",
@@ -19,6 +19,8 @@ __all__ = [
     "Verdict",
     "add",
     "apply",
+    "believed",
+    "changed_if_misfit",
     "changed_since",
     "compare",
     "diagnose",

@@ -1,23 +1,24 @@
 """Adding effects to a model: one by name, or what a diagnosis confirmed; and the consequences."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.compare import compare
-from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding
-from lagrangian_ff.diagnosis.sentences import reason
+from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Finding, Reason, sorted_findings
+from lagrangian_ff.diagnosis.sentences import no_help, reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError
-from lagrangian_ff.identification import Model, extend
+from lagrangian_ff.identification import Model, extend, without
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
 BLOCK_SECONDS = 3.0
 MOST = 4
-"""Findings for which the model is refitted; the others have no consequence."""
+"""Findings for which the model is refitted, and all confirmed ones; others have no consequence."""
 
 
 def add(
@@ -56,13 +57,15 @@ def history(model: Model) -> dict[str, object]:
 def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     """Return the model with all confirmed findings, added one by one, each with its reason.
 
-    Only confirmed findings are added; without any the result is the same model. A load or a
-    contact belongs to the recording, not to the arm, and is not added.
+    Only confirmed findings that lower the error are added; without any the result is the same
+    model. A load or a contact belongs to the recording, not to the arm, and is not added.
 
     Args:
         diagnosis: with its consequences no model is fitted again.
         progress: receives the share done, 0 to 1.
     """
+    if any(one.consequence is None for one in diagnosis.confirmed):
+        diagnosis = with_consequences(diagnosis, progress)
     model = diagnosis.model
     lasting = [one for one in diagnosis.confirmed if not one.once]
     if diagnosis.tried and len(lasting) == len(diagnosis.confirmed):
@@ -80,27 +83,94 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
 def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diagnosis:
     """Return the diagnosis with what each finding does to the error.
 
-    Each is added to the model and the confirmed ones before it. Findings that are not confirmed are
-    tried, and left out again.
+    The confirmed ones are added one after the other. While much is still missing, the model makes
+    up for it, and a true effect may raise the error of another joint: such a one is judged again
+    beside all others. One that does not lower the error then is left out, and no more than
+    suggested. Findings that are not confirmed are tried beside those that are kept.
     """
-    model, motion = diagnosis.model, diagnosis.held_out
-    error = compare(model, motion).residual
-    tried = list(diagnosis.findings)
-    count = min(len(tried), MOST)
-    for number, finding in enumerate(diagnosis.findings[:MOST]):
-        progress(number / count, f"adding {finding.effect.name} to see the error fall")
+    kept = [one for one in diagnosis.findings if one.confirmed and not one.once]
+    others = [one for one in diagnosis.findings if not one.confirmed][: max(0, MOST - len(kept))]
+    whole, done = len(kept) + len(others), 0
+
+    def extended(model: Model, finding: Finding) -> Model | None:
+        nonlocal done
+        progress(done / whole, f"adding {finding.effect.name} to see the error fall")
+        done = min(done + 1, whole)
+        why = for_history(finding, diagnosis)
         try:
-            why = for_history(finding, diagnosis)
-            larger = extend(model, finding.effect, finding.joint, finding.shape, why).model
-        except ModelError:
-            continue
-        new = compare(larger, motion).residual
-        made = _between(larger, motion, finding.joint, error, new)
-        tried[number] = replace(finding, consequence=made)
-        if finding.confirmed:
+            return extend(model, finding.effect, finding.joint, finding.shape, why).model
+        except ModelError:  # the model has it by another name, or one before made it superfluous
+            return None
+
+    def chain(findings: Sequence[Finding]) -> tuple[list[Finding], Model]:
+        model, error, made = diagnosis.model, base, []
+        for finding in findings:
+            larger = extended(model, finding)
+            if larger is None:
+                made.append(finding)
+                continue
+            new = _errors(larger, motion)
+            beside = finding.consequence.beside if finding.consequence else None
+            consequence = _between(larger, motion, finding.joint, error, new)
+            made.append(replace(finding, consequence=replace(consequence, beside=beside)))
             model, error = larger, new
+        return made, model
+
+    motion = diagnosis.held_out
+    base = _errors(diagnosis.model, motion)
+    tried, model = chain(kept)
+    useful, useless, model = _worth(tried, model, motion)
+    if useless:
+        useful, model = chain(useful)
+    error = _errors(model, motion)
+    suggested = []
+    for finding in others:
+        larger = extended(model, finding)
+        if larger is not None:
+            new = _errors(larger, motion)
+            made = _between(larger, motion, finding.joint, error, new)
+            finding = replace(finding, consequence=made)
+        suggested.append(finding)
+    by_name = {(one.effect.name, one.joints): one for one in (*useful, *useless, *suggested)}
+    findings = [by_name.get((one.effect.name, one.joints), one) for one in diagnosis.findings]
     progress(1.0, "adding what was found")
-    return replace(diagnosis, findings=tuple(tried))
+    return replace(diagnosis, findings=sorted_findings(findings))
+
+
+def _worth(
+    tried: Sequence[Finding], model: Model, motion: Motion
+) -> tuple[list[Finding], list[Finding], Model]:
+    """Return the findings that lower the error, those that do not, and the model with the former.
+
+    Args:
+        tried: with their consequences, one added after the other; those without have none.
+        model: with all of them.
+    """
+    error = _errors(model, motion)
+    useful, useless = list(tried), []
+    for finding in reversed(tried):
+        made = finding.consequence
+        if made is None or made.worth:
+            continue
+        if len(useful) > 1:
+            less = without(model, finding.effect, finding.joint)
+            before = _errors(less, motion)
+            made = replace(made, beside=_between(model, motion, finding.joint, before, error))
+        place = useful.index(finding)
+        if made.worth:
+            useful[place] = replace(finding, consequence=made)
+            continue
+        doubt = Doubt(Reason.NO_HELP, no_help(made.beside or made, finding.joint))
+        useless.append(replace(finding, consequence=made, doubt=doubt))
+        if len(useful) > 1:
+            model, error = less, before
+        del useful[place]
+    return useful, useless, model
+
+
+def _errors(model: Model, motion: Motion) -> Floats:
+    """Return (M, N) N·m that a model misses."""
+    return compare(model, motion).residual
 
 
 def _between(
@@ -121,7 +191,22 @@ def _between(
 
     blocks = by_block(before), by_block(after)
     whole = rms(before[:, column]), rms(after[:, column])
-    return Consequence(model, motion.elapsed[starts], *blocks, *whole, rms(before), rms(after))
+    falls = (blocks[0] ** 2 - blocks[1] ** 2) * counts
+    scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
+    scatter *= len(counts) / max(1, len(counts) - 1)
+    squares = float(np.sum(before[:, column] ** 2))
+    each = [dict(zip(model.joints, map(rms, one.T), strict=True)) for one in (before, after)]
+    return Consequence(
+        model,
+        motion.elapsed[starts],
+        *blocks,
+        *whole,
+        rms(before),
+        rms(after),
+        float(np.sqrt(scatter)) / squares if squares > 0.0 else 0.0,
+        each[0],
+        each[1],
+    )
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

@@ -12,12 +12,14 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, tempered_log_bf
+from lagrangian_ff.diagnosis.causes import Linear, linear
+from lagrangian_ff.diagnosis.intervals import GAIN
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.kernels.rigid import Robot
 from lagrangian_ff.kernels.rigid.known import Known
+from lagrangian_ff.recording.motion import Conditioning
 
 PAYLOAD, TILT, MASS = "payload", "tilted base", "mass"
 
@@ -32,6 +34,7 @@ class BodyChange:
         parameters: by how much each changed.
         torque: (S, N) N·m that it adds, at the samples of the whitened motion.
         rivals: other changes that explain as much.
+        evidence: nats, with the noise that suits it, to compare causes.
     """
 
     what: str
@@ -39,20 +42,35 @@ class BodyChange:
     parameters: Mapping[str, Estimate]
     torque: Floats
     rivals: tuple[str, ...] = ()
+    evidence: float = -np.inf
 
 
 def changed_bodies(model: Model, whitened: Whitened, boundary: float) -> BodyChange | None:
     """Return the change that explains most from a boundary in s on; None without a URDF."""
     if not isinstance(model.kernel, Known):
         return None
-    found = sorted(
-        (_judged(whitened, one, boundary) for one in _candidates(model, whitened)),
-        key=lambda change: -change.log_bayes_factor,
-    )
-    best = found[0]
-    least = best.log_bayes_factor - thresholds.USED.alike
-    rivals = tuple(one.what for one in found[1:] if one.log_bayes_factor > least)
-    return replace(best, rivals=rivals)
+    later = (whitened.x.time >= boundary)[:, None, None]
+    tried = [(one, linear(whitened, one.columns * later)) for one in _candidates(model, whitened)]
+    tried.sort(key=lambda pair: -pair[1].log_bf)
+    (best, fitted), *others = tried
+    least = fitted.log_bf - thresholds.USED.alike
+    rivals = tuple(one.what for one, other in others if other.log_bf > least)
+    # The columns of a tilt are torques that this drive measured: another gain changes both.
+    unknown = np.zeros(len(model.joints)) if best.what == TILT else unknown_gains(model)
+    half = fitted.half(whitened, best.columns * later, unknown)
+    parameters = _estimates(best, fitted, half)
+    torque, evidence = fitted.torque, fitted.evidence
+    return BodyChange(best.what, fitted.log_bf, parameters, torque, rivals, evidence)
+
+
+def unknown_gains(model: Model) -> Floats:
+    """Return (N,) how wrong the gain of each joint's drive may be, relatively.
+
+    A joint whose N·m per unit of effort was given counts as measured.
+    """
+    given = Conditioning.from_record(model.data.conditioning)
+    known = given.effort_scale if given else {}
+    return np.array([0.0 if name in known else GAIN for name in model.joints])
 
 
 @dataclass(frozen=True)
@@ -75,13 +93,15 @@ def _candidates(model: Model, whitened: Whitened) -> Iterator[_Candidate]:
     yield _Candidate(PAYLOAD, (("m", "kg"), *moments, *inertia), by_body[:, :, robot.tool])
     masses = kernel.inertial(model.centres, model.weights).ravel() * model.unit[0]
     strength = float(np.linalg.norm(robot.tree.gravity))
-    down = robot.tree.gravity / strength
-    turned = [
-        replace(robot.tree, gravity=strength * np.cross(down, axis)).regressor(x.at_rest()) @ masses
-        for axis in np.eye(3)[:2]
-    ]
-    about = (("about x", "rad"), ("about y", "rad"))
-    yield _Candidate(TILT, about, np.stack(turned, axis=2))
+    if strength > 0.0:  # it is not where the effort holds none
+        down = robot.tree.gravity / strength
+        turned = [
+            replace(robot.tree, gravity=strength * np.cross(down, axis)).regressor(x.at_rest())
+            @ masses
+            for axis in np.eye(3)[:2]
+        ]
+        about = (("about x", "rad"), ("about y", "rad"))
+        yield _Candidate(TILT, about, np.stack(turned, axis=2))
     for body, name in enumerate(robot.movable):
         column = by_body[:, :, body] @ robot.tree.inertial[body]
         mass = float(robot.tree.inertial[body, 0])
@@ -91,48 +111,28 @@ def _candidates(model: Model, whitened: Whitened) -> Iterator[_Candidate]:
             )
 
 
-def _judged(whitened: Whitened, candidate: _Candidate, boundary: float) -> BodyChange:
-    """Return a candidate fitted and judged from the boundary on."""
-    columns = candidate.columns * (whitened.x.time >= boundary)[:, None, None]
-    share = np.sqrt(np.mean(columns**2, axis=0)) / whitened.spread[:, None]
-    largest = share.max(axis=0)
-    scale = PRIOR_SHARE / np.where(largest > 0.0, largest, np.inf)
-    scaled = columns * scale
-    white = sum(whitened.whitened(scaled[:, n], n) for n in range(whitened.joints))
-    z, w = whitened.project(np.asarray(white)), whitened.residual
-    information, sums = z.T @ z, z.T @ w
-    fitted = np.linalg.solve(information + np.eye(len(sums)), sums)
-    rest = np.add.reduceat(z * (w - z @ fitted)[:, None], whitened.starts, axis=0)
-    trace = float(np.trace(information))
-    variance_inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
-    log_bf = float(tempered_log_bf(sums[None, :], information, variance_inflation)[0])
-    covariance = np.linalg.inv(information / variance_inflation + np.eye(len(sums)))
-    variance = np.diag(covariance)
-    parameters = {
-        name: (float(value), float(deviation), unit)
-        for (name, unit), value, deviation, left in zip(
-            candidate.parameters, fitted * scale, np.sqrt(variance) * scale, variance, strict=True
-        )
-        if left < thresholds.USED.learned and name != "I"
-    }
+def _estimates(candidate: _Candidate, fitted: Linear, half: Floats) -> dict[str, Estimate]:
+    """Return what the motion says of the parameters of a change."""
+    each = zip(candidate.parameters, fitted.values.tolist(), half.tolist(), strict=True)
+    seen = [one for one, learned in zip(each, fitted.learned, strict=True) if learned]
+    parameters = {name: (value, reach, unit) for (name, unit), value, reach in seen if name != "I"}
     if candidate.what == PAYLOAD:
         parameters = _centre(parameters)
-    estimates = {
-        name: Estimate(value, value - 1.645 * deviation, value + 1.645 * deviation, unit)
-        for name, (value, deviation, unit) in parameters.items()
+    return {
+        name: Estimate(value, value - reach, value + reach, unit)
+        for name, (value, reach, unit) in parameters.items()
     }
-    return BodyChange(candidate.what, log_bf, estimates, scaled @ fitted)
 
 
 def _centre(parameters: dict[str, tuple[float, float, str]]) -> dict[str, tuple[float, float, str]]:
     """Return the parameters with a payload's centre of mass, in the frame of the last joint."""
     if "m" not in parameters:
         return parameters
-    mass, deviation, _ = parameters["m"]
+    mass, half, _ = parameters["m"]
     out = {"m": parameters["m"]}
     for axis in "xyz":
         if f"m{axis}" in parameters:
-            moment, spread, _ = parameters[f"m{axis}"]
+            moment, reach, _ = parameters[f"m{axis}"]
             centre = moment / mass
-            out[axis] = centre, float(np.hypot(spread, centre * deviation)) / abs(mass), "m"
+            out[axis] = centre, float(np.hypot(reach, centre * half)) / abs(mass), "m"
     return out

@@ -120,12 +120,13 @@ def compare(
             holds its quick uncertainty.
 
     Raises:
-        ModelError: the motion lacks a joint of the model; names both lists.
+        ModelError: the motion lacks a joint of the model, or its effort holds another torque.
     """
-    model.require_joints(motion.joints, motion.source)
+    model.require_motion(motion)
     motion = motion.select(model.joints)
     states = motion.q, motion.qd, motion.qdd
-    inputs = model.inputs(*states, progress, time=motion.time, segment=motion.segment)
+    when, segment, temperature = motion.time, motion.segment, motion.temperature
+    inputs = model.inputs(*states, progress, time=when, segment=segment, temperature=temperature)
     predicted = model.torque(inputs)
     score = Score.of(model.joints, motion.tau, predicted)
     excess = model.range.excess(States.of(*states))

@@ -2,8 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.contacts import Contact, contacts_of
+from lagrangian_ff.diagnosis.intervals import widened
+from lagrangian_ff.diagnosis.misfit import misfit_of
 from lagrangian_ff.diagnosis.partial_residual import partial_residual
 from lagrangian_ff.diagnosis.results import (
     Change,
@@ -13,6 +18,7 @@ from lagrangian_ff.diagnosis.results import (
     HoldOut,
     Ranked,
     Reason,
+    Remainder,
     TakenUp,
     Unexplained,
     sorted_findings,
@@ -20,17 +26,19 @@ from lagrangian_ff.diagnosis.results import (
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
+from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
 from lagrangian_ff.diagnosis.search.nonparametric import with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
+from lagrangian_ff.diagnosis.search.signs import unnatural
 from lagrangian_ff.diagnosis.whitening import Whitened, fit
-from lagrangian_ff.effects import Effect
+from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import Motion, concatenate
+from lagrangian_ff.recording.motion import WITHOUT_FRICTION, Motion, concatenate
 
 
 def diagnose(
@@ -70,12 +78,18 @@ def diagnose(
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
-    # The whitened motion is not kept in a variable: it holds a factor of some 200 MB.
-    found = search(fit(first, inputs, model.basis, fitting, sliding), effects, steps, searching)
+    whitened = fit(first, inputs, model.basis, fitting, sliding)
+    ended = search(whitened, effects or _searched_for(model), steps, searching)
+    del whitened  # it holds a factor of some 200 MB
+    progress(0.85, "looking at what is left")
+    found, again = with_left_over(ended, lambda: without(ended, unseen, None))
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
     findings = findings_of(found, unseen, model, taken_up.again if taken_up else None)
-    curves = (step for step in found.steps if not step.named)
+    misfit = misfit_of(model, first)
+    contacts = [] if misfit.larger else _contacts(model, motion, taken_up)
+    curves = [found.steps[number] for number in sorted(again)]
+    once = [s for n, s in enumerate(found.steps) if not s.named and n not in again]
     progress(1.0, "diagnosing")
     return Diagnosis(
         model=model,
@@ -89,14 +103,43 @@ def diagnose(
         ranking=_ranking(found, model.joints),
         threshold=found.null.threshold,
         noise=found.whitened.noise,
+        wanting=found.wanting,
+        remainders=_remainders(found.whitened, once, model.joints),
+        misfit=misfit,
+        contacts=tuple(contacts),
     )
+
+
+def _searched_for(model: Model) -> Mapping[str, Effect] | None:
+    """Return the effects that a model may lack; None is the whole catalogue.
+
+    Where the drive compensates friction, only plain friction shows whether some is left over; its
+    other forms are searched once the model has that.
+    """
+    compensated = model.data.effort == WITHOUT_FRICTION
+    if not compensated or any(term.effect.plain for term in model.basis.terms):
+        return None
+    every = EFFECTS.items()
+    return {name: one for name, one in every if one.plain or one.kind != "friction"}
 
 
 def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
     motions = [motion] if isinstance(motion, Motion) else list(motion)
     for one in motions:
-        model.require_joints(one.joints, one.source)
+        model.require_motion(one)
     return concatenate([decimated(m.select(model.joints)) for m in motions])
+
+
+def _contacts(
+    model: Model, motion: Motion | Sequence[Motion], taken_up: TakenUp | None
+) -> list[Contact]:
+    """Return the touches in each recording; what lasts longer was found already."""
+    motions = [motion] if isinstance(motion, Motion) else motion
+    every = [contact for one in motions for contact in contacts_of(model, one)]
+    if taken_up is None:
+        return every
+    begin, end = taken_up.change.since, taken_up.change.until
+    return [one for one in every if not begin <= one.begin <= end]
 
 
 def _taken_up(
@@ -165,14 +208,16 @@ def _finding(
 ) -> Finding:
     step = found.steps[number]
     candidate, (values, low, high) = step.score.candidate, parameters
+    half = widened(values, high - values, hold_out.gained, hold_out.expected)
+    low, high = values - half, values + half
     effect, joint = candidate.effect, candidate.joint
-    mine = motion.rival(step.score, number)
-    others = [(mine, motion.rival(score, number)) for score in step.rivals]
+    mine = motion.rival(step.score, number, candidate)
+    others = [(mine, motion.rival(score, number, candidate)) for score in step.rivals]
     left = [one.candidate.source.name for one in rivals(step.score, step.rivals, others)]
     alike = [one.candidate.source.name for one in step.rivals]
     return Finding(
         effect=effect,
-        joints=(model.joints[joint],),
+        joints=tuple(model.joints[n] for n in (joint, *candidate.others)),
         cause=model.joints[effect.cause(joint, candidate.shape)],
         shape=effect.transferable(candidate.shape),
         parameters={
@@ -185,17 +230,16 @@ def _finding(
         hold_out=hold_out,
         rivals=tuple(left),
         ruled_out=tuple(name for name in alike if name not in left),
-        doubt=hold_out.doubt or doubt_of(found, step, model, low, high),
+        doubt=hold_out.doubt or doubt_of(found, step, model),
         partial_residual=partial_residual(found.whitened, candidate, values),
     )
 
 
-def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats) -> Doubt | None:
+def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
     """Return why an effect that holds on other motion is only suggested; None if it is not.
 
     Args:
         step: the step of the search that found the effect.
-        low, high: (P,) ends of the 90 % intervals of its parameters.
     """
     candidate = step.score.candidate
     curves = _curves(found, candidate.joint)
@@ -211,7 +255,7 @@ def doubt_of(found: Search, step: Step, model: Model, low: Floats, high: Floats)
             "has this torque already: the effect may be there, but the model does not lack it"
         )
         return Doubt(Reason.ABSORBED, words)
-    objection = candidate.effect.objection(low, high)
+    objection = unnatural(found.whitened, step.score)
     return Doubt(Reason.IMPOSSIBLE, objection) if objection else None
 
 
@@ -228,6 +272,17 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
     words = with_joint_names(candidate.source.coordinate, joints)
     share = step.score.size / float(whitened.spread[candidate.joint])
     return Unexplained(joints[candidate.joint], words, share, step.score.log_bf)
+
+
+def _remainders(
+    whitened: Whitened, once: Sequence[Step], joints: Sequence[str]
+) -> tuple[Remainder, ...]:
+    """Return what is left and is more than noise, with the curves that did not come again."""
+    squares = more_than_noise(whitened) ** 2
+    for step in once:
+        squares[step.score.candidate.joint] += step.score.size**2
+    every = zip(joints, np.sqrt(squares).tolist(), whitened.spread.tolist(), strict=True)
+    return tuple(Remainder(name, size, size / spread) for name, size, spread in every if size > 0.0)
 
 
 def _ranking(found: Search, joints: Sequence[str]) -> tuple[Ranked, ...]:

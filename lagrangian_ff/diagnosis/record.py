@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.misfit import Misfit
 from lagrangian_ff.diagnosis.preflight.base import Check
-from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding, Found
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Found
 from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun
 from lagrangian_ff.diagnosis.sentences import reason, verdict
 from lagrangian_ff.identification.records import Estimate
@@ -27,6 +29,7 @@ def run_record(run: DiagnosisRun) -> Record:
     """Return all that a run of `diagnose` found."""
     record = {
         **diagnosis_record(run.diagnosis),
+        "verdict": verdict(run.diagnosis, run.changed),
         "model": run.model_file,
         "model_name": run.diagnosis.model.name,
         "sources": list(run.sources),
@@ -57,6 +60,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
         "sources": [diagnosis.motion.source],
         "confirmed_on": diagnosis.confirmed_on,
         "verdict": verdict(diagnosis),
+        "seconds_wanting": diagnosis.wanting,
         "findings": [_finding(diagnosis, one) for one in diagnosis.found],
         "unexplained": [
             {
@@ -67,6 +71,8 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
             }
             for one in diagnosis.unexplained
         ],
+        "more_than_noise": [asdict(one) for one in diagnosis.remainders],
+        "contacts": [{**asdict(one), "sure": one.sure} for one in diagnosis.contacts],
         "not_observable": [asdict(one) for one in diagnosis.not_observable],
         "ranking": [
             {
@@ -81,6 +87,22 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
         "null": {"threshold": diagnosis.threshold, "level": thresholds.USED.level},
         "noise": dict(zip(diagnosis.model.joints, diagnosis.noise.tolist(), strict=True)),
         "steps": _steps(diagnosis.tried),
+        "error": _misfit(diagnosis.misfit) if diagnosis.misfit is not None else {},
+    }
+
+
+def _misfit(misfit: Misfit) -> Record:
+    """Return by joint the error on the recording beside that on blocks of the training motion."""
+    columns = misfit.own, misfit.here, misfit.whole, misfit.nmse
+    names = ("left_out", "inside_range", "whole", "nmse")
+    each = zip(misfit.joints, np.stack(columns, axis=1).tolist(), strict=True)
+    clear = {misfit.joints[n] for n in misfit.larger}
+    return {
+        joint: {
+            **{n: v for n, v in zip(names, row, strict=True) if np.isfinite(v)},
+            "changed": joint in clear,
+        }
+        for joint, row in each
     }
 
 
@@ -102,7 +124,10 @@ def changed_record(changed: Changed) -> Record:
             for name, one in changed.parameters.items()
         },
         "size": changed.size,
+        "error_before": changed.error_before,
+        "error_after": changed.error_after,
         "rivals": list(changed.rivals),
+        "note": changed.note,
     }
 
 

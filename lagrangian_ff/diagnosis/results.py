@@ -8,6 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.contacts import Contact
+from lagrangian_ff.diagnosis.misfit import Misfit
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.build import seconds
@@ -32,10 +35,12 @@ class Reason(Enum):
     OTHER_SIZE = "it has another size on the motion held out"
     LARGE_REST = "a curve explains nearly as much on the joint"
     ABSORBED = "the model may have this torque already"
-    IMPOSSIBLE = "no hardware has these parameters"
+    IMPOSSIBLE = "no hardware surely has these parameters"
     ONCE = "it happens once in a recording, and there is no second one"
+    NEAR_REVERSALS = "it shows near reversals only, where hysteresis leaves as much"
     NOT_AGAIN = "another recording does not show it"
     OTHER_KIND = "another recording shows a change of another kind"
+    NO_HELP = "it is there, but adding it does not lower the error of this model"
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ class HoldOut:
     """The judgement of a frozen effect on motion that was not used to find it.
 
     Attributes:
-        expected: (G,) expected log Bayes factor in nats of each group of pieces, if it is as found.
+        expected: (G,) expected log Bayes factor in nats of each group of blocks, if it is as found.
         gained: (G,) the log Bayes factor in nats of each group.
         ratio: its size on this motion relative to that found, 1 if it is the same.
         p_value: of Wilcoxon's signed-rank test of `gained`.
@@ -97,28 +102,6 @@ class PartialResidual:
     low: Floats
     high: Floats
     effect: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Consequence:
-    """The consequence of adding one finding to the model and the findings before it.
-
-    Attributes:
-        model: with the finding.
-        time: (B,) s since the beginning, start of each block.
-        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
-        whole_before, whole_after: N·m, over the whole motion.
-        every_before, every_after: N·m, over the whole motion and all joints.
-    """
-
-    model: Model
-    time: Floats
-    before: Floats
-    after: Floats
-    whole_before: float
-    whole_after: float
-    every_before: float
-    every_after: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -289,6 +272,21 @@ class Unexplained:
 
 
 @dataclass(frozen=True)
+class Remainder:
+    """What is left on a joint and is more than noise, although nothing explains it.
+
+    Attributes:
+        joint: its name.
+        size: N·m, root mean square without the noise.
+        share: of the joint's torque.
+    """
+
+    joint: str
+    size: float
+    share: float
+
+
+@dataclass(frozen=True)
 class NotObservable:
     """An effect that this motion cannot show.
 
@@ -335,6 +333,10 @@ class Diagnosis:
         ranking: candidates before anything was found, best first.
         threshold: nats that the maximum over all candidates exceeds by chance once in twenty times.
         noise: (N,) N·m, standard deviation of each joint's unexplained torque.
+        wanting: s of such motion that a verdict needs besides; without them there is none.
+        remainders: of the joints where that is more than the measurement's noise.
+        misfit: the errors of the model on `motion` beside its own; None if they were not compared.
+        contacts: touches of the arm while it was recorded, in the order of time.
     """
 
     model: Model
@@ -348,6 +350,10 @@ class Diagnosis:
     ranking: tuple[Ranked, ...]
     threshold: float
     noise: Floats
+    wanting: float = 0.0
+    remainders: tuple[Remainder, ...] = ()
+    misfit: Misfit | None = None
+    contacts: tuple[Contact, ...] = ()
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:

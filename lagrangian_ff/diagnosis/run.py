@@ -1,10 +1,11 @@
 """All that one run of `diagnose` found: the type that text, page, node and JSON read."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
+from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.preflight.base import Check
-from lagrangian_ff.diagnosis.results import Consequence, Diagnosis, Finding
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding
 from lagrangian_ff.diagnosis.where.locate import Localisation
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.records import Estimate
@@ -22,6 +23,10 @@ class Changed:
         parameters: by how much each changed, by name.
         size: N·m, root mean square of the added torque on the first of the joints.
         rivals: changes of a known robot's bodies that explain as much.
+        error_before, error_after: N·m rms of the model on the recording, on the first of the joints
+            inside the range it knows, with the changes before this one explained, and with this
+            one too; None if the recording is hardly inside that range.
+        note: what its intervals allow for, in words; empty for nothing but the motion.
     """
 
     what: str
@@ -31,6 +36,32 @@ class Changed:
     parameters: Mapping[str, Estimate]
     size: float
     rivals: tuple[str, ...] = ()
+    error_before: float | None = None
+    error_after: float | None = None
+    note: str = ""
+
+
+BY_MODEL = ("effort unit", "effort sign", "delay")
+"""Checks that compare the torque with what the model expects: a change of the arm misleads them."""
+
+
+def believed(checks: Sequence[Check], changed: Sequence[Changed] | None) -> tuple[Check, ...]:
+    """Return the checks, those that a change of the arm misleads no longer serious.
+
+    Another unit of a joint whose gain changed is no mistake: it is that change.
+    """
+    if not changed:
+        return tuple(checks)
+    words = "Since the arm changed, this may be part of it: identify again before you look at it"
+    scaled = {joint for one in changed if one.what == "torque_gain" for joint in one.joints}
+
+    def misled(one: Check) -> bool:
+        right = one.check == "effort unit" and one.joint in scaled
+        return bool(one.advice) and one.check in BY_MODEL and not right
+
+    return tuple(
+        replace(one, serious=False, advice=words) if misled(one) else one for one in checks
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +94,7 @@ class DiagnosisRun:
         sources, confirm: the recordings that were searched, and those that confirm; as given.
         rounds: one; or several, if what was confirmed was added and the search went on.
         checks: of the measurement, serious ones first.
-        changed: since the model was identified; None if that was not asked.
+        changed: since the model was identified; None if that was neither asked nor to be seen.
         where: where the model fails; None if that was not looked for.
         output: the file of the model with what is confirmed; empty if nothing was to be added.
     """

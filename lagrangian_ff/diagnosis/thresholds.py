@@ -15,9 +15,15 @@ class Thresholds:
         event_floor: the same for an event: random signs of blocks cannot separate it from an
             outlier.
         level: largest p-value, over all candidates and on the hold-out motion.
+        touch_level: the same for a touch of the arm to be sure, as no other motion can confirm it.
         promising: log BF of the best effect above which it is mentioned although the null reaches
             it.
         least_size: share of a joint's torque below which an effect is not worth a name.
+        least_left: share of a joint's torque below which a dependence without a name is not worth a
+            word: no arm is rigid, and none of its parts is round, to a hundredth.
+        above_noise: ratio of what is left on a joint to the noise between neighbouring samples,
+            above which it is more than noise: on arms that lack nothing it is 0.9 to 1.05.
+        least_rest: share of a joint's torque below which that is not worth a word.
         remainder: share of the log BF of another effect on the joint that may be a flaw of its
             form.
         name_share: share of the log BF of the best curve that an effect must reach to be named.
@@ -31,8 +37,7 @@ class Thresholds:
             (Vuong 1989), by which a rival must fall behind to be ruled out.
         rival_share: share of the best log BF below which nothing is a rival.
         same_cause: share of the best log BF that a cause found on another joint must reach.
-        piece: s of the pieces that hold-out motion is cut into.
-        group_nats: log BF expected of a group of these pieces: less is noise, more makes the
+        group_nats: log BF expected of a group of hold-out blocks: less is noise, more makes the
             groups too few.
         fewest_groups, groups, most_groups: number of groups. With more of them, they would be as
             short as the residual is correlated.
@@ -41,11 +46,15 @@ class Thresholds:
         large_rest: a finding is only suggested where curves on the joint reach this share of its
             log BF.
         shortest: s of motion that a search or a confirmation needs.
+        fewest_blocks: number of independent blocks of a motion that a verdict needs: of fewer,
+            random signs too often leave all as they are, or turn all.
         held_back: share of a single recording, from its end, that confirms what the rest suggests.
         change_floor: least log BF of a change of the arm: a second Lagrangian is a large freedom.
         change_promising: log BF on few samples above which a change is examined on all.
         change_beyond_chance, change_again: least ratio of the log BF of a change to that with
             shuffled blocks, in the search and on hold-out motion.
+        change_helps: largest share of a model's error on a recording that a change since its
+            identification may leave.
         change_motion: s of motion below which no change is searched.
         change_margin: s of motion needed before and after a moment of change.
         change_shortest: s that a change lasts at least, and that remain after its end.
@@ -59,6 +68,10 @@ class Thresholds:
         covered_least: share of torques inside 90 % intervals below which a long motion shows that
             something is wrong: eight models of simulated arms that had not changed had at least
             0.71 on every joint.
+        misfit: ratio of a model's error on a recording to that on motion left out of its training,
+            surely exceeded, from which the arm counts as another than the one identified. Motion
+            of another kind alone makes it 1 to 1.3.
+        poor: nmse of a joint from which what a model leaves is not called noise.
         covered_deviations: standard deviations, one second counted as one sample, by which a short
             motion may fall below 90 %.
     """
@@ -66,19 +79,22 @@ class Thresholds:
     floor: float = 20.0
     event_floor: float = 25.0
     level: float = 0.05
+    touch_level: float = 0.01
     promising: float = 60.0
     least_size: float = 0.005
+    least_left: float = 0.01
+    above_noise: float = 1.5
+    least_rest: float = 0.02
     remainder: float = 0.03
     name_share: float = 0.7
     plain_share: float = 0.6
-    first_share: float = 0.2
+    first_share: float = 0.1
     bare_factor: float = 3.0
     near: float = 0.2
     rival_nats: float = 4.0
     rival_deviations: float = 2.0
     rival_share: float = 0.25
     same_cause: float = 0.7
-    piece: float = 0.5
     group_nats: tuple[float, float] = (2.0, 4.0)
     fewest_groups: int = 5
     groups: int = 6
@@ -86,12 +102,14 @@ class Thresholds:
     held_out_share: float = 0.75
     size_ratio: tuple[float, float] = (0.5, 1.6)
     large_rest: float = 0.5
-    shortest: float = 6.0
+    shortest: float = 2.0
+    fewest_blocks: int = 8
     held_back: float = 1.0 / 3.0
     change_floor: float = 100.0
     change_promising: float = 3.0
     change_beyond_chance: float = 4.0
     change_again: float = 2.0
+    change_helps: float = 0.95
     change_motion: float = 15.0
     change_margin: float = 3.0
     change_shortest: float = 1.0
@@ -102,6 +120,8 @@ class Thresholds:
     observable_size: float = 0.1
     still: float = 1e-3
     covered_least: float = 0.65
+    misfit: float = 1.5
+    poor: float = 0.2
     covered_deviations: float = 3.0
 
 

@@ -43,11 +43,13 @@ class Parameter:
 
     Attributes:
         name: as in the formula.  unit: SI.  meaning: what it is, in a few words.
+        positive: whether nature has it above zero, as dissipation, stiffness, mass and inertia.
     """
 
     name: str
     unit: str
     meaning: str
+    positive: bool = False
 
 
 @dataclass(frozen=True)
@@ -167,6 +169,14 @@ class Effect(ABC):
         """
         return None
 
+    def reach(self, shape: Values) -> float:
+        """Return rad after a reversal within which its torque still turns over; 0 if at once."""
+        return 0.0
+
+    def others(self, joint: int, shape: Values) -> Mapping[int, float]:
+        """Return the other joints whose torque it adds to: by index, the factor of its columns."""
+        return {}
+
     def cause(self, joint: int, shape: Values) -> int:
         """Return the joint whose hardware adds this to the torque of `joint`."""
         return joint
@@ -175,9 +185,27 @@ class Effect(ABC):
         """Return whether the hardware that causes it could have these parameters (P,)."""
         return True
 
-    def objection(self, low: Floats, high: Floats) -> str:
-        """Return why parameters (P,) between these are not this effect's; empty if they may be."""
-        return ""
+    def speed(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        """Return (M,) rad/s of the shaft that its torque acts on: torque times speed is power."""
+        return x.qd[:, joint]
+
+    def signs(self, x: Inputs, joint: int, shape: Values) -> Mapping[str, Floats]:
+        """Return the sums of its parameters that nature has above zero.
+
+        The only positive parameter is one; of several together it is the power that friction takes
+        out of the motion, so that one of them may be too small to measure.
+
+        Returns:
+            By words with the unit, the weights (P,) of such a sum.
+        """
+        positive = np.array([one.positive for one in self.parameters])
+        if positive.sum() == 1:
+            one = self.parameters[int(np.argmax(positive))]
+            return {f"{one.name} in {one.unit}": positive.astype(np.float64)}
+        if positive.any() and self.part == "friction":
+            power = self.columns(x, joint, shape) * self.speed(x, joint, shape)[:, None]
+            return {"the power it takes in W": np.where(positive, np.mean(power, axis=0), 0.0)}
+        return {}
 
     def transferable(self, shape: Values) -> dict[str, float]:
         """Return what another model may take over of a shape; it searches the rest itself."""

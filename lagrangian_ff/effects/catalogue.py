@@ -9,9 +9,10 @@ from lagrangian_ff.effects.base import Effect
 
 _FILES = (
     "offset", "torque_gain", "saturation", "delay", "drift", "eccentricity", "viscous", "coulomb",
-    "asymmetric_coulomb", "asymmetric_viscous", "stribeck", "drag", "load_friction",
-    "position_friction", "warm_up", "hysteresis", "ripple", "backlash", "elasticity", "coupled",
-    "rotor_inertia", "spring", "counterbalance", "payload", "contact",
+    "asymmetric_coulomb", "asymmetric_viscous", "asymmetric_step", "stribeck", "drag",
+    "load_friction", "position_friction", "warm_up", "temperature_friction", "hysteresis",
+    "ripple", "backlash", "elasticity", "coupled", "rotor_inertia", "spring", "counterbalance",
+    "payload", "contact",
 )  # fmt: skip
 """The file of each effect, beside this one. A new effect is its file and its name here."""
 

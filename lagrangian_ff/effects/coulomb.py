@@ -13,7 +13,7 @@ class Coulomb(Effect):
     formula = "F_c tanh(qd / v0)"
     source = "eq. (51), second term, with the velocity in both tanh as the paper's text says"
     meaning = "dry friction that opposes motion whatever its speed"
-    parameters = (Parameter("F_c", "N·m", "Coulomb torque"),)
+    parameters = (Parameter("F_c", "N·m", "Coulomb torque", positive=True),)
     shapes = (Shape("v0", "rad/s", "speed at which friction is fully reversed", 1e-3, 0.3, 0.02),)
     shows_as = "a step at zero speed"
     look_alikes = {"viscous": "at one speed the two are one number; two speeds tell them apart"}

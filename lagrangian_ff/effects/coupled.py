@@ -1,6 +1,6 @@
 """Friction of two joints that share a shaft."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from lagrangian_ff.errors import EffectError
 class Coupled(Effect):
     """Friction on the sum or difference of two joints' speeds: a differential wrist.
 
-    By virtual work the same torque, times the ratio, acts on the partner.
+    By virtual work the same torque, times the ratio, acts on the partner: both joints feel it.
     """
 
     name = "coupled"
@@ -20,8 +20,8 @@ class Coupled(Effect):
     source = "Janot, Vandanjon and Gautier 2014, IEEE Trans. Control Systems Technology 22(1)"
     meaning = "friction of a shaft that turns with two joints, as in a differential wrist"
     parameters = (
-        Parameter("F", "N·m", "Coulomb torque of the shared shaft"),
-        Parameter("B", "N·m·s/rad", "viscous coefficient of the shared shaft"),
+        Parameter("F", "N·m", "Coulomb torque of the shared shaft", positive=True),
+        Parameter("B", "N·m·s/rad", "viscous coefficient of the shared shaft", positive=True),
     )
     shapes = (
         Shape("partner", "1", "the other joint", 0, 63, 0, whole=True, joint=True),
@@ -42,12 +42,19 @@ class Coupled(Effect):
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         """Return the columns; raise EffectError if there is no such partner."""
         partner = round(shape["partner"])
-        if not 0 <= partner < x.joints:
+        if not 0 <= partner < x.joints or partner == joint:
             raise EffectError(
-                f"effect '{self.name}': there is no joint {partner}; expected 0 to {x.joints - 1}"
+                f"effect '{self.name}': joint {partner} is no partner of joint {joint}; expected "
+                f"another of 0 to {x.joints - 1}"
             )
-        speed = x.qd[:, joint] + shape["ratio"] * x.qd[:, partner]
+        speed = self.speed(x, joint, shape)
         return np.stack([np.tanh(speed / x.sign_speed[joint]), speed], axis=1)
+
+    def others(self, joint: int, shape: Values) -> Mapping[int, float]:
+        return {round(shape["partner"]): shape["ratio"]}
+
+    def speed(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        return np.asarray(x.qd[:, joint] + shape["ratio"] * x.qd[:, round(shape["partner"])])
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
         """Return every other joint, with the sum of the speeds and with their difference."""

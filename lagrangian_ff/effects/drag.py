@@ -13,7 +13,7 @@ class PowerLaw(Effect):
     formula = "K sign(qd) |qd|^p"
     source = "the shear law of Ostwald and de Waele for lubricants that thin under shear"
     meaning = "friction that grows ever slower with speed"
-    parameters = (Parameter("K", "N·m·(s/rad)^p", "friction at 1 rad/s"),)
+    parameters = (Parameter("K", "N·m·(s/rad)^p", "friction at 1 rad/s", positive=True),)
     shapes = (Shape("p", "1", "power of speed; near 0 Coulomb's, near 1 viscous", 0.2, 0.8, 0.5),)
     shows_as = "rises steeply from zero speed and ever slower then"
     look_alikes = {
@@ -43,7 +43,7 @@ class QuadraticDrag(Effect):
     formula = "C qd |qd|"
     source = "Newton's law of drag in turbulent flow"
     meaning = "friction that grows with the square of speed"
-    parameters = (Parameter("C", "N·m·s²/rad²", "drag coefficient"),)
+    parameters = (Parameter("C", "N·m·s²/rad²", "drag coefficient", positive=True),)
     shows_as = "curves upwards at high speed, the same both ways"
     look_alikes = {
         "viscous": "drag curves at high speed, the viscous line stays straight up to the highest"

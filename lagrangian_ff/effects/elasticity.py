@@ -27,7 +27,7 @@ class Elasticity(Gear):
     source = "Spong 1987, ASME J. Dyn. Syst. Meas. Control 109(4), its equations for one joint"
     meaning = "a gear or joint that gives way under load and swings"
     parameters = (
-        Parameter("c", "1", "share of the load behind the spring, about 1"),
+        Parameter("c", "1", "share of the load behind the spring, about 1", positive=True),
         Parameter("J", "kg·m²", "inertia behind the spring that was not counted into the load"),
     )
     shapes = (

@@ -9,9 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.effects.reversals import since_reversal, stretches
 from lagrangian_ff.kernels.states import States
+from lagrangian_ff.recording.rest import at_rest
 
 SIGN_SPEED = 0.02  # rad/s, width of the smoothed sign unless the model has found a better one
 LONG_AGO = 10.0  # s since a reversal, after which more makes no difference
@@ -32,6 +33,7 @@ class Inputs:
         whole: the uninterrupted motion that these samples come from; None if they are it.
         index: (M,) where in `whole` they lie.
         rotor: (N,) kg·m², the inertia before the gears that is not counted into `load`.
+        temperature: (M, N) °C, NaN where it was not measured; None if none was.
         window: samples of `whole` about its place that each sample is the mean of, an odd number.
     """
 
@@ -47,6 +49,7 @@ class Inputs:
     whole: "Inputs | None" = None
     index: Ints | None = None
     window: int = 1
+    temperature: Floats | None = None
 
     @classmethod
     def of(
@@ -57,6 +60,7 @@ class Inputs:
         load: Floats | None = None,
         torque: Floats | None = None,
         sign_speed: Floats | None = None,
+        temperature: Floats | None = None,
     ) -> "Inputs":
         """Return the inputs of some states; what is not given is settled, or zero.
 
@@ -70,7 +74,7 @@ class Inputs:
         load, torque = (zero if one is None else one for one in (load, torque))
         width = np.full(joints, SIGN_SPEED) if sign_speed is None else sign_speed
         motion = states.q, states.qd, states.qdd, when, segment
-        return cls(*motion, load, torque, width, np.zeros(joints))
+        return cls(*motion, load, torque, width, np.zeros(joints), temperature=temperature)
 
     def __len__(self) -> int:
         return int(self.q.shape[0])
@@ -91,6 +95,8 @@ class Inputs:
         origin = index if self.index is None else self.index[index]
         window = window if self.whole is None else self.window
         part = {name: getattr(self, name)[index] for name in (*AVERAGED, "time", "segment")}
+        if self.temperature is not None:  # slow: no mean is needed
+            part["temperature"] = self.temperature[index]
         some = replace(self, **part, whole=self.whole or self, index=origin, window=window)
         if self.whole is not None or window == 1:
             return some
@@ -125,9 +131,22 @@ class Inputs:
             (np.repeat(1.0 / count, count), places, ends), (len(self), len(segment))
         )
 
+    @cached_property
+    def rest(self) -> Flags:
+        """Return (M, N) where each joint stands still, at least for a part of what is averaged."""
+        if self.whole is None:
+            return at_rest(self.time, self.q, self.segment)
+        return self.mean(self.whole.rest.astype(np.float64)) > 0.0
+
     def sign(self, joint: int) -> Floats:
         """Return (M,) the smoothed sign of one joint's velocity, tanh(qd / v0)."""
         return np.asarray(np.tanh(self.qd[:, joint] / self.sign_speed[joint]))
+
+    def temperature_of(self, joint: int) -> Floats:
+        """Return (M,) °C of a joint; NaN where it was not measured."""
+        if self.temperature is None:
+            return np.full(len(self), np.nan)
+        return np.asarray(self.temperature[:, joint])
 
     def rate(self, values: Floats) -> Floats:
         """Return (M, ...) the rate of change of values (M, ...), per s; never across a segment."""

@@ -23,7 +23,7 @@ class Payload(Effect):
     meaning = "a load that is taken up at some moment"
     parameters = (
         Parameter("g", "1", "more torque of the kind that was there"),
-        Parameter("J", "kg·m²", "inertia of the load about the joint"),
+        Parameter("J", "kg·m²", "inertia of the load about the joint", positive=True),
         Parameter("a", "N·m", "weight, amplitude of the cosine"),
         Parameter("b", "N·m", "weight, amplitude of the sine"),
     )

@@ -46,6 +46,20 @@ def since_reversal(time: Floats, qd: Floats, segment: Ints, rest: float = REST_S
     return out
 
 
+def travelled(q: Floats, qd: Floats, segment: Ints) -> Floats:
+    """Return (M,) rad from where a joint last turned round, or its stretch began.
+
+    Args:
+        q, qd: (M,) rad, rad/s.
+        segment: (M,) samples recorded without interruption share a number.
+    """
+    out = np.zeros(len(q))
+    for turns, begin, end in _turns(qd, segment, 0.0):
+        for first, last in pairwise([begin, *turns, end]):
+            out[first:last] = np.abs(q[first:last] - q[first]) if last > first else 0.0
+    return out
+
+
 def before_reversal(time: Floats, qd: Floats, segment: Ints) -> Floats:
     """Return (M,) s until a joint next turns round; NaN after it last does in a segment."""
     out = np.full(len(time), np.nan)

@@ -13,7 +13,9 @@ class RotorInertia(Effect):
     formula = "J qdd"
     source = "Spong, Hutchinson and Vidyasagar 2006, Robot Modeling and Control, ch. 7"
     meaning = "the motor's own inertia, reflected through the gear"
-    parameters = (Parameter("J", "kg·m²", "inertia of the rotor times the gear ratio squared"),)
+    parameters = (
+        Parameter("J", "kg·m²", "inertia of the rotor times the gear ratio squared", positive=True),
+    )
     kind = "mechanics"
     part = "inertia"
     coordinate = "acceleration"

@@ -18,7 +18,9 @@ class Saturation(Effect):
     formula = "g (clip(torque, -L, L) - torque)"
     source = "definition of a limit, taken at the torque the model predicts"
     meaning = "torque that is clipped at a limit"
-    parameters = (Parameter("g", "1", "share of the excess that is missing; 1: all of it"),)
+    parameters = (
+        Parameter("g", "1", "share of the excess that is missing; 1: all of it", positive=True),
+    )
     shapes = (Shape("L", "N·m", "limit", 0.01, 1e5, 10.0),)
     kind = "measurement"
     part = "gravity"
@@ -31,10 +33,6 @@ class Saturation(Effect):
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         torque = x.torque[:, [joint]]
         return np.clip(torque, -shape["L"], shape["L"]) - torque
-
-    def possible(self, parameters: Floats) -> bool:
-        """Refuse a negative share: a limit takes torque away."""
-        return bool(parameters[0] > 0.0)
 
     def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
         """Return limits that the predicted torque exceeds for a part of the time."""

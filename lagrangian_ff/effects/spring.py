@@ -1,5 +1,7 @@
 """A spring, a cable, a hose."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Values
@@ -32,14 +34,14 @@ class Spring(Effect):
         q = x.q[:, joint]
         return np.stack([q, q**3], axis=1)
 
-    def objection(self, low: Floats, high: Floats) -> str:
-        """Refuse a negative stiffness: a spring does not push the joint away from its rest."""
-        if high[0] >= 0.0:
-            return ""
-        return (
-            f"its stiffness is between {low[0]:.3g} and {high[0]:.3g} N·m/rad, below zero as no "
-            "spring's is: some other torque of the position, which has no name here"
-        )
+    def signs(self, x: Inputs, joint: int, shape: Values) -> Mapping[str, Floats]:
+        """Return the slope over the positions visited: a spring does not push away from its rest.
+
+        Far from q = 0 neither k nor k3 alone is the stiffness that was felt.
+        """
+        q = x.q[:, joint] - np.mean(x.q[:, joint])
+        slope = q @ self.columns(x, joint, shape) / max(float(q @ q), 1e-300)
+        return {"its mean stiffness in N·m/rad": slope}
 
     def energies(self, x: Inputs, joint: int, shape: Values) -> tuple[Floats, Floats]:
         q = x.q[:, joint]

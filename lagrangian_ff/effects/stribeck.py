@@ -19,7 +19,7 @@ class Stribeck(Effect):
         "Canudas de Wit 1994, Automatica 30(7)"
     )
     meaning = "dry friction that is higher while creeping"
-    parameters = (Parameter("F_s", "N·m", "static friction above Coulomb's"),)
+    parameters = (Parameter("F_s", "N·m", "static friction above Coulomb's", positive=True),)
     shapes = (Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1),)
     shows_as = "a bump on both sides of zero speed, falling over the first tenths of rad/s"
     look_alikes = {
@@ -31,7 +31,3 @@ class Stribeck(Effect):
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         speed = x.qd[:, joint]
         return (x.sign(joint) * np.exp(-((speed / shape["v_s"]) ** 2)))[:, None]
-
-    def possible(self, parameters: Floats) -> bool:
-        """Refuse friction that is lower while creeping: that is Coulomb's step, rounded."""
-        return bool(parameters[0] > 0.0)

@@ -232,11 +232,13 @@ def _refuse(effect: Effect, what: str, expected: str, came: object) -> None:
 
 
 def trial_motion() -> Inputs:
-    """Return joints that stand still first, then swing for 10 s, and carry a load."""
+    """Return joints that stand still first, then swing for 10 s, carry a load and warm up."""
     time = np.arange(1000) / 100.0
     q = np.sin(np.maximum(time - 0.2, 0.0)[:, None] * np.linspace(2.0, 6.0, 3))
     qd = np.gradient(q, time, axis=0)
     qdd = np.gradient(qd, time, axis=0)
     qd[:10] = qdd[:10] = 0.0
     load = 2.0 * qdd + 10.0 * np.cos(q)
-    return Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=load + qd)
+    warm = 20.0 + time[:, None] * np.ones(3)
+    states = States.of(q, qd, qdd)
+    return Inputs.of(states, time=time, load=load, torque=load + qd, temperature=warm)

@@ -11,7 +11,7 @@ class Viscous(Effect):
     formula = "B qd"
     source = "eq. (51), first term"
     meaning = "friction in proportion to speed"
-    parameters = (Parameter("B", "N·m·s/rad", "viscous coefficient"),)
+    parameters = (Parameter("B", "N·m·s/rad", "viscous coefficient", positive=True),)
     shows_as = "a straight line through zero speed"
     motion = "speeds"
     next_motion = "drive the joint at several constant speeds, each both ways"

@@ -17,9 +17,14 @@ class WarmUp(Effect):
     )
     meaning = "friction that falls while the gear warms up"
     parameters = (
-        Parameter("F_w", "N·m", "dry friction of the cold gear above that of the warm"),
         Parameter(
-            "B_w", "N·m·s/rad", "viscous coefficient of the cold gear above that of the warm"
+            "F_w", "N·m", "dry friction of the cold gear above that of the warm", positive=True
+        ),
+        Parameter(
+            "B_w",
+            "N·m·s/rad",
+            "viscous coefficient of the cold gear above that of the warm",
+            positive=True,
         ),
     )
     shapes = (Shape("T", "s", "time constant of the warming", 5.0, 300.0, 60.0),)

@@ -1,5 +1,6 @@
 from lagrangian_ff.identification.build import Identification as Identification
 from lagrangian_ff.identification.extending import extend as extend
+from lagrangian_ff.identification.extending import without as without
 from lagrangian_ff.identification.identifying import identify as identify
 from lagrangian_ff.identification.mechanics.dynamics import Dynamics as Dynamics
 from lagrangian_ff.identification.model import Model as Model

@@ -24,6 +24,15 @@ class Term:
     joint: int
     shape: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def others(self) -> Mapping[int, float]:
+        """Return the other joints that it acts on, see `Effect.others`."""
+        return self.effect.others(self.joint, self.shape)
+
+    def on(self, joints: int) -> Floats:
+        """Return (N,) the factor of its columns in each joint's torque."""
+        return shares(joints, self.joint, self.others)
+
     def columns(self, x: Inputs) -> Floats:
         """Return (M, P) the factors of the term's P parameters in its joint's torque.
 
@@ -33,6 +42,15 @@ class Term:
         if x.whole is not None and (self.effect.remembers or x.window > 1):
             return x.mean(checked_columns(self.effect, x.whole, self.joint, self.shape))
         return checked_columns(self.effect, x, self.joint, self.shape)
+
+
+def shares(joints: int, joint: int, others: Mapping[int, float]) -> Floats:
+    """Return (N,) the factor of a column in each joint's torque: 1 in that of its own."""
+    out = np.zeros(joints)
+    out[joint] = 1.0
+    for other, factor in others.items():
+        out[other] = factor
+    return out
 
 
 @dataclass(frozen=True)
@@ -68,12 +86,15 @@ class Basis:
 
     def design(self, x: Inputs) -> Floats:
         """Return Φ(x), (M, N, B): the torque of each joint per unit of each parameter."""
-        out = np.zeros((len(x), x.joints, self.size))
-        out[:, self.joints, np.arange(self.size)] = self.columns(x)
-        return out
+        return np.asarray(self.columns(x)[:, None, :] * self.on(x.joints).T)
+
+    def on(self, joints: int) -> Floats:
+        """Return (B, N) the factor of each parameter's column in each joint's torque."""
+        rows = [t.on(joints) for t in self.terms for _ in t.effect.parameters]
+        return np.array(rows).reshape(self.size, joints)
 
     def columns(self, x: Inputs) -> Floats:
-        """Return (M, B) the factor of each parameter in the torque of its joint."""
+        """Return (M, B) the factor of each parameter in the torque of its own joint."""
         out = np.empty((len(x), self.size))
         for term, place in self.slices():
             out[:, place] = term.columns(x)
@@ -81,7 +102,7 @@ class Basis:
 
     @property
     def joints(self) -> Ints:
-        """Return (B,) the joint that each parameter acts on."""
+        """Return (B,) the joint that each parameter belongs to."""
         whose = [term.joint for term in self.terms for _ in term.effect.parameters]
         return np.array(whose, dtype=np.int64)
 
@@ -128,7 +149,7 @@ class Basis:
         for term, place in self.slices():
             if ("torque" in term.effect.uses) == follows:
                 part = parts.setdefault(term.effect.name, np.zeros_like(x.q))
-                part[:, term.joint] += term.columns(x) @ b[place]
+                part += np.outer(term.columns(x) @ b[place], term.on(x.joints))
         return parts
 
     def _beside_load(self, parts: Mapping[str, Floats], x: Inputs) -> Floats:

@@ -60,13 +60,18 @@ def extend(
         raise ModelError(
             f"the model has {effect.name} on {joint} already ({model.name}); one is enough"
         )
+    given = dict(shape or {})
+    if not model.kernel.coupled and effect.others(number, {s.name: s.start for s in effect.shapes}):
+        raise ModelError(
+            f"{effect.name} acts on several joints, which {model.kernel.name} learns apart; use "
+            "auto+fri, chain+fri or vrbfs+fri"
+        )
     old = Blueprint.of(model)
     inputs = model.inputs_of(model.data)
     subset = old.subset(inputs)
     require_room(old, len(subset.samples))
     progress(0.1, f"adding {effect.name}")
     before = exact(subset)
-    given = dict(shape or {})
     term = Term(effect, number, best_shape(before, effect, number, given))
     _, own = fall(before, term)
     if own < SAME:
@@ -95,6 +100,19 @@ def extend(
     step = Step.between(f"{effect.name} on {joint}", then, found.model.identified, reason)
     progress(1.0, "fitting")
     return found.with_history((*model.steps, step.record()))
+
+
+def without(model: Model, effect: Effect, joint: str) -> Model:
+    """Return a model without an effect on a joint, refitted; the noise is chosen again.
+
+    Its history keeps the effect: this is for a comparison, not to be saved.
+    """
+    old, number = Blueprint.of(model), model.joints.index(joint)
+    kept = [t for t in model.basis.terms if (t.effect.name, t.joint) != (effect.name, number)]
+    inputs = model.inputs_of(model.data)
+    prior = replace(old.prior, basis=Basis(tuple(kept)))
+    less = replace(old, prior=prior)
+    return build(replace(less, prior=replace(prior, noise=_best_noise(less, inputs))), inputs).model
 
 
 def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:

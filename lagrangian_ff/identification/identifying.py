@@ -27,7 +27,7 @@ from lagrangian_ff.identification.settings import SCALES, Settings
 from lagrangian_ff.identification.spec import Spec, parse, with_sliding
 from lagrangian_ff.kernels import Mechanism, States
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import Motion, concatenate
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion, concatenate
 
 CHOSEN = 0.3
 """Share of the work that choosing hyperparameters takes with inducing points."""
@@ -67,9 +67,17 @@ def identify(
                 f"which holds {', '.join(data.joints)}"
             )
     spec = with_sliding(spec, settings.prismatic, data, known=mechanism is not None)
+    weightless = data.effort == WITHOUT_GRAVITY
     if mechanism is not None:
         mechanism = mechanism.of_joints(data.joints, data.source)
-        spec = spec.within(mechanism)
+        spec = spec.within(mechanism.without_gravity() if weightless else mechanism)
+    spec = replace(spec, weightless=weightless)
+    if weightless and not spec.kernel.separates:
+        note = (
+            f"the effort holds no gravity, but the kernel {spec.kernel.name} cannot leave gravity "
+            "out: it may learn some from noise; auto, chain and energy leave it out exactly"
+        )
+        data = replace(data, notes=(*data.notes, note))
     if settings.positive and not spec.kernel.has_lagrangian:
         raise ModelError(
             f"model '{spec.text}': the joints of {spec.kernel.name} are learned apart and share no "
@@ -77,12 +85,13 @@ def identify(
             "vrbfs+fri"
         )
     trained = _trained(motions, settings)
-    available = np.flatnonzero(trained)
+    learned = trained & ~data.rest.all(axis=1)  # an arm at rest says nothing of its friction
+    available = np.flatnonzero(learned if learned.any() else trained)
     width = len(data.joints) if spec.kernel.coupled else 1
-    size = sizes(available, settings, width)
+    size = sizes(available, settings, width, bool(spec.kernel.differentiable))
     subset = size.subset
     states = States.of(data.q, data.qd, data.qdd)
-    inputs = Inputs.of(states, data.time, data.segment)
+    inputs = Inputs.of(states, data.time, data.segment, temperature=data.temperature)
     scalings = partial(_scalings, spec, settings)
     samples = Samples(inputs.take(subset), data.tau[subset])
     start = Problem.started(spec, samples, scalings(samples.tau)[0])

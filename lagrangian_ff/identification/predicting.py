@@ -180,10 +180,26 @@ class TorqueModel:
                 "arm, or its joints were renamed"
             )
 
+    def require_motion(self, motion: Motion) -> None:
+        """Refuse a motion of other joints, or whose effort holds another torque than the model's.
+
+        Raises:
+            ModelError: it lacks a joint, or was read with another `effort`; names both.
+        """
+        self.require_joints(motion.joints, motion.source)
+        if "effort" in motion.conditioning and motion.effort != self.data.effort:
+            raise ModelError(
+                f"the model was identified from an effort that is {self.data.effort}, and "
+                f"{motion.source} was read as {motion.effort}: leave --effort out to read it as "
+                "the model's recordings were, or identify a model from such recordings"
+            )
+
     def inputs_of(self, motion: Motion) -> Inputs:
         """Return a motion of the model's joints as effects see it, with its torque."""
+        q, qd, qdd, temperature = motion.q, motion.qd, motion.qdd, motion.temperature
+        when, segment = motion.time, motion.segment
         return self.with_torque(
-            self.inputs(motion.q, motion.qd, motion.qdd, time=motion.time, segment=motion.segment)
+            self.inputs(q, qd, qdd, time=when, segment=segment, temperature=temperature)
         )
 
     def with_torque(self, x: Inputs) -> Inputs:
@@ -232,6 +248,7 @@ class TorqueModel:
         *,
         time: ArrayLike | None = None,
         segment: Ints | None = None,
+        temperature: Floats | None = None,
     ) -> Inputs:
         """Return a motion as effects see it, with the model's rigid-body torque; see `predict`."""
         x = self.states(q, qd, qdd)
@@ -242,7 +259,7 @@ class TorqueModel:
             progress(min(1.0, (first + CHUNK_SAMPLES) / len(x)), "predicting")
         load += self.basis.constant(len(self.joints), self.coefficients)
         speed = self.basis.sign_speed(len(self.joints))
-        return Inputs.of(x, time, segment, load, load, speed)
+        return Inputs.of(x, time, segment, load, load, speed, temperature)
 
     def terms(
         self,
@@ -252,12 +269,13 @@ class TorqueModel:
         *,
         time: ArrayLike | None = None,
         segment: Ints | None = None,
+        temperature: Floats | None = None,
     ) -> Terms:
         """Return the torque as gravity, inertia, Coriolis, and each effect; see `predict`."""
         x = self.states(q, qd, qdd)
         gravity = self.lagrangian_torque(x.at_rest())
         inertia = self.lagrangian_torque(x.without_velocity()) - gravity
-        inputs = self.inputs(q, qd, qdd, time=time, segment=segment)
+        inputs = self.inputs(q, qd, qdd, time=time, segment=segment, temperature=temperature)
         constant = self.basis.constant(len(self.joints), self.coefficients)
         coriolis = inputs.load - constant - gravity - inertia
         effects = self.basis.torque(inputs, self.coefficients)

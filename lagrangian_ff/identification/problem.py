@@ -1,6 +1,7 @@
 """A semi-parametric Gaussian-process problem (44): samples, kernel, noise, unit and basis."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.basis import Basis, Term, shares
 from lagrangian_ff.identification.samples import Samples, evenly
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.kernels import CoupledKernel, Kernel, States
@@ -16,6 +17,9 @@ from lagrangian_ff.kernels.dense import gram_of, together
 
 NOISE_START = 1e-2
 """Variance of the noise over the kernel's, before anything is chosen."""
+STUCK_NOISE = 100.0
+"""Variance of the torque of a joint at rest, relative to its noise: it is anywhere within static
+friction, which is some ten times the noise."""
 
 
 @dataclass(frozen=True)
@@ -83,10 +87,12 @@ class Nuisance:
 
     Attributes:
         joint: index of the joint.  columns: (S, K) N·m.
+        others: further joints, with the factor of the columns in their torques.
     """
 
     joint: int
     columns: Floats
+    others: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -95,14 +101,14 @@ class Rows:
 
     Attributes:
         states: (S, N), of all joints.
-        columns: (S, B) the basis, each column of the torque of one joint.
-        joint: (B,) the joint of each column, among the n.
+        columns: (S, B) the basis, each column in the torque of its joint, N·m.
+        on: (B, n) the factor of each column in the normalised torque of each of the n joints.
         target: (S n,) the torques y.  noise: (S n,) variance of each torque.
     """
 
     states: States
     columns: Floats
-    joint: Ints
+    on: Floats
     target: Floats
     noise: Floats
 
@@ -111,12 +117,10 @@ class Rows:
         return rows_of(samples, len(self.target) // len(self.states))
 
     def design(self, samples: "Ints | slice" = slice(None)) -> Floats:
-        """Return Φ of these samples, (R n, B): zero but for each column's own joint."""
+        """Return Φ of these samples, (R n, B)."""
         columns = self.columns[samples]
-        width = len(self.target) // len(self.states)
-        out = np.zeros((len(columns), width, columns.shape[1]))
-        out[:, self.joint, np.arange(columns.shape[1])] = columns
-        return out.reshape(len(columns) * width, columns.shape[1])
+        out = columns[:, None, :] * self.on.T
+        return np.asarray(out.reshape(out.shape[0] * out.shape[1], out.shape[2]))
 
 
 @dataclass(frozen=True)
@@ -143,6 +147,8 @@ class Problem:
         if spec.sliding:
             slides = np.isin(np.arange(joints), spec.sliding)
             kernel = kernel.replace(prismatic=slides.astype(np.float64))
+        if spec.weightless:
+            kernel = kernel.without_gravity()
         shapes = {e.name: {s.name: s.start for s in e.shapes} for e in spec.effects}
         terms = (Term(e, joint, shapes[e.name]) for joint in range(joints) for e in spec.effects)
         problem = cls(samples, Prior(kernel, np.ones(joints), scaling, Basis(tuple(terms))))
@@ -188,7 +194,7 @@ class Problem:
 
     def take(self, index: Ints) -> "Problem":
         """Return the problem of some of the samples."""
-        nuisance = tuple(Nuisance(one.joint, one.columns[index]) for one in self.nuisance)
+        nuisance = tuple(replace(one, columns=one.columns[index]) for one in self.nuisance)
         return replace(self, samples=self.samples.take(index), nuisance=nuisance)
 
     def thinned(self, count: int) -> "Problem":
@@ -243,18 +249,18 @@ class Problem:
         """Return the normalised torques and basis of joints that are solved together."""
         x, columns = self.samples.x, list(joints)
         part = self.basis.of_joints(joints)
-        held = [part.columns(x) / self.unit[part.joints]]
-        whose = [joints.index(joint) for joint in part.joints]
+        held, on = [part.columns(x)], [part.on(x.joints)]
         for one in self.nuisance:
             if one.joint in joints:
-                held.append(one.columns / self.unit[one.joint])
-                whose += [joints.index(one.joint)] * one.columns.shape[1]
-        noise = np.tile(self.variances[columns], len(x))
+                held.append(one.columns)
+                factor = shares(x.joints, one.joint, one.others)
+                on.append(np.tile(factor, (one.columns.shape[1], 1)))
+        noise = (self.variances * np.where(x.rest, STUCK_NOISE, 1.0))[:, columns].ravel()
         if self.samples.weight is not None:
             noise = noise / self.samples.weight[:, columns].ravel()
         target = (self.samples.tau[:, columns] / self.unit[columns]).ravel()
-        joint = np.array(whose, dtype=np.int64)
-        return Rows(self.samples.states, np.column_stack(held), joint, target, noise)
+        factors = np.concatenate(on)[:, columns] / self.unit[columns]
+        return Rows(self.samples.states, np.column_stack(held), factors, target, noise)
 
 
 def rows_of(samples: Ints, width: int) -> Ints:

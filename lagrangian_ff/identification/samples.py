@@ -22,6 +22,9 @@ LONG = 12_000
 """Training samples, two minutes at 100 Hz, beyond which the subset of an exact fit is too small."""
 INDUCING_POINTS = 300
 """Enough for six joints: with twice as many, the error on simulated recordings is the same."""
+CHEAP = (500 * 6) ** 3 / 3
+"""Products, those of an exact fit to 500 samples of six joints: where inducing points need no more,
+nothing is gained by learning from a subset."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,16 @@ def evenly(available: int, wanted: int) -> Ints:
     return np.round(np.linspace(0, available - 1, wanted)).astype(np.int64)
 
 
+def moving(motion: Motion, wanted: int) -> Ints:
+    """Return positions of at most `wanted` samples, evenly spread over those where a joint moves.
+
+    They are spread over all samples of a motion that never moves.
+    """
+    found = np.flatnonzero(~motion.rest.all(axis=1))
+    found = found if len(found) else np.arange(len(motion))
+    return np.asarray(found[evenly(len(found), wanted)])
+
+
 @dataclass(frozen=True)
 class Sizes:
     """The uses of samples; each array holds positions in the motion.
@@ -94,19 +107,23 @@ class Sizes:
     seen: Ints
 
 
-def sizes(available: Ints, settings: Settings, width: int) -> Sizes:
+def sizes(available: Ints, settings: Settings, width: int, structured: bool = False) -> Sizes:
     """Return the uses of the samples of a motion.
 
     Args:
         available: (K,) positions of all samples that may be learned from.
         settings: see `Settings.samples` and `Settings.landmarks`.
         width: number of joints that are solved together.
+        structured: whether the kernel knows mechanics; of few joints it then has few features,
+            which the inducing points span.
     """
     most = EXACT_TORQUES // width
     landmarks = settings.landmarks
     if landmarks is None:
         beyond = min(settings.samples, len(available)) > most
-        landmarks = INDUCING_POINTS if beyond or len(available) > LONG else 0
+        work = len(available) * width * (INDUCING_POINTS * width) ** 2
+        cheap = structured and settings.samples > INDUCING_POINTS and work <= CHEAP
+        landmarks = INDUCING_POINTS if beyond or cheap or len(available) > LONG else 0
     if landmarks == 0 or landmarks >= len(available):
         samples = settings.samples if landmarks == 0 else len(available)
         subset = available[evenly(len(available), samples)]

@@ -5,7 +5,9 @@ from math import inf
 from numbers import Integral
 
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.recording.motion import WITHOUT_FRICTION
 
+USUAL, USUAL_WITHOUT_FRICTION = "auto+fri", "auto"
 SCALES = ("auto", "joint", "common")
 CRITERIA = ("validation", "evidence")
 LOSSES = ("square", "huber")
@@ -30,20 +32,22 @@ class Settings:
         scale: normalisation of torques. `common` divides all by one number, so that the joints
             share one Lagrangian, with noise in proportion to each torque's spread; `joint`
             divides each torque by its own spread, right where the joints' units do not agree;
-            `auto` tries both and keeps the better one.
+            `auto` tries both, and gains of the drives that the evidence finds, and keeps what
+            the data speak for.
         evaluations: points tried in the search for hyperparameters; maximising the evidence takes
             steps in proportion.
         positive: whether the mass matrix is kept positive definite along the training motion; the
             joints then have one unit of torque, and one Lagrangian.
         landmarks: number of inducing points, the training samples that the kernel is built on when
             all are learned from; 0 solves exactly, on `samples` of them. None is 0 for up to two
-            minutes of training motion, and 300 for more, or if `samples` are too many.
+            minutes of training motion, and 300 for more, or if `samples` are too many, or where
+            it is cheap, see `sizes`.
         loss: of residuals, `square`; or `huber`, which limits the pull of contacts and other gross
             errors in the recording.
         prismatic: names of the joints that slide, in m and N; the others turn.
     """
 
-    model: str = "auto+fri"
+    model: str = USUAL
     train: float = 2.0 / 3.0
     samples: int = 500
     block_seconds: float = 3.0
@@ -114,6 +118,11 @@ class Settings:
                 "scale is 'joint', expected common or auto with positive: joints whose torques are "
                 "in units of their own share no mass matrix"
             )
+
+
+def usual_model(effort: str) -> str:
+    """Return the model to identify where none is named, for what the effort holds."""
+    return USUAL_WITHOUT_FRICTION if effort == WITHOUT_FRICTION else USUAL
 
 
 def _whole(value: object, least: int) -> bool:

@@ -32,6 +32,7 @@ class Spec:
         basic: the name without the further effects.
         kernels: all that a name such as `auto` stands for, `kernel` first; empty for one kernel.
         sliding: indices of the joints that slide.
+        weightless: whether the torque holds no gravity.
     """
 
     text: str
@@ -41,6 +42,7 @@ class Spec:
     basic: str = ""
     kernels: tuple[Family, ...] = ()
     sliding: tuple[int, ...] = ()
+    weightless: bool = False
 
     @property
     def alternatives(self) -> "tuple[Spec, ...]":

@@ -21,12 +21,15 @@ from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
 from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.record_json import by_name
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.recording import TEMPERATURE
 from lagrangian_ff.recording.sources.npz_file import DAMAGED
 
 Loaded = TypeVar("Loaded", bound=TorqueModel)
 
 FORMAT = "lagrangian_ff model"
-VERSION = 3
+VERSION = 4
+SHARING = 4
+"""Version since which an effect may act on several joints."""
 ARRAYS = {
     "q": 2, "qd": 2, "qdd": 2, "tau": 2, "time": 1, "segment": 1, "trained": 1, "index": 1,
     "seen": 1, "weights": 2, "coefficients": 1, "unit": 1, "noise": 1, "noise_share": 1,
@@ -35,6 +38,8 @@ ARRAYS = {
 """Every array of the file and its number of dimensions."""
 MORE = ("more_q", "more_qd", "more_qdd")
 """Centres that are no samples of the data."""
+GRAVITY = "potential"
+"""The hyperparameter that is 0 where the effort holds no gravity."""
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
@@ -77,6 +82,8 @@ def save(model: TorqueModel, path: Path) -> None:
         "noise_share": model.prior.scaling.noise,
         **dict(zip(MORE, (more.q, more.qd, more.qdd), strict=True)),
     }
+    if data.temperature is not None:
+        arrays[TEMPERATURE] = data.temperature
     if model.irls_weight is not None:
         arrays[TRUST] = model.irls_weight
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
@@ -168,6 +175,7 @@ def _build(
         source=str(header["source"]),
         notes=tuple(header["notes"]),
         conditioning=header["conditioning"],
+        temperature=arrays.get(TEMPERATURE),
     )
     for chosen in (index, seen):
         if len(chosen) and not (chosen.min() >= 0 and chosen.max() < len(data)):
@@ -183,6 +191,11 @@ def _build(
             for entry in header["basis"]
         )
     )
+    if header["version"] < SHARING and any(term.others for term in basis.terms):
+        raise ModelError(
+            f"{path} is of version {header['version']}, in which an effect of a shared shaft acted "
+            "on one joint alone: identify the model again"
+        )
     if any(not 0 <= term.joint < len(joints) for term in basis.terms):
         raise ValueError("an effect acts on a joint that is not there")
     if arrays["coefficients"].shape != (basis.size,):
@@ -237,8 +250,8 @@ def _kernel(header: dict[str, Any], family: Family, centres: States) -> Kernel:
         usual = np.shape(start.hyperparameters[name])
         if value.shape not in (usual, (1,), (centres.joints,)):
             raise ValueError(f"hyperparameter {name} has shape {value.shape}, expected {usual}")
-        # What is not searched may be 0, as the mark of a joint that turns.
-        least = np.nextafter(0.0, 1.0) if name in searched else 0.0
+        # What is not searched may be 0, as the mark of a joint that turns; so may gravity.
+        least = np.nextafter(0.0, 1.0) if name in searched and name != GRAVITY else 0.0
         if not (np.isfinite(value).all() and (value >= least).all()):
             raise ValueError(f"hyperparameter {name} is {value.tolist()}, out of range")
     return start.replace(**values)

@@ -58,6 +58,8 @@ class Kernel(ABC):
     """The other hyperparameters; their range is not searched."""
     free: ClassVar[bool] = False
     """True if gravity may be any smooth function of position, and so include a spring's torque."""
+    separates: ClassVar[bool] = False
+    """True if gravity is a part of its own, which `without_gravity` leaves out."""
     coupled: ClassVar[bool]
     """True if the torques of all joints are learned together."""
     per_joint: ClassVar[bool] = False
@@ -87,6 +89,13 @@ class Kernel(ABC):
     def replace(self: Self, **hyperparameters: Floats) -> Self:
         """Return the kernel with some hyperparameters changed."""
         return replace(self, **hyperparameters)
+
+    def without_gravity(self: Self) -> Self:
+        """Return the kernel without potential energy, if it separates that from the rest.
+
+        The torque is then exactly zero at rest. Other kernels stay as they are: `separates`.
+        """
+        return self
 
     @abstractmethod
     def apply(self, x: States, u: States, a: Floats) -> Floats:
@@ -248,6 +257,10 @@ class Mechanism(ABC):
             ModelError: the mechanism lacks one; names the joints of both.
         """
 
+    def without_gravity(self) -> "Mechanism":
+        """Return the mechanism where nothing has weight; by default it has none of its own."""
+        return self
+
     @abstractmethod
     def around(self, family: "Family") -> "MechanismFamily":
         """Return the kernels of this mechanism whose unknown part is learned by a family.
@@ -288,6 +301,7 @@ class MechanismFamily(ABC):
 
     name: ClassVar[Any] = property(attrgetter("inner.name"))
     free: ClassVar[Any] = property(attrgetter("inner.free"))
+    separates: ClassVar[Any] = property(attrgetter("inner.separates"))
     has_lagrangian: ClassVar[Any] = property(attrgetter("inner.has_lagrangian"))
 
     @abstractmethod
@@ -315,6 +329,7 @@ class MechanismKernel(CoupledKernel):
     meaning: ClassVar[Any] = property(attrgetter("of.meaning"))
     searched: ClassVar[Any] = property(attrgetter("of.searched"))
     free: ClassVar[Any] = property(attrgetter("of.free"))
+    separates: ClassVar[Any] = property(attrgetter("of.separates"))
     has_lagrangian: ClassVar[Any] = property(attrgetter("of.has_lagrangian"))
     differentiable: ClassVar[Any] = property(attrgetter("of.differentiable"))
     mechanism: ClassVar[Any] = property(attrgetter("of.mechanism"))
@@ -327,6 +342,9 @@ class MechanismKernel(CoupledKernel):
     def hyperparameters(self) -> Mapping[str, Floats]:
         own = {one.name: getattr(self, one.name) for one in fields(self)[2:]}
         return {**own, **self.kernel.hyperparameters}
+
+    def without_gravity(self: Outer) -> Outer:
+        return replace(self, kernel=self.kernel.without_gravity())
 
     def replace(self: Outer, **hyperparameters: Floats) -> Outer:
         mine = {one.name for one in fields(self)}.intersection(hyperparameters)

@@ -88,6 +88,7 @@ class Motor(_Rated):
     """The independent joint model (54): torque c1 qdd_n + c2 qd_n."""
 
     name = "motor"
+    separates = True
     meaning = "each joint a motor with an inertia and a viscous loss, no coupling"
 
     def cross(self, x: States, u: States, joint: int) -> Floats:
@@ -136,6 +137,7 @@ class Nothing(_Rated):
     """The zero kernel: torque is the basis of effects alone."""
 
     name = "none"
+    separates = True
     meaning = "no Lagrangian part: the effects alone"
 
     def cross(self, x: States, u: States, joint: int) -> Floats:

@@ -64,6 +64,7 @@ _ARGUMENTS = {
     "centres_apply": _UNIVERSAL + "DiDiD",
     "polynomial_torques": "iDDDiDDDD",
     "rigid_regressor": "iiiDDDIDDDDIDDDD",
+    "clock_ticks": "iDDDIDiI",
     "memory_stop": "iDIDdD",
     "memory_loose": "iDDdddD",
     "memory_filter": "iDDD",
@@ -84,6 +85,7 @@ _ALLOCATING = (
     "centres_apply",
     "polynomial_torques",
     "rigid_regressor",
+    "clock_ticks",
 )
 
 

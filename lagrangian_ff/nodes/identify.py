@@ -40,7 +40,7 @@ from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Session, new_path
 from lagrangian_ff.nodes.recorder.worker import Worker
-from lagrangian_ff.recording import Conditioning
+from lagrangian_ff.recording.motion import EFFORTS, Conditioning
 
 
 class IdentifyNode(ClosingNode):
@@ -236,7 +236,10 @@ def _declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the joints; defaults are the settings'."""
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
-    add("model", Settings.model, "model to identify, a sum of kernels and bases")
+    add("model", "", "model to identify, a sum of kernels and bases; empty = auto+fri, or auto "
+        "where friction is compensated in the drive")  # fmt: skip
+    add("effort", Conditioning.effort, "what the effort holds: all torque, or all but gravity or "
+        "friction that the driver or the drive compensates", choices=EFFORTS)  # fmt: skip
     add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
     add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
         "empty = none")  # fmt: skip
@@ -251,8 +254,10 @@ def _declare(parameters: Parameters) -> None:
         "the training motion")  # fmt: skip
     add("loss", Settings.loss, "what a residual costs; huber weighs down contacts and gross "
         "errors", choices=LOSSES)  # fmt: skip
-    add("bandwidth", Conditioning.bandwidth, "Hz of the low-pass on position and effort",
-        low=0.5, high=500.0)  # fmt: skip
+    add("bandwidth", 0.0, "Hz of the low-pass on position and effort; 0 = as wide as their noise "
+        "allows, up to 25 Hz", low=0.0, high=500.0)  # fmt: skip
+    add("units", [""], 'what drivers report in another unit than rad or N·m, such as position=deg '
+        'or effort=mNm; [""] = nothing')  # fmt: skip
     add("output_directory", ".", "where bags, models and findings are written")
     add("bag_prefix", "recording", "how the names of bags begin")
     add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "

@@ -1,6 +1,9 @@
 from lagrangian_ff.recording.bag_writer import BagWriter as BagWriter
 from lagrangian_ff.recording.bag_writer import write_bag as write_bag
+from lagrangian_ff.recording.bandwidth import Bandwidth as Bandwidth
 from lagrangian_ff.recording.conditioning import condition as condition
+from lagrangian_ff.recording.conditioning import condition_alike as condition_alike
+from lagrangian_ff.recording.conditioning import measured_bandwidth as measured_bandwidth
 from lagrangian_ff.recording.files import load as load
 from lagrangian_ff.recording.files import write_csv as write_csv
 from lagrangian_ff.recording.files import write_npz as write_npz
@@ -10,3 +13,5 @@ from lagrangian_ff.recording.motion import Conditioning as Conditioning
 from lagrangian_ff.recording.motion import Motion as Motion
 from lagrangian_ff.recording.motion import concatenate as concatenate
 from lagrangian_ff.recording.recording import Recording as Recording
+from lagrangian_ff.recording.units import Doubt as Doubt
+from lagrangian_ff.recording.units import converted as converted

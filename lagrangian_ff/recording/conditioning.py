@@ -5,22 +5,35 @@ the gaps; position and torque pass the same Butterworth low-pass, forward and ba
 they stay in step; position is differentiated twice.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.recording.bandwidth import (
+    USUAL,
+    WIDEST,
+    Bandwidth,
+    analysis_rate,
+    choose,
+    unchosen,
+)
 from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
 from lagrangian_ff.recording.inspection import find_clipping
 from lagrangian_ff.recording.motion import SCALINGS, Conditioning, Motion
 from lagrangian_ff.recording.recording import Recording, require_times
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.splines import interpolate
+from lagrangian_ff.recording.stamps import without_resets
+from lagrangian_ff.recording.units import converted, find_doubts
 from lagrangian_ff.words import counted
 
 _SLOWEST = 10.0  # Hz; an arm sampled more slowly hides its accelerations
+_TOO_SLOW = 6.0  # Hz; a quarter of the rate below this leaves nothing to choose
+_FASTEST = 1e6  # Hz
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
 _POSITION_HINT = "check the joint's driver"
@@ -37,12 +50,67 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
         RecordingError: no effort or no position on a joint, nothing moves, no stretch long
             enough between gaps, or a joint in `effort_scale` or `effort_offset` is unknown.
     """
+    return condition_alike([recording], conditioning)[0]
+
+
+def condition_alike(
+    recordings: Sequence[Recording], conditioning: Conditioning | None = None
+) -> list[Motion]:
+    """Return the motions of recordings that belong together: one bandwidth for all.
+
+    Raises:
+        RecordingError: as `condition`.
+    """
+    settings, note = conditioning or Conditioning(), ""
+    if settings.bandwidth is None and recordings:
+        found = measured_bandwidth(recordings, settings)
+        settings, note = replace(settings, bandwidth=found.hertz), found.reason
+    return [_condition(recording, settings, note) for recording in recordings]
+
+
+def measured_bandwidth(
+    recordings: Sequence[Recording], conditioning: Conditioning | None = None
+) -> Bandwidth:
+    """Return the bandwidth that suits all of these recordings, with the spectra behind it.
+
+    Raises:
+        RecordingError: as `condition`.
+    """
     settings = conditioning or Conditioning()
+    slowest = max(_slowest_period(converted(one, settings.units)) for one in recordings)
+    top = min(USUAL, 0.25 / slowest)
+    widest = min(WIDEST, 0.25 / slowest)
+    if top < _TOO_SLOW:
+        return unchosen(top, f"bandwidth {top:.4g} Hz: a quarter of the sampling rate")
+    wide = replace(
+        settings,
+        bandwidth=widest,
+        rate=min(analysis_rate(widest), 1 / slowest),
+        max_gap=settings.max_gap or 0.5 / top,
+    )
+    return choose(
+        [_condition(recording, wide) for recording in recordings], widest, top, settings.order
+    )
+
+
+def _slowest_period(recording: Recording) -> float:
+    """Return the longest period in s of a signal, or that of the slowest recording there may be."""
+    _require_usable(recording)
+    signals = read_signals(recording, "stamps", [])
+    _require_timed(recording, signals)
+    return signals.slowest.period
+
+
+def _condition(recording: Recording, settings: Conditioning, note: str = "") -> Motion:
+    """Return the motion with a bandwidth that is given."""
+    recording = converted(recording, settings.units)
     _require_known(recording, settings)
     _require_usable(recording)
     notes = list(recording.notes)
     signals = read_signals(recording, settings.clock, notes)
     _require_timed(recording, signals)
+    if note:
+        notes.append(note)
     filters = _Filters.design(signals, settings, notes)
     clocks = _clocks(recording, signals, filters, notes)
     pieces = [filters.output_times(ticks) for ticks in clocks]
@@ -61,10 +129,30 @@ def condition(recording: Recording, conditioning: Conditioning | None = None) ->
                 effort, ticks
             ) + settings.effort_offset.get(name, 0.0)
     _require_moving(recording, q, notes)
+    notes += [doubt.text() for doubt in find_doubts(recording)]
     notes += [entry.text() for entry in find_clipping(recording)]
     time, segment = np.concatenate(pieces), np.repeat(np.arange(len(pieces)), np.diff(ends))
-    about = recording.source, tuple(notes), settings.record()
+    temperature = _temperature(recording, time, notes)
+    about = recording.source, tuple(notes), settings.record(), temperature
     return Motion(recording.joints, time, q, qd, qdd, tau, segment, *about)
+
+
+def _temperature(recording: Recording, time: Floats, notes: list[str]) -> Floats | None:
+    """Return (K, N) °C at these times, interpolated in line; None if none was recorded."""
+    if recording.temperature is None:
+        return None
+    stamps, _ = without_resets(recording.time)
+    out = np.full((len(time), len(recording.joints)), np.nan)
+    for joint, name in enumerate(recording.joints):
+        given = recording.temperature[:, joint]
+        known = np.flatnonzero(np.isfinite(given))
+        if not len(known):
+            continue
+        known = known[np.argsort(stamps[known], kind="stable")]
+        out[:, joint] = np.interp(time, stamps[known], given[known])
+        low, high = given[known].min(), given[known].max()
+        notes.append(f"temperature of {name}: {low:.1f} to {high:.1f} °C")
+    return out
 
 
 @dataclass(frozen=True)
@@ -90,11 +178,12 @@ class _Filters:
     def design(signals: Signals, settings: Conditioning, notes: list[str]) -> "_Filters":
         period = signals.fastest.period
         slow = 1 / signals.slowest.period
-        bandwidth = min(settings.bandwidth, slow / 4)
-        if bandwidth < settings.bandwidth:
+        wanted = settings.bandwidth or USUAL
+        bandwidth = min(wanted, slow / 4)
+        if bandwidth < wanted * (1 - 1e-3):
             notes.append(
                 f"sampled at {slow:.4g} Hz only: bandwidth reduced from "
-                f"{settings.bandwidth:g} Hz to {bandwidth:.4g} Hz"
+                f"{wanted:g} Hz to {bandwidth:.4g} Hz"
             )
         settled = settling(settings.order, bandwidth)
         trim = settled if settings.trim is None else settings.trim
@@ -232,10 +321,12 @@ def _require_timed(recording: Recording, signals: Signals) -> None:
             f"{recording.source}: all samples bear the same stamp, {recording.time[0]:.3f} s; "
             "the driver must stamp its messages"
         )
-    if slowest > 1 / _SLOWEST:
+    if slowest > 1 / _SLOWEST or slowest < 1 / _FASTEST:
+        doubts = [one.text() for one in find_doubts(recording) if one.quantity == "time"]
         raise RecordingError(
             f"{recording.source}: sampled at {1 / slowest:.3g} Hz; expected at least "
-            f"{_SLOWEST:g} Hz, better 100 Hz and more"
+            f"{_SLOWEST:g} Hz, better 100 Hz and more, and at most {_FASTEST:g} Hz"
+            f"{''.join(f'; {text}' for text in doubts)}"
         )
 
 

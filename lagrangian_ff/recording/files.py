@@ -74,7 +74,7 @@ def load(
 def write_csv(path: str | PathLike[str], recording: Recording, *, overwrite: bool = False) -> Path:
     """Write `time,position/<joint>,velocity/<joint>,effort/<joint>`; NaN as empty cells.
 
-    `Recording.start` is lost. Returns the path.
+    Temperatures follow if there are any. `Recording.start` is lost. Returns the path.
 
     Raises:
         RecordingError: the file exists and `overwrite` is false, or cannot be written.
@@ -84,6 +84,8 @@ def write_csv(path: str | PathLike[str], recording: Recording, *, overwrite: boo
 
 def write_npz(path: str | PathLike[str], recording: Recording, *, overwrite: bool = False) -> Path:
     """Write the arrays `time`, `position`, `velocity`, `effort`, `joints` and `start`.
+
+    `temperature` is there if any was recorded.
 
     Returns the path.
 

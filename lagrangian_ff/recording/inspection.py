@@ -1,5 +1,6 @@
 """The content of a recording, and its faults."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording.recording import QUANTITIES, Recording, publishers
 from lagrangian_ff.recording.stamps import clock_resets, order
+from lagrangian_ff.recording.units import Doubt, find_doubts
 from lagrangian_ff.words import counted
 
 _GAP = 1.75  # periods: more than one lost sample's distance less the jitter
@@ -17,8 +19,12 @@ _ROUNDING = 1e-12  # of the largest value: differences below are floating point
 _MULTIPLE = 0.1  # of a step: how near to a multiple counts as one
 _AGREEING = 0.98  # share of the differences that must be multiples
 _FEWEST = 10  # differences to judge by
-_PILE = 5  # times as many samples as on the neighbouring values make a clipped effort
 _REST = 3  # samples in a row at the extreme
+# Times the longest rest on a value in between. A parabola's top step, quantised, lasts up to 4.8
+# times as long as the step below on one side.
+_LONGER = 6
+_AROUND = 5  # samples to either side over which a joint moves
+_MOVED = 0.02  # of the most that it moves in that time
 
 
 @dataclass(frozen=True)
@@ -100,6 +106,7 @@ class Inspection:
         joints: by joint, in the order of the recording.
         missing: values that are NaN; velocity only where it is there at times.
         clipping: efforts that rest at an extreme.
+        doubts: quantities that contradict each other, such as another unit.
         notes: remarks of the reader.
     """
 
@@ -116,6 +123,7 @@ class Inspection:
     joints: tuple[JointRange, ...]
     missing: tuple[Missing, ...]
     clipping: tuple[Clipping, ...]
+    doubts: tuple[Doubt, ...]
     notes: tuple[str, ...]
 
     def record(self) -> dict[str, object]:
@@ -157,8 +165,12 @@ class Inspection:
             if number
         ]
         found += [f"  {entry.text()}" for entry in self.missing]
-        found += [f"  {entry.text()}" for entry in self.clipping]
+        found += [f"  {text}" for text in _texts(self.doubts, self.clipping)]
         return found + [f"  note: {note}" for note in self.notes]
+
+
+def _texts(doubts: Sequence[Doubt], clipping: Sequence[Clipping]) -> list[str]:
+    return [*(one.text() for one in doubts), *(one.text() for one in clipping)]
 
 
 def inspect(recording: Recording) -> Inspection:
@@ -186,6 +198,7 @@ def inspect(recording: Recording) -> Inspection:
         joints=tuple(_joint(recording, column) for column in range(len(recording.joints))),
         missing=find_missing(recording),
         clipping=find_clipping(recording),
+        doubts=find_doubts(recording),
         notes=recording.notes,
     )
 
@@ -195,7 +208,9 @@ def find_clipping(recording: Recording) -> tuple[Clipping, ...]:
     return tuple(
         Clipping(joint, value, share)
         for column, joint in enumerate(recording.joints)
-        for value, share in clipped(recording.effort[:, column])
+        for value, share in clipped(
+            recording.effort[:, column], _moving(recording.position[:, column])
+        )
     )
 
 
@@ -259,29 +274,43 @@ def _common_step(difference: Floats, step: float) -> float | None:
     return step if agree else None
 
 
-def clipped(effort: Floats) -> list[tuple[float, float]]:
+def clipped(effort: Floats, moving: Flags | None = None) -> list[tuple[float, float]]:
     """Return extreme values at which (M,) rests, each with its share of the samples.
 
-    A clipped effort is at its largest or smallest value for several samples in a row and many
-    times as often as near it; a smooth peak, even a coarsely quantised one, is not.
+    A clipped effort rests on its largest or smallest value exactly, and far longer than it rests
+    on any other value while the joint moves. So neither a quantised effort with its round peaks,
+    nor one that a driver repeats until the next, nor an arm that stands still is taken for
+    clipped. Zero is no limit.
+
+    Args:
+        moving: (M,) whether the joint moves; None if it always does.
     """
-    known = effort[np.isfinite(effort)]
-    if known.size < 10 * _REST or np.ptp(known) == 0:
+    known = np.isfinite(effort)
+    values = effort[known]
+    if values.size < 10 * _REST or np.ptp(values) == 0:
         return []
+    ends = np.flatnonzero(np.diff(values)) + 1
+    first, last = np.concatenate([[0], ends]), np.concatenate([ends, [values.size]])
+    length, value = last - first, values[first]
+    if moving is not None:
+        # A rest counts from when the joint moves until it stops.
+        passed = np.concatenate([[0], np.cumsum(moving[known])])
+        length = passed[last] - passed[first]
     found = []
-    for sign in (1, -1):
-        signed = sign * known
-        top = signed.max()
-        at_top = signed >= top - 1e-9 * abs(top)
-        below = signed[~at_top]
-        # Two further values, as far below as the nearest one: the slope of the distribution.
-        nearest = top - below.max()
-        beside = np.count_nonzero(below >= top - 2.5 * nearest) / 2
-        if at_top.sum() > _PILE * max(beside, 1) and _longest_run(at_top) >= _REST:
-            found.append((float(sign * top), float(at_top.mean())))
+    extremes = values.max(), values.min()
+    between = length[(value != extremes[0]) & (value != extremes[1])]
+    needed = max(_REST, _LONGER * int(between.max(initial=0)))
+    for extreme in extremes:
+        rests = (value == extreme) & (length >= needed)
+        if extreme != 0.0 and rests.any():
+            found.append((float(extreme), float(length[value == extreme].sum() / values.size)))
     return found
 
 
-def _longest_run(flags: Flags) -> int:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+def _moving(position: Floats) -> Flags:
+    """Return whether a joint moves at each sample (M,)."""
+    step = np.zeros(len(position))
+    if len(position) > 2 * _AROUND:
+        step[_AROUND:-_AROUND] = np.abs(position[2 * _AROUND :] - position[: -2 * _AROUND])
+    step = np.where(np.isfinite(step), step, 0.0)
+    return np.asarray(step > _MOVED * step.max(initial=0.0))

@@ -2,18 +2,27 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.recording import columns_of, require_tables
+from lagrangian_ff.recording.rest import at_rest
+from lagrangian_ff.recording.units import checked_units
 
 _BY_JOINT = ("q", "qd", "qdd", "tau")
-_BY_SAMPLE = ("time", *_BY_JOINT, "segment")
 CLOCKS = ("auto", "stamps", "steady")
 SCALINGS = ("effort_scale", "effort_offset")
 """Settings of each joint."""
+TOTAL, WITHOUT_GRAVITY, WITHOUT_FRICTION = EFFORTS = (
+    "total",
+    "without-gravity",
+    "without-friction",
+)
+"""What the recorded effort holds: all torque, or all but what the driver or drive compensates."""
 
 
 @dataclass(frozen=True)
@@ -21,7 +30,8 @@ class Conditioning:
     """Settings of conditioning.
 
     Attributes:
-        bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be.
+        bandwidth: Hz, of the low-pass; reduced to a quarter of the sampling rate if need be. None
+            chooses it from the motion and its torque, and the motion's record has the number.
         order: of the Butterworth low-pass.
         rate: Hz, of the resulting motion; None keeps the rate of the recording.
         max_gap: s, longer pauses of a signal end a segment, shorter ones are interpolated;
@@ -29,12 +39,15 @@ class Conditioning:
         trim: s, cut off at both ends of a segment, where the filter extrapolates; None takes the
             time in which it settles to 1/1000.
         clock: "stamps" trusts the stamps, "steady" assumes a steady clock and late stamps, "auto"
-            decides by which of the two the motion follows.
+            decides by which of the two the motion follows, and undoes steps of the clock.
         effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
         effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
+        effort: what the effort holds, one of `EFFORTS`.
+        units: by quantity (time, position, velocity, effort) what was recorded, as in
+            `units.UNITS`; s, rad, rad/s and N·m for those not named.
     """
 
-    bandwidth: float = 25.0
+    bandwidth: float | None = None
     order: int = 3
     rate: float | None = None
     max_gap: float | None = None
@@ -42,6 +55,8 @@ class Conditioning:
     clock: str = "auto"
     effort_scale: Mapping[str, float] = field(default_factory=dict)
     effort_offset: Mapping[str, float] = field(default_factory=dict)
+    effort: str = TOTAL
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("bandwidth", "rate", "max_gap"):
@@ -52,10 +67,15 @@ class Conditioning:
             raise RecordingError(
                 f"conditioning: clock is {self.clock!r}, expected one of {', '.join(CLOCKS)}"
             )
+        if self.effort not in EFFORTS:
+            raise RecordingError(
+                f"conditioning: effort is {self.effort!r}, expected one of {', '.join(EFFORTS)}"
+            )
         if self.order < 1:
             raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
         if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
             raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
+        object.__setattr__(self, "units", checked_units(self.units))
         for name in SCALINGS:
             for joint, value in getattr(self, name).items():
                 if not np.isfinite(value):
@@ -93,6 +113,7 @@ class Motion:
         source: where it came from, for messages.
         notes: remarks of the reader and of conditioning, in words.
         conditioning: its settings, so that other recordings can be treated alike.
+        temperature: (M, N) °C of each joint; NaN where it was not measured, None if none was.
     """
 
     joints: tuple[str, ...]
@@ -105,9 +126,10 @@ class Motion:
     source: str = "memory"
     notes: tuple[str, ...] = ()
     conditioning: Mapping[str, object] = field(default_factory=dict)
+    temperature: Floats | None = None
 
     def __post_init__(self) -> None:
-        tables = {name: getattr(self, name) for name in _BY_JOINT}
+        tables = self._tables
         require_tables(self.source, (len(self), len(self.joints)), tables)
         if self.segment.shape != self.time.shape:
             raise RecordingError(
@@ -117,9 +139,15 @@ class Motion:
     def __len__(self) -> int:
         return int(self.time.shape[0])
 
+    @property
+    def effort(self) -> str:
+        """Return what its torque holds, one of `EFFORTS`; total where nothing is said of it."""
+        return str(self.conditioning.get("effort", TOTAL))
+
     def take(self, index: "Ints | Flags | slice") -> "Motion":
         """Return the samples at these indices, in the order given."""
-        return replace(self, **{name: getattr(self, name)[index] for name in _BY_SAMPLE})
+        part: dict[str, Any] = {name: table[index] for name, table in self._tables.items()}
+        return replace(self, time=self.time[index], segment=self.segment[index], **part)
 
     def select(self, joints: Sequence[str]) -> "Motion":
         """Return the motion of these joints, in this order.
@@ -128,8 +156,19 @@ class Motion:
             RecordingError: a joint is not in the motion; names both lists.
         """
         columns = columns_of(joints, self.joints, self.source)
-        tables = {name: getattr(self, name)[:, columns] for name in _BY_JOINT}
+        tables: dict[str, Any] = {name: one[:, columns] for name, one in self._tables.items()}
         return replace(self, joints=tuple(joints), **tables)
+
+    @cached_property
+    def rest(self) -> Flags:
+        """Return (M, N) where each joint stands still, see `at_rest`."""
+        return at_rest(self.time, self.q, self.segment)
+
+    @property
+    def _tables(self) -> dict[str, Floats]:
+        """Return the tables (M, N) by name; that of the temperature only if there is one."""
+        tables = {name: getattr(self, name) for name in _BY_JOINT}
+        return tables if self.temperature is None else {**tables, "temperature": self.temperature}
 
     @property
     def elapsed(self) -> Floats:
@@ -162,7 +201,8 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
     """Return one motion of several, one after the other, each keeping its own segments.
 
     Raises:
-        RecordingError: none was given, or they are of different joints.
+        RecordingError: none was given, they are of different joints, or their efforts hold
+            different torques.
     """
     if not motions:
         raise RecordingError("expected at least one motion, got none")
@@ -175,6 +215,12 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
                 f"{motion.source} holds the joints {', '.join(motion.joints)}, but "
                 f"{motions[0].source} holds {', '.join(joints)}; select common joints first"
             )
+        if motion.effort != motions[0].effort:
+            raise RecordingError(
+                f"the effort of {motion.source} is {motion.effort}, that of {motions[0].source} "
+                f"is {motions[0].effort}: one model holds for one of them; read both with the same "
+                "--effort, if they are from the same driver"
+            )
         segments.append(motion.segment - motion.segment.min(initial=0) + offset)
         offset = int(segments[-1].max(initial=offset - 1)) + 1
     ordered = [motion.select(joints) for motion in motions]
@@ -186,4 +232,15 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
         source=", ".join(dict.fromkeys(m.source for m in motions)),
         notes=tuple(dict.fromkeys(note for m in motions for note in m.notes)),
         conditioning=ordered[0].conditioning,
+        temperature=_temperatures(ordered),
     )
+
+
+def _temperatures(motions: Sequence[Motion]) -> Floats | None:
+    """Return the temperatures (M, N) of motions of the same joints; None if none has any."""
+    if all(motion.temperature is None for motion in motions):
+        return None
+    parts = [
+        np.full(m.q.shape, np.nan) if m.temperature is None else m.temperature for m in motions
+    ]
+    return np.concatenate(parts)

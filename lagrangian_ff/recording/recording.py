@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import RecordingError
 
 QUANTITIES = ("position", "velocity", "effort")
+TEMPERATURE = "temperature"
+"""A further quantity that few recordings have."""
 _EPOCH = 1e8  # s; times above are dates (1973 and later), not seconds since start-up
 
 
@@ -58,6 +61,7 @@ class Recording:
         start: seconds since the Unix epoch of the first sample; 0 where unknown.
         source: the file or topic it came from, for messages.
         notes: remarks of the reader, in words.
+        temperature: (M, N) °C of each joint; NaN where it was not given, None if it never was.
     """
 
     joints: tuple[str, ...]
@@ -68,15 +72,22 @@ class Recording:
     start: float = 0.0
     source: str = "memory"
     notes: tuple[str, ...] = ()
+    temperature: Floats | None = None
 
     def __post_init__(self) -> None:
         if len(set(self.joints)) != len(self.joints):
             raise RecordingError(f"{self.source}: a joint is named twice: {list(self.joints)}")
-        tables = {name: getattr(self, name) for name in QUANTITIES}
+        tables = self.tables
         require_tables(self.source, (len(self), len(self.joints)), tables)
 
     def __len__(self) -> int:
         return int(self.time.shape[0])
+
+    @property
+    def tables(self) -> dict[str, Floats]:
+        """Return the tables (M, N) by quantity; that of the temperature only if there is one."""
+        tables = {name: getattr(self, name) for name in QUANTITIES}
+        return tables if self.temperature is None else {**tables, TEMPERATURE: self.temperature}
 
     def select(self, joints: tuple[str, ...]) -> "Recording":
         """Return the recording of these joints, in this order.
@@ -85,17 +96,23 @@ class Recording:
             RecordingError: a joint is not in the recording; names both lists.
         """
         columns = columns_of(joints, self.joints, self.source)
-        tables = {name: getattr(self, name)[:, columns] for name in QUANTITIES}
+        tables: dict[str, Any] = {name: one[:, columns] for name, one in self.tables.items()}
         return replace(self, joints=tuple(joints), **tables)
 
 
 def from_arrays(
-    path: Path, joints: list[str], time: Floats, tables: Sequence[Floats], start: float = 0.0
+    path: Path,
+    joints: list[str],
+    time: Floats,
+    tables: Sequence[Floats],
+    start: float = 0.0,
+    temperature: Floats | None = None,
 ) -> Recording:
     """Return a recording of a file; times (M,) that are dates are made relative.
 
     Args:
         tables: position, velocity and effort, (M, N) each.
+        temperature: (M, N) °C, if there is any.
 
     Raises:
         RecordingError: a time is not a number, or shapes disagree.
@@ -106,7 +123,9 @@ def from_arrays(
         time = time - start
     time = np.ascontiguousarray(time)
     position, velocity, effort = tables
-    return Recording(tuple(joints), time, position, velocity, effort, start, str(path))
+    known = None if temperature is None or np.isnan(temperature).all() else temperature
+    tables = position, velocity, effort
+    return Recording(tuple(joints), time, *tables, start, str(path), temperature=known)
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.recording.clock import retime
 from lagrangian_ff.recording.inspection import find_missing
+from lagrangian_ff.recording.late import ON_THE_TICK
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.splines import interpolate
-from lagrangian_ff.recording.stamps import ON_THE_TICK, order, retime, usual_period, without_resets
+from lagrangian_ff.recording.stamps import order, usual_period
 from lagrangian_ff.words import counted
 
 Spans = NDArray[np.float64]
@@ -36,7 +38,7 @@ class Sampling:
 
     def gaps(self, longest: float) -> Spans:
         """Return the pauses longer than `longest` seconds."""
-        at = np.flatnonzero(np.diff(self.time) > longest)
+        at = np.flatnonzero(np.diff(self.time) > longest * (1 + 1e-9))
         return np.column_stack([self.time[at], self.time[at + 1]])
 
     def on_clock(self, column: Floats, ticks: Floats) -> Floats:
@@ -123,14 +125,7 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
     Args:
         clock: "auto", "stamps" or "steady", as in `Conditioning`.
     """
-    time, resets = without_resets(recording.time)
-    if resets.size:
-        when = ", ".join(f"{recording.time[at - 1]:.3f} s" for at in resets[:3])
-        notes.append(
-            f"the clock was set back {counted(resets.size, 'time')} (after {when}); what "
-            "follows is treated as another stretch of time"
-        )
-    time = retime(recording, time, clock, notes)
+    time = retime(recording, clock, notes)
     samplings: dict[bytes, int] = {}
     found: list[Sampling] = []
     moved = repeated = 0

@@ -43,23 +43,51 @@ def slopes(time: Floats, values: Floats) -> Floats:
     return np.asarray(scipy.linalg.solve_banded((1, 1), band, right))
 
 
-def smooth(x: Floats, values: Floats, pieces: int) -> Floats:
-    """Return the least-squares spline of equal pieces near samples (K,), at each of them.
+_STIFFNESS = 1e-8  # of the samples in a piece: joins pieces that have none
 
-    Args:
-        x: (K,) increasing, some in each of the pieces.
+
+class LeastSquares:
+    """Cubic splines of equal pieces near samples.
+
+    Attributes:
+        piece: the length of one.
     """
-    u = (x - x[0]) * (pieces / (x[-1] - x[0]))
-    piece = np.minimum(u.astype(np.int64), pieces - 1)
-    u -= piece
-    v = 1.0 - u
-    # The four B-splines that are not zero in a piece, six times as high.
-    basis = np.stack([v**3, 3 * u**3 - 6 * u**2 + 4, 3 * v**3 - 6 * v**2 + 4, u**3])
-    normal, right = np.zeros((pieces + 3, pieces + 3)), np.zeros(pieces + 3)
-    for i in range(4):
-        right += np.bincount(piece + i, basis[i] * values, pieces + 3)
-        for j in range(4):
-            together = np.bincount(piece, basis[i] * basis[j], pieces)
-            normal[np.arange(pieces) + i, np.arange(pieces) + j] += together
-    weights = np.linalg.solve(normal, right)
-    return np.asarray(sum(basis[i] * weights[piece + i] for i in range(4)))
+
+    def __init__(self, x: Floats, pieces: int, span: Floats | None = None) -> None:
+        """Take the places (K,) of the samples, in any order, and the first and last place."""
+        first, last = (float(x.min()), float(x.max())) if span is None else span
+        self.piece = (last - first) / pieces
+        u = (x - first) / self.piece
+        at = np.minimum(u.astype(np.int64), pieces - 1)
+        u -= at
+        v = 1.0 - u
+        # The four B-splines that are not zero in a piece.
+        basis = np.stack([v**3, 3 * u**3 - 6 * u**2 + 4, 3 * v**3 - 6 * v**2 + 4, u**3]) / 6.0
+        slope = np.stack([-(v**2), u * (3 * u - 4), v * (4 - 3 * v), u**2]) / (2.0 * self.piece)
+        columns = (at[:, np.newaxis] + np.arange(4)).ravel()
+        rows = np.arange(0, 4 * len(x) + 1, 4)
+        self._basis, self._slope = (
+            scipy.sparse.csr_array((table.T.ravel(), columns, rows), shape=(len(x), pieces + 3))
+            for table in (basis, slope)
+        )
+        normal = np.zeros((4, pieces + 3))  # its upper diagonals, the main one last
+        stiff = _STIFFNESS * max(1.0, len(x) / pieces)
+        for back, weight in enumerate((20.0, -15.0, 6.0, -1.0)):
+            for i in range(4 - back):
+                together = np.bincount(at, basis[i] * basis[i + back], pieces)
+                normal[3 - back, i + back : i + back + pieces] += together
+            normal[3 - back, back:] += stiff * weight
+        self._factor = scipy.linalg.cholesky_banded(normal)
+
+    def fit(self, values: Floats) -> Floats:
+        """Return the weights (pieces + 3, ...) of the B-splines nearest to values (K, ...)."""
+        right = self._basis.T @ values
+        return np.asarray(scipy.linalg.cho_solve_banded((self._factor, False), right))
+
+    def values(self, weights: Floats) -> Floats:
+        """Return the splines at the samples, (K, ...)."""
+        return np.asarray(self._basis @ weights)
+
+    def slopes(self, weights: Floats) -> Floats:
+        """Return their derivatives at the samples, (K, ...)."""
+        return np.asarray(self._slope @ weights)

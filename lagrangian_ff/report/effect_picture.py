@@ -90,7 +90,9 @@ def motion(jerk: float = 0.0) -> Inputs:
     load = 1.5 * qdd + 11.0 * np.sin(q + 0.4)
     load += jerk * np.tanh(qd / 0.02)
     torque = load + 1.0 * qd + 2.0 * np.tanh(qd / 0.02)
-    return Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=torque)
+    warm = 20.0 + 0.5 * time[:, None] * np.ones(len(SPEEDS))
+    states = States.of(q, qd, qdd)
+    return Inputs.of(states, time=time, load=load, torque=torque, temperature=warm)
 
 
 def _formula(effect: Effect) -> str:

@@ -1,10 +1,11 @@
-"""The pages of compare, diagnose and history: a title that says the verdict, then the sections.
+"""The pages of compare, diagnose, history and info: a title with the verdict, then the sections.
 
 Each function writes its page to a path, and returns it; OSError says why that is not possible.
 """
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -14,23 +15,39 @@ from lagrangian_ff.identification.history import ErrorChange, History, Step
 from lagrangian_ff.numbers import percent, typeset
 from lagrangian_ff.report import html
 from lagrangian_ff.report.page import Section, write_page
+from lagrangian_ff.report.sections.bandwidth import bandwidth_section
 from lagrangian_ff.report.sections.changed import changed_section
 from lagrangian_ff.report.sections.errors import errors_section, relative
 from lagrangian_ff.report.sections.findings import evidence_section, fall_section, summary_section
 from lagrangian_ff.report.sections.history import each_joint_section, reasons_section, steps_section
 from lagrangian_ff.report.sections.joints import joints_section
-from lagrangian_ff.report.sections.limits import checks_section, next_section, serious_section
+from lagrangian_ff.report.sections.limits import (
+    checks_section,
+    next_section,
+    serious_section,
+    touched_section,
+)
 from lagrangian_ff.report.sections.ranking import ranking_section
 from lagrangian_ff.report.sections.regions import dependence_section, regions_section
-from lagrangian_ff.words import spoken
+from lagrangian_ff.words import sentence, spoken
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
     from lagrangian_ff.diagnosis.where import Compared, Localisation
+    from lagrangian_ff.recording import Bandwidth, Inspection
 
 Result = TypeVar("Result")
 Make = Callable[[Result], Section | None]
 """Returns a section of a result; None if it has nothing to say."""
+
+
+@dataclass(frozen=True)
+class Read:
+    """A recording as it is read: what it holds, its bandwidth, and what was done to it."""
+
+    inspection: "Inspection"
+    bandwidth: "Bandwidth"
+    notes: tuple[str, ...]
 
 
 def compare_page(path: str | PathLike[str], found: "Compared") -> Path:
@@ -46,7 +63,9 @@ def diagnose_page(path: str | PathLike[str], run: "DiagnosisRun") -> Path:
     from lagrangian_ff.diagnosis import verdict
 
     # The heading is the first sentence of the verdict.
-    first, *rest = re.split(r"(?<=[.!?])\s+(?=[A-Z])", verdict(run.diagnosis), maxsplit=1)
+    first, *rest = re.split(
+        r"(?<=[.!?])\s+(?=[A-Z])", verdict(run.diagnosis, run.changed), maxsplit=1
+    )
     kicker = f"{run.model_file} diagnosed on {', '.join(run.sources)}"
     return _page(path, "diagnose", first.rstrip("."), run, DIAGNOSE, kicker, "".join(rest))
 
@@ -55,6 +74,13 @@ def history_page(path: str | PathLike[str], history: History) -> Path:
     """Write how a model came to be what it is, and return the path of the page."""
     title, kicker = _what_was_added(history.steps), f"history of {history.file}"
     return _page(path, "history", title, history, HISTORY, kicker)
+
+
+def recording_page(path: str | PathLike[str], found: "Read") -> Path:
+    """Write what a recording holds and how it is made ready, and return the path of the page."""
+    lines = found.inspection.lines()
+    title = f"{lines[1].split(';')[0].strip()} of {len(found.inspection.joints)} joints"
+    return _page(path, "info", title, found, RECORDING, f"info {found.inspection.source}")
 
 
 def _page(
@@ -142,6 +168,17 @@ def _what_was_added(steps: Sequence[Step]) -> str:
     return f"With {names}, {change}: {fall} on held-back data"
 
 
+def _bandwidth(found: "Read") -> Section:
+    return bandwidth_section(found.bandwidth)
+
+
+def _found(found: "Read") -> Section:
+    lead = "What was recorded, and what was done to make a motion of it."
+    lines = [line.strip() for line in found.inspection.lines()[1:]]
+    notes = [note for note in found.notes if note not in found.inspection.notes]
+    return Section("The recording", lead, html.bullets(sentence(one) for one in [*lines, *notes]))
+
+
 def _located(make: "Make[Localisation]") -> "Make[Compared]":
     """Return a section of the error's localisation as one of the comparison that holds it."""
     return lambda found: make(found.where)
@@ -168,6 +205,7 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     serious_section,
     summary_section,
     changed_section,
+    touched_section,
     _of_comparison(regions_section),
     evidence_section,
     ranking_section,
@@ -179,4 +217,5 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     checks_section,
 ]
 HISTORY: list[Make[History]] = [steps_section, each_joint_section, reasons_section]
+RECORDING: "list[Make[Read]]" = [_bandwidth, _found]
 """The sections of each page from top to bottom."""

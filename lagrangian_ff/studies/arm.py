@@ -14,7 +14,7 @@ from lagrangian_ff.arm.simulation import Feedforward
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification import Identification, Settings
 from lagrangian_ff.identification.spec import parse
-from lagrangian_ff.recording import condition, load, write_npz
+from lagrangian_ff.recording import Conditioning, condition, load, write_npz
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.studies.study import Line, Request, Study, cells, done, row
@@ -95,8 +95,8 @@ class Drive:
         return _recording(self)
 
     def motion(self) -> Motion:
-        """Return the recording, conditioned as for any user."""
-        return condition(self.recording)
+        """Return the recording, low-passed as in the paper."""
+        return condition(self.recording, Conditioning(bandwidth=25.0))
 
     def run(self, feedforward: Feedforward = None) -> Recording:
         """Drive the arm along the trajectory, with the feedforward of `simulate`."""

@@ -45,6 +45,15 @@ STUDIES = {
     "hidden": Entry(
         "effects hidden in the arm's physics: found, missed, or invented?", "hidden.study", True
     ),
+    "nuisances": Entry(
+        "as hidden, in arms with rests, soft gears, late effort and more that real ones have",
+        "nuisances.study",
+        True,
+    ),
+    "measured": Entry(
+        "measured recordings: models beside the standard way, and verdicts on what is known",
+        "measured.study",
+    ),
 }
 
 

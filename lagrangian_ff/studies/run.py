@@ -112,7 +112,11 @@ def run(
     wanted = study.cases()
     folder = Folder(output, study.name)
     folder.prepare(study.identity())
-    lines = {name: line for name, line in folder.done().items() if "failed" not in line}
+    lines = {
+        name: line
+        for name, line in folder.done().items()
+        if "failed" not in line and study.current(line)
+    }
     todo = [case for case in wanted if case.name not in lines]
     count = len(wanted) - len(todo)
     progress(count / len(wanted), "cases")
@@ -121,3 +125,24 @@ def run(
         count += 1
         progress(count / len(wanted), f"{count} of {len(wanted)} cases, {line['case']}")
     return [lines[case.name] for case in wanted]
+
+
+def record_all(
+    study: Study, output: Path, workers: Workers = here, progress: Progress = silent
+) -> list[str]:
+    """Make and keep the recordings of all cases asked for, without judging them.
+
+    Returns:
+        In words what was made and what failed.
+
+    Raises:
+        UserError: as `run`, or the study makes no recordings.
+    """
+    recorders = study.recorders()
+    Folder(output, study.name).prepare(study.identity())
+    failed = []
+    for count, line in enumerate(workers(recorders), start=1):
+        progress(count / len(recorders), f"{count} of {len(recorders)} cases, {line['case']}")
+        failed += [f"  {line['case']}: {line['failed']}"] if "failed" in line else []
+    made = f"recorded: {len(recorders) - len(failed)} of {len(recorders)} cases, in {output}"
+    return [made, *(["failed:", *failed] if failed else [])]

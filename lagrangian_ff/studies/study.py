@@ -5,14 +5,21 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 from matplotlib.figure import Figure
 
 from lagrangian_ff import __version__
 from lagrangian_ff.errors import UserError
 
-OPTIONS = ("robots", "models", "keep")
+OPTIONS = {
+    "robots": "--robots",
+    "models": "--models",
+    "keep": "--keep",
+    "recordings": "folder of recordings",
+    "known": "--known",
+}
+"""Attributes of a request that not every study takes, and how the user gives them."""
 CELL = 9  # characters of a cell in a table
 
 Line = dict[str, Any]
@@ -33,6 +40,9 @@ class Case(Protocol):
         """Do the case and return what it found, the same on every machine."""
 
 
+AnyCase = TypeVar("AnyCase", bound=Case)
+
+
 @dataclass(frozen=True)
 class Request:
     """A request for a study.
@@ -44,6 +54,8 @@ class Request:
         robots: number of robots of each kind; None is the study's own number.
         models: the models to compare, by their names; empty is the study's own list.
         keep: keep what cases record, and use what was kept.
+        recordings: the folder of measured recordings.
+        known: the folder of files that say what is known of them; None looks beside them.
     """
 
     seed: int = 0
@@ -52,6 +64,8 @@ class Request:
     robots: int | None = None
     models: tuple[str, ...] = ()
     keep: bool = False
+    recordings: Path | None = None
+    known: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -134,12 +148,12 @@ class Study(ABC):
 
     name: ClassVar[str]
     takes: ClassVar[frozenset[str]] = frozenset()
-    """Those of `robots`, `models` and `keep` that the study takes."""
+    """Those of `OPTIONS` that the study takes."""
 
     def __init__(self, request: Request, folder: Path) -> None:
-        for option in OPTIONS:
+        for option, given in OPTIONS.items():
             if getattr(request, option) and option not in self.takes:
-                raise UserError(f"study {self.name} has no --{option}")
+                raise UserError(f"study {self.name} has no {given}")
         if request.robots is not None and request.robots < 1:
             raise UserError(f"--robots is {request.robots}, expected at least 1")
         self.request = request
@@ -154,6 +168,18 @@ class Study(ABC):
             "quick": self.request.quick,
         }
 
+    def recorders(self) -> list[Case]:
+        """Return for each case that the request names what only makes and keeps its recordings.
+
+        Raises:
+            UserError: no case matches, or the study makes no recordings.
+        """
+        raise UserError(f"study {self.name} has no --record")
+
+    def current(self, line: Line) -> bool:
+        """Return whether a line that did not fail is still that of its case."""
+        return True
+
     @abstractmethod
     def every_case(self) -> Sequence[Case]:
         """Return all cases, the most telling first: a study stopped early has some of each kind.
@@ -163,7 +189,10 @@ class Study(ABC):
 
     def cases(self) -> list[Case]:
         """Return the cases that the request names; raise UserError if there are none."""
-        every = self.every_case()
+        return self.named(self.every_case())
+
+    def named(self, every: Sequence[AnyCase]) -> list[AnyCase]:
+        """Return those of some cases that the request names; raise UserError if there are none."""
         found = [case for case in every if fnmatch.fnmatchcase(case.name, self.request.only)]
         if not found:
             raise UserError(

@@ -137,7 +137,7 @@ def test_what_no_motion_tells_apart_is_said(model: Path, tmp_path: Path) -> None
     ("arguments", "words"),
     [
         (["stribeck"], ["--joint"]),
-        (["stribek", "--joint", "elbow"], ["no effect 'stribek'", "did you mean stribeck?"]),
+        (["stribek", "--joint", "elbow"], ["no effect 'stribek'", "did you mean stribeck"]),
         (["fri", "--joint", "elbow"], ["viscous and coulomb and offset"]),
         (["stribeck", "--joint", "wrist"], ["no joint 'wrist'", "shoulder, elbow"]),
         (["stribeck", "--joint", "elbow", "--shape", "w=1"], ["w=1", "v_s"]),

@@ -53,7 +53,12 @@ def test_records() -> None:
     record = json.loads(lagrangian_ff("effects", "stribeck", "--json", "-").out)
     assert record == effect_record(EFFECTS["stribeck"])
     assert record["parameters"] == [
-        {"name": "F_s", "unit": "N·m", "meaning": "static friction above Coulomb's"}
+        {
+            "name": "F_s",
+            "unit": "N·m",
+            "meaning": "static friction above Coulomb's",
+            "positive": True,
+        }
     ]
     assert set(record["look_alikes"]) == set(look_alikes(EFFECTS["stribeck"]))
 
@@ -92,7 +97,7 @@ def test_a_file_that_is_wrong(own: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["stribek"], ["no effect 'stribek'", "did you mean stribeck?"]),
+        (["stribek"], ["no effect 'stribek'", "did you mean stribeck"]),
         (["xyz"], ["no effect 'xyz'", "lists all"]),
         (["fri"], ["'fri' stands for viscous"]),
         (["--picture", "all.png"], ["--picture draws one effect"]),

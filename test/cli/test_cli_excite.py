@@ -169,7 +169,10 @@ def test_every_motion_of_the_arm_is_clear(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["stribek", "--arm", "--output", "m.csv"], ["'stribek'", "mean stribeck?", "slow sweep"]),
+        (
+            ["stribek", "--arm", "--output", "m.csv"],
+            ["'stribek'", "mean stribeck or", "slow sweep"],
+        ),
         (["chirp", "--arm", "--output", "m.txt"], ["m.txt", ".csv or .yaml"]),
         (["chirp", "--arm", "--output", "m.csv", "--joint", "elbow"], ["elbow", "joint_1"]),
         (["chirp", "--arm", "--output", "m.csv", "--start", "elbow=1"], ["elbow", "joint_1"]),

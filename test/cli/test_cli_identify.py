@@ -68,6 +68,7 @@ def test_the_record_holds_what_the_page_and_the_node_show(identified: tuple[Path
         for found in effect["parameters"].values():
             assert found["low"] <= found["value"] <= found["high"]
             assert found["unit"]
+    assert record.pop("preflight") == []  # nothing of the recording contradicts how it was read
     assert dict(Model.load(folder / "model.npz").record) == record
 
 
@@ -157,7 +158,9 @@ def test_options_left_out_leave_the_defaults_to_the_settings(tmp_path: Path) -> 
     )
     record = json.loads(outcome.out)
     assert record["settings"] == Settings(samples=50).record()
-    assert record["conditioning"] == vars(Conditioning())
+    chosen = record["conditioning"]["bandwidth"]
+    assert record["conditioning"] == {**vars(Conditioning()), "bandwidth": chosen}
+    assert any(note.startswith(f"bandwidth {chosen:g} Hz: ") for note in record["notes"])
 
 
 def test_the_help_names_the_defaults_kernels_and_effects_there_are() -> None:
@@ -167,7 +170,7 @@ def test_the_help_names_the_defaults_kernels_and_effects_there_are() -> None:
     for default in (
         usual.model, train, usual.samples, f"{usual.block_seconds:g}", usual.folds,
         usual.selection, usual.scale, usual.loss,
-        f"{Conditioning().bandwidth:g}", Conditioning().clock,
+        Conditioning().clock,
     ):  # fmt: skip
         assert f"(default: {default}" in text
     for name in KERNELS:
@@ -291,6 +294,11 @@ def test_the_recording_is_never_overwritten(tmp_path: Path) -> None:
         (("--model", "vrbfz+fri"), ("vrbfz", "vrbfs")),
         (("--model", "vrbfs+rbf"), ("vrbfs", "rbf")),
         (("--bandwidth", "-1"), ("bandwidth", "-1")),
+        (("--bandwidth", "wide"), ("--bandwidth", "'wide'", "a number in Hz, or auto")),
+        (("--units", "deg"), ("units", "'deg'", "quantity=unit")),
+        (("--units", "angle=deg"), ("'angle'", "time, position, velocity, effort")),
+        (("--units", "position=grad"), ("'grad'", "rad, deg, mrad")),
+        (("--units", "time=ms", "time=s"), ("time", "twice")),
         (("--effort-scale", "elbow"), ("--effort-scale", "joint=number")),
         (("--effort-scale", "elbow=ten"), ("elbow=ten",)),
         (("--effort-scale", "elbow=1", "elbow=2"), ("elbow", "twice")),

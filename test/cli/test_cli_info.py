@@ -1,6 +1,7 @@
 """`info`: what a recording or a model holds."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,42 @@ def test_a_recording_that_cannot_be_used_is_still_shown(tmp_path: Path) -> None:
     record = json.loads((tmp_path / "found.json").read_text())
     assert record["usable"] is False
     assert "effort" in record["reason"]
+
+
+def test_the_page_shows_the_spectra_behind_the_bandwidth(tmp_path: Path) -> None:
+    source, page = csv(tmp_path / "arm.csv", arm()), tmp_path / "arm.html"
+    outcome = lagrangian_ff("info", source, "--report", page, "--json", tmp_path / "found.json")
+    assert outcome.code == 0, outcome
+    chosen = json.loads((tmp_path / "found.json").read_text())["bandwidth"]
+    assert f"bandwidth {chosen:g} Hz: " in " ".join(outcome.text.split())
+    text = page.read_text()
+    for joint in JOINTS:
+        assert f"spectrum of the torque of {joint}" in text
+    assert f"Bandwidth {chosen:g} Hz: " in text
+    model = small_model(tmp_path / "model.npz")
+    assert_refused(lagrangian_ff("info", model, "--report", page, "--force"), "not of a model")
+
+
+def test_another_unit_is_named_with_the_option_that_converts_it(tmp_path: Path) -> None:
+    right = arm()
+    degrees = replace(right, velocity=np.degrees(right.velocity))
+    source = csv(tmp_path / "arm.csv", degrees)
+    outcome = lagrangian_ff("info", source, "--json", tmp_path / "found.json")
+    assert "the derivative of position: it is in deg/s" in " ".join(outcome.text.split())
+    (doubt,) = json.loads((tmp_path / "found.json").read_text())["doubts"]
+    assert doubt["remedy"] == "--units velocity=deg/s converts it"
+    mended = lagrangian_ff("info", source, "--units", "velocity=deg/s")
+    assert "times the derivative" not in mended.text
+    assert "converted as asked: velocity from deg/s" in " ".join(mended.text.split())
+
+
+def test_stamps_in_nanoseconds_are_refused_with_the_option_that_reads_them(tmp_path: Path) -> None:
+    right = arm()
+    source = csv(tmp_path / "arm.csv", replace(right, time=np.round(1e9 * right.time), start=0.0))
+    outcome = lagrangian_ff("info", source)
+    assert "--units time=ns" in outcome.text
+    assert "cannot be identified from as it is" in outcome.text
+    assert "can be identified from: " in lagrangian_ff("info", source, "--units", "time=ns").text
 
 
 def test_a_model(tmp_path: Path) -> None:

@@ -64,6 +64,7 @@ def test_it_is_a_difference_of_log_evidence(clean: Whitened) -> None:
 
 def test_a_candidate_that_takes_the_place_of_gravity_is_rejected(clean: Whitened) -> None:
     poor = with_prior(clean, potential=1e-4 * chain_of(clean.problem).potential)
+    poor = replace(poor, seconds=2.0)
     (score,) = bayes_factors(poor, [Candidate(EFFECTS["ripple"], 0, {"order": 1.0})])
     assert score.log_bf > thresholds.USED.floor
     assert log_bayes_factor_of(score, poor, without(poor)) < 0.0

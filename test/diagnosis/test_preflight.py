@@ -50,7 +50,7 @@ def recorded(seconds: float = 40.0, seed: int = 0, noise: int = 0, reach: float 
 
 def motion(recording: Recording) -> Motion:
     """As identification gets it."""
-    return condition(recording, Conditioning(clock="stamps"))
+    return condition(recording, Conditioning(clock="stamps", bandwidth=25.0))
 
 
 @pytest.fixture(scope="module")
@@ -154,6 +154,28 @@ def test_a_delay_of_one_joint(model: Model, clean: Recording) -> None:
     assert check.values["delay"] == pytest.approx(0.02, abs=0.003)
 
 
+def presliding(recording: Recording, distance: float = 0.06) -> Recording:
+    """Return the recording with more dry friction in both gears, which turns over on a way."""
+    slip = np.array([15.0, 6.0])
+    bent = np.zeros_like(recording.effort)
+    for k in range(1, len(bent)):
+        moved = recording.position[k] - recording.position[k - 1]
+        bent[k] = np.clip(bent[k - 1] + slip * moved / distance, -slip, slip)
+    return replace(recording, effort=recording.effort + bent)
+
+
+@pytest.mark.parametrize("samples", [0, 2])
+def test_between_reversals_hysteresis_hides_no_delay_and_makes_none(samples: int) -> None:
+    few = Settings(samples=150, evaluations=15, train=1.0)
+    model = identify(motion(presliding(recorded(seed=1))), few).model
+    other = presliding(recorded())
+    late = changed(other, np.roll(other.effort, samples, axis=0))
+    (check,) = (check for check in preflight(model, late) if check.check == "delay")
+    seen = check.values.get("between reversals", check.values["delay"])
+    assert seen == pytest.approx(samples / RATE, abs=0.002)
+    assert not (check.serious and samples == 0)
+
+
 def test_a_wrong_mass_is_no_delay(model: Model, clean: Recording) -> None:
     q, qd = clean.position, clean.velocity
     more = np.array([2.0, 0.6]) * np.gradient(qd, clean.time, axis=0) + np.array([3.0, 1.0]) * qd
@@ -184,6 +206,41 @@ def test_saturation_under_noise(model: Model, clean: Recording) -> None:
     assert (check.check, check.joint) == ("saturation", "shoulder")
     assert check.values["level"] == pytest.approx(level, rel=0.02)
     assert check.values["share"] == pytest.approx(0.25, rel=0.3)
+
+
+def test_a_limit_in_the_other_direction(model: Model, clean: Recording) -> None:
+    effort = clean.effort.copy()
+    level = float(np.quantile(effort[:, 0], 0.1))
+    effort[:, 0] = np.maximum(effort[:, 0], level)
+    check = only(preflight(model, changed(clean, effort)))
+    assert check.values["level"] == pytest.approx(level, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["less", "quantised", "soft", "one height"])
+def test_what_only_resembles_a_limit(model: Model, clean: Recording, kind: str) -> None:
+    effort = clean.effort.copy()
+    if kind == "less":  # peaks lower than the model expects, and as round
+        effort[:, 0] *= 0.85
+    elif kind == "quantised":
+        effort = 2.0 * np.round(effort / 2.0)
+    elif kind == "soft":
+        top = 1.5 * float(effort[:, 0].max())
+        effort[:, 0] = top * np.tanh(effort[:, 0] / top)
+    else:  # the same round peak again and again, with noise
+        effort = np.tile(effort[:800], (10, 1))
+        jump = np.arange(len(effort)) // 800
+        repeated = replace(
+            clean,
+            time=clean.time[: len(effort)] + jump,
+            effort=effort + NOISE * np.random.default_rng(7).normal(size=effort.shape),
+            velocity=np.full_like(effort, np.nan),
+            position=np.tile(clean.position[:800], (10, 1)),
+        )
+        checks = preflight(model, motion(repeated))
+        assert not [check for check in checks if check.check == "saturation"]
+        return
+    checks = preflight(model, changed(clean, effort))
+    assert not [check for check in checks if check.check == "saturation"]
 
 
 def test_a_torque_that_rests_with_the_motion_is_not_cut(model: Model) -> None:
@@ -280,3 +337,22 @@ def test_a_measured_arm_is_sound(shared_data: Path) -> None:
     assert len(floor) == 7
     for check in floor:
         assert 0.0 < check.values["floor"] < check.values["error"]
+
+
+@pytest.mark.parametrize("mass", [0.7, 1.5])
+def test_a_load_is_no_unit(model: Model, clean: Recording, mass: float) -> None:
+    """It adds gravity and inertia, and leaves friction as it is."""
+    ready = motion(clean)
+    q, qd, qdd = ready.q, ready.qd, ready.qdd
+    c2, s2 = np.cos(q[:, 1]), np.sin(q[:, 1])
+    g1, g2 = 9.81 * np.cos(q[:, 0]), 9.81 * np.cos(q[:, 0] + q[:, 1])
+    turning = s2 * (2.0 * qd[:, 0] * qd[:, 1] + qd[:, 1] ** 2)
+    first = (2.0 + 2.0 * c2) * qdd[:, 0] + (1.0 + c2) * qdd[:, 1] - turning + g1 + g2
+    second = (1.0 + c2) * qdd[:, 0] + qdd[:, 1] + s2 * qd[:, 0] ** 2 + g2
+    loaded = replace(ready, tau=ready.tau + mass * np.stack([first, second], axis=1))
+    checks = [check for check in preflight(model, loaded) if check.check == "effort unit"]
+    assert not serious(checks)
+    elbow = next(check for check in checks if check.joint == "elbow")
+    assert "no unit does that" in elbow.finding
+    assert elbow.values["gravity"] == pytest.approx(1.0 + mass, rel=0.1)
+    assert elbow.values["friction, low"] < 1.1 < elbow.values["gravity, low"]

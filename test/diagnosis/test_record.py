@@ -20,7 +20,7 @@ from diagnosis_examples import (
 
 from lagrangian_ff.diagnosis import Changed, Round, Verdict, run_record, verdict
 from lagrangian_ff.diagnosis.record import saved_findings
-from lagrangian_ff.diagnosis.results import Change, Found, Unexplained
+from lagrangian_ff.diagnosis.results import Change, Found, Remainder, Unexplained
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.record_json import to_json
 
@@ -71,9 +71,15 @@ def test_the_verdict_says_what_is_sure_what_is_not_and_what_is_left() -> None:
     )
     assert verdict(mixed) == (
         "On elbow one of these is missing, this motion cannot tell which: gear mesh or ripple. "
-        "1 more suggested, not confirmed. On elbow the torque depends on time in a way that no "
-        "known effect explains."
+        "1 more suggested, not confirmed. On elbow 10.0% of the torque depends on time in a way "
+        "that no known effect explains."
     )
+
+
+def test_what_is_left_is_called_noise_only_if_it_is() -> None:
+    assert "what is left is noise" in verdict(diagnosis())
+    said = verdict(diagnosis(remainders=(Remainder("elbow", 0.41, 0.08),)))
+    assert "more than noise: 0.41 N·m on elbow (8% of its torque)" in said
 
 
 def test_a_load_and_a_contact_are_said_with_their_moments() -> None:
@@ -95,6 +101,7 @@ def test_the_json_of_a_run_has_all_of_it_in_plain_types() -> None:
     assert record["null"]["threshold"] == 14.0
     assert record["noise"] == {"shoulder": 0.1, "elbow": 0.2}
     assert record["unexplained"][0]["evidence_gain"] == 40.0
+    assert record["more_than_noise"] == [{"joint": "shoulder", "size": 0.4, "share": 0.06}]
     assert record["not_observable"][0]["next_motion"] == "two payloads"
     assert [one["effect"] for one in record["ranking"]] == ["stribeck", "delay"]
     assert record["preflight"] == [

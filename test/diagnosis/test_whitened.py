@@ -11,6 +11,7 @@ from sines import sines
 from whitened_examples import friction, inputs, quickly, whitened_of
 
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, whiten
+from lagrangian_ff.diagnosis.whitening.whitened import LOAD_SECONDS
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.recording.motion import Motion
@@ -81,7 +82,7 @@ def test_single_precision_is_exact_enough_to_choose_by(
 def test_the_same_factor_serves_another_basis(whitened: Whitened) -> None:
     basis = Basis(whitened.basis.terms[:-1])
     again = whitened.explaining(basis, ())
-    parts = whitened.motion, whitened.index, whitened.block, whitened.inputs
+    parts = whitened.motion, whitened.index, whitened.seconds, whitened.inputs
     fresh = whiten(*parts, whitened.problem.having(basis=basis), whitened.x)
     np.testing.assert_allclose(again.residual, fresh.residual, atol=1e-9)
     assert again.system.log_evidence == pytest.approx(fresh.system.log_evidence)
@@ -90,14 +91,15 @@ def test_the_same_factor_serves_another_basis(whitened: Whitened) -> None:
 def test_the_load_is_predicted_without_its_own_block(whitened: Whitened) -> None:
     """Spoiling the torque of one block does not change the load seen there."""
     spoilt = whitened.motion.tau.copy()
-    rows = whitened.index[whitened.block == 5]
+    block = whitened.motion.blocks(LOAD_SECONDS)[whitened.index]
+    rows = whitened.index[block == 5]
     spoilt[rows] += 50.0
-    motion = Motion(**{**whitened.motion.__dict__, "tau": spoilt})
+    motion = replace(whitened.motion, tau=spoilt)
     other, same = (
-        whiten(of, whitened.index, whitened.block, whitened.inputs, whitened.problem)
+        whiten(of, whitened.index, whitened.seconds, whitened.inputs, whitened.problem)
         for of in (motion, whitened.motion)
     )
-    inside = whitened.block == 5
+    inside = block == 5
     scale = np.abs(whitened.motion.tau).max()
     total, before = (one.inputs_left_out().torque[inside] for one in (other, same))
     np.testing.assert_allclose(total, before, atol=1e-6 * scale)
@@ -115,7 +117,7 @@ def test_the_load_is_that_of_the_rods(whitened: Whitened) -> None:
 
 def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
     motion = two_rods.motion(3)
-    scaled = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 2.0])})
+    scaled = replace(motion, tau=motion.tau * np.array([1.0, 2.0]))
     unit = whitened_of(scaled, WIDE).problem.unit
     assert unit[1] / unit[0] == pytest.approx(2.0, rel=0.15)
 

@@ -60,9 +60,9 @@ def clean_rods() -> Whitened:
 
 def begun(whitened: Whitened, count: int) -> Whitened:
     """Return its first samples alone, without a basis."""
-    index, block = whitened.index[:count], whitened.block[:count]
     problem = replace(whitened.problem.having(basis=Basis(())), nuisance=())
-    return whiten(whitened.motion, index, block, whitened.inputs, problem)
+    parts = whitened.motion, whitened.index[:count], whitened.seconds, whitened.inputs
+    return whiten(*parts, problem)
 
 
 def dense(whitened: Whitened) -> tuple[Floats, Floats]:

@@ -24,7 +24,8 @@ def motion(seconds: float = 10.0, seed: int = 0) -> Inputs:
     load = 2.0 * qdd + 15.0 * np.cos(q)
     torque = load + 3.0 * qd + 2.0 * np.tanh(qd / 0.05)
     x = Inputs.of(States.of(q, qd, qdd), time=time, load=load, torque=torque)
-    return replace(x, sign_speed=np.array([0.02, 0.05, 0.1]))
+    warm = 30.0 + 5.0 * np.sin(0.7 * time[:, None] + np.arange(JOINTS))
+    return replace(x, sign_speed=np.array([0.02, 0.05, 0.1]), temperature=warm)
 
 
 def shape_of(effect: Effect) -> dict[str, float]:

@@ -26,8 +26,8 @@ def test_the_table_is_that_of_the_list(root: Path) -> None:
 
 
 def test_the_table_holds_every_effect_as_it_is(page: str) -> None:
-    rows = re.findall(r"^\| `(\w+)` \| `(.+?)` \| (.+) \|$", page, re.MULTILINE)
-    said = {name: (formula.replace("\\|", "|"), shows) for name, formula, shows in rows}
+    rows = re.findall(r"^\| `(\w+)` \| `(.+?)` \| (.+?) \| (.*) \|$", page, re.MULTILINE)
+    said = {name: (formula.replace("\\|", "|"), shows) for name, formula, shows, _ in rows}
     assert said == {name: (e.formula, e.shows_as) for name, e in EFFECTS.items()}
 
 

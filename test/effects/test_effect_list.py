@@ -100,13 +100,13 @@ def test_it_goes_with_gravity_if_it_is_there_at_rest(effect: Effect, moving: Inp
 
 
 def test_friction_takes_energy(effect: Effect, moving: Inputs) -> None:
-    """At each moment, but for what remembers, and together with a joint that it shares."""
-    if effect.part != "friction" or effect.remembers or "partner" in shape_of(effect):
+    """At each moment, on the shaft that it acts on, but for what remembers."""
+    if effect.part != "friction" or effect.remembers or effect.name == "directional_friction":
         return
     for shape in shapes_of(effect, moving, 1):
-        power = effect.columns(moving, 1, shape).sum(axis=1) * moving.qd[:, 1]
-        # The sine and cosine of position friction do so together with Coulomb's only.
-        assert effect.name == "position_friction" or (power >= 0.0).all()
+        power = effect.columns(moving, 1, shape).sum(axis=1) * effect.speed(moving, 1, shape)
+        # The others brake together with the joint's other friction only.
+        assert not effect.signs(moving, 1, shape) or (power >= 0.0).all()
 
 
 def test_there_is_one_finite_column_a_parameter(effect: Effect, moving: Inputs) -> None:
@@ -250,7 +250,7 @@ def test_friction_basis_is_the_papers_kernel(states: Inputs) -> None:
 
 def cut(x: Inputs, count: int) -> Inputs:
     """Return the beginning of a motion as if the recording had ended there."""
-    names = ("q", "qd", "qdd", "time", "segment", "load", "torque")
+    names = ("q", "qd", "qdd", "time", "segment", "load", "torque", "temperature")
     return replace(x, **{name: getattr(x, name)[:count] for name in names})
 
 

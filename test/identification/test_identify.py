@@ -90,7 +90,7 @@ def test_the_error_is_of_motion_the_model_has_not_seen() -> None:
     spoiled[len(motion) // 2 + 5 :] += 50.0
     settings = Settings(samples=60, evaluations=8, train=0.5)
     clean = identify(motion, settings)
-    dirty = identify(type(motion)(**{**motion.__dict__, "tau": spoiled}), settings)
+    dirty = identify(replace(motion, tau=spoiled), settings)
     np.testing.assert_array_equal(clean.model.weights, dirty.model.weights)
     assert float(str(dirty.record["rmse"])) > float(str(clean.record["rmse"])) + 40.0
 
@@ -166,9 +166,8 @@ def test_a_joint_that_stands_still_is_survived(landmarks: int) -> None:
     still = np.column_stack([motion.qd[:, 0], zero])
     calm = np.column_stack([motion.qdd[:, 0], zero])
     tau = np.column_stack([motion.tau[:, 0], zero])
-    parts = {"q": q, "qd": still, "qdd": calm, "tau": tau}
     settings = replace(FEW, landmarks=landmarks)
-    found = identify(type(motion)(**{**motion.__dict__, **parts}), settings)
+    found = identify(replace(motion, q=q, qd=still, qdd=calm, tau=tau), settings)
     assert np.isfinite(found.predicted).all()
     assert np.isfinite(found.model.coefficients).all()
 

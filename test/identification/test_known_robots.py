@@ -13,8 +13,9 @@ from mechanism_examples import pendulum_urdf
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Identification, Model, Settings, extend, identify
-from lagrangian_ff.kernels import KERNELS
+from lagrangian_ff.kernels import KERNELS, States
 from lagrangian_ff.kernels.rigid import Robot, robot_of
+from lagrangian_ff.recording import Conditioning
 
 pytest.importorskip("pinocchio", reason="Pinocchio, the extra urdf, is not installed")
 
@@ -152,3 +153,18 @@ def test_joints_that_the_urdf_does_not_have_are_refused(wrong: Robot) -> None:
 def test_one_unit_for_all_joints_is_asked_for(wrong: Robot) -> None:
     with pytest.raises(ModelError, match="scale is 'joint', but"):
         identified(wrong, replace(SETTINGS, scale="joint"))
+
+
+def test_bodies_have_no_weight_where_the_effort_holds_no_gravity(wrong: Robot) -> None:
+    whole = pendulum.motion(20.0, noise=0.01)
+    x = States.of(whole.q, whole.qd, whole.qdd)
+    light = replace(
+        whole,
+        tau=whole.tau - pendulum.rigid_torque(x.at_rest()),
+        conditioning=Conditioning(effort="without-gravity").record(),
+    )
+    few = replace(SETTINGS, model="chain+fri", samples=60, train=0.7)
+    some = identify(light, few, mechanism=wrong)
+    assert some.model.identified.score.mean_nmse < 0.01
+    found = some.model.terms(x.q, 0.0 * x.q, 0.0 * x.q)
+    assert np.abs(found.gravity).max() < 1e-9

@@ -12,6 +12,7 @@ from lagrangian_ff.identification import Identification, Model, Settings, extend
 from lagrangian_ff.identification.samples import EXACT_TORQUES, INDUCING_POINTS, LONG, sizes
 from lagrangian_ff.recording.motion import Motion
 
+FEW_SAMPLES = Settings(samples=100)
 FEW = Settings("vrbfs+fri", samples=80, evaluations=20, train=0.5, landmarks=40)
 
 
@@ -36,6 +37,18 @@ def test_much_motion_is_learned_from_whole(available: int, settings: Settings) -
     np.testing.assert_array_equal(size.seen, np.arange(available))
     assert len(size.centres) == INDUCING_POINTS
     assert len(size.subset) <= EXACT_TORQUES // 6
+
+
+@pytest.mark.parametrize(
+    ("available", "joints", "whole"), [(9000, 2, True), (3000, 3, True), (9000, 3, False)]
+)
+def test_few_joints_are_learned_from_whole_where_it_is_cheap(
+    available: int, joints: int, whole: bool
+) -> None:
+    for settings, structured in ((Settings(), True), (Settings(), False), (FEW_SAMPLES, True)):
+        size = sizes(np.arange(available), settings, joints, structured)
+        learned = whole and structured and settings is not FEW_SAMPLES
+        assert (len(size.seen) == available) == learned
 
 
 def test_exact_stays_exact_where_it_is_asked_for() -> None:

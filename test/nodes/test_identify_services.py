@@ -114,7 +114,7 @@ def test_a_diagnosis_that_is_impossible_is_reported(
     bench: Bench, identify: Process, folder: Path
 ) -> None:
     assert ask(bench, "clear")[0]
-    record(bench, folder, 1000)
+    record(bench, folder, 400)
     success, message = ask(bench, "diagnose")
     assert success
     assert "its last third is held back" in message

@@ -16,7 +16,7 @@ from lagrangian_ff.nodes.recorder.jobs.compare import Compare
 from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose, Diagnosed
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import SavedModel, Session
-from lagrangian_ff.recording import Conditioning
+from lagrangian_ff.recording.motion import Conditioning
 
 STRIBECK = Addition("stribeck", "b", {"v_s": 0.1}, {"why": "it is felt"})
 
@@ -28,6 +28,7 @@ def values(tmp_path: Path) -> dict[str, Any]:
         "model": "motor+fri", "prismatic": [""], "urdf": "", "use_robot_description": False,
         "landmarks": -1, "positive": True,
         "train": 0.5, "samples": 50, "loss": "huber", "bandwidth": 20.0,
+        "units": ["position=deg"], "effort": "total",
         "effort_scale.a": 2.0, "effort_offset.a": 0.1, "add.effect": "", "add.joint": "",
     }  # fmt: skip
 
@@ -85,9 +86,22 @@ def test_settings_of_the_identification_are_those_of_the_command_line(
 def test_the_installed_parameters_are_the_usual_settings() -> None:
     file = Path(__file__).parents[2] / "config" / "identify.yaml"
     given = YAML(typ="safe").load(file)["/**"]["ros__parameters"]
-    for name in ("model", "train", "samples", "positive", "loss"):
+    for name in ("train", "samples", "positive", "loss"):
         assert given[name] == getattr(Settings, name), name
-    assert given["bandwidth"] == Conditioning.bandwidth
+    assert given["bandwidth"] == 0.0  # chosen from the recordings
+    assert given["effort"] == Conditioning.effort
+
+
+@pytest.mark.parametrize(
+    ("effort", "usual"),
+    [("total", "auto+fri"), ("without-gravity", "auto+fri"), ("without-friction", "auto")],
+)
+def test_the_usual_model_has_what_the_effort_holds(
+    tmp_path: Path, values: dict[str, Any], effort: str, usual: str
+) -> None:
+    values.update(model="", effort=effort)
+    made = Identify.request(situation(recorded(tmp_path, 1), values))
+    assert (made.effort, made.settings.model) == (effort, usual)
 
 
 def test_the_description_is_a_file_or_what_came_on_the_topic(

@@ -19,7 +19,7 @@ IDENTIFIED = {"identification", *MODEL}
 UNDERSTOOD = {"diagnosis", *IDENTIFIED}
 # A room may import those on the right, itself, and what is for all.
 ARROWS: dict[str, set[str]] = {
-    "recording": set(),
+    "recording": {"loops"},  # which counts the ticks of a clock
     "loops": set(),
     "kernels": {"loops", *LOW},
     "effects": {

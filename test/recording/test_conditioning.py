@@ -212,7 +212,7 @@ def test_another_rate_resamples_the_same_motion(rate: float) -> None:
 
 def test_the_bandwidth_yields_to_a_low_rate() -> None:
     slow = sine(1.0, rate=40.0, seconds=20.0)
-    motion = condition(slow)
+    motion = condition(slow, Conditioning(bandwidth=25.0))
     assert any("bandwidth reduced from 25 Hz to 10 Hz" in note for note in motion.notes)
     inside = slice(20, -20)
     expected = gain(1.0, 40.0, 10.0) * 2 * np.pi * np.cos(2 * np.pi * motion.time)

@@ -62,6 +62,54 @@ def test_constant_effort_is_not_clipping() -> None:
     assert clipped(np.full(100, np.nan)) == []
 
 
+@pytest.mark.parametrize(
+    ("step", "noise"),
+    [(1e-3, 0.0), (1e-3, 1.0), (1e-2, 0.0), (1e-2, 0.3), (0.05, 0.3), (0.05, 1.0)],
+)
+def test_a_quantised_effort_is_clipped_where_it_rests_longest(step: float, noise: float) -> None:
+    """Noise in steps. Round peaks rest on one step, too; a cut rests on it far longer."""
+    random = np.random.default_rng(4)
+    wave = np.sin(np.linspace(0, 60, 12_000)) + 0.4 * np.sin(np.linspace(0, 142, 12_000))
+    effort = step * np.round((wave + noise * step * random.normal(size=wave.size)) / step)
+    assert clipped(effort) == []
+    ((value, _),) = clipped(np.minimum(effort, step * np.round(0.4 / step)))
+    assert value == pytest.approx(0.4)
+
+
+def test_an_effort_that_a_driver_repeats_is_not_clipped() -> None:
+    assert clipped(np.repeat(WAVE, 4)) == []
+    assert len(clipped(np.repeat(np.minimum(WAVE, 0.8), 4))) == 1
+
+
+def test_an_arm_that_stands_still_is_not_clipped() -> None:
+    """It rests at its largest torque; clipped is only what rests while the joint moves."""
+    rest = np.concatenate([WAVE[:314], np.full(1000, 1.0), WAVE[314:]])
+    moving = np.concatenate([np.ones(314, bool), np.zeros(1000, bool), np.ones(3686, bool)])
+    assert len(clipped(rest)) == 1
+    assert clipped(rest, moving) == []
+    position = np.concatenate([BASE.position[:700], np.repeat(BASE.position[700:701], 600, 0)])
+    effort = np.concatenate([BASE.effort[:700], np.full((600, 3), 50.0)])
+    still = replace(
+        BASE,
+        time=BASE.time[:1300],
+        position=position,
+        velocity=np.full_like(position, np.nan),
+        effort=effort,
+    )
+    assert inspect(still).clipping == ()
+
+
+def test_noise_behind_a_limit_and_a_soft_limit_rest_on_no_value() -> None:
+    """What the recording alone cannot show is left to the model."""
+    noise = np.random.default_rng(3).normal(scale=0.01, size=WAVE.size)
+    assert clipped(np.minimum(WAVE, 0.7) + noise) == []
+    assert clipped(np.tanh(2.0 * WAVE)) == []
+
+
+def test_motors_that_are_off_are_not_clipped() -> None:
+    assert clipped(np.maximum(WAVE, 0.0)) == []
+
+
 def test_clean_recordings_have_nothing_to_report() -> None:
     found = inspect(BASE)
     assert found.rate == pytest.approx(500)

@@ -100,7 +100,8 @@ def test_error_that_is_spread_evenly_is_not_blamed_on_a_region(tmp_path: Path) -
 def test_diagnose_goes_from_the_verdict_to_what_to_record_next(tmp_path: Path) -> None:
     page = written(tmp_path, "diagnose")
     expected = [
-        "First: the measurement", "What is missing", "Where it fails", "The evidence",
+        "First: the measurement", "What is missing", "What touched the arm", "Where it fails",
+        "The evidence",
         "Against the other candidates", "The error falls", "What to record next",
     ]  # fmt: skip
     assert re.findall(r"<h2>(.*?)</h2>", page)[: len(expected)] == expected

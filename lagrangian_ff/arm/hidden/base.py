@@ -10,6 +10,7 @@ import numpy as np
 
 from lagrangian_ff.arm.description import JOINTS
 from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
+from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Attached, Gear, true_torque
 from lagrangian_ff.arm.servo import SensorEffect
 from lagrangian_ff.arm.simulation import SETTLING, Run
@@ -93,12 +94,14 @@ class Site:
             between recordings.
         along: the run without the effect in the first recording; parameters that depend on it
             (a limit, an angle) are the same in all recordings.
+        parameters: of the arm.
     """
 
     joint: int
     seed: int
     recording: int
     along: Reference
+    parameters: ArmParameters = field(default_factory=ArmParameters)
 
     @property
     def random(self) -> np.random.Generator:
@@ -240,8 +243,10 @@ def unexplained_by(site: Site, q: Floats, qd: Floats, qdd: Floats) -> Floats:
     """
     run, every = site.along, 5
     part = slice(None, None, every)
-    true = true_torque(run.q[part], run.qd[part], run.qdd[part])
-    seen = true_torque(q[part], qd[part], qdd[part])
+    true, seen = (
+        true_torque(*(values[part] for values in motion), parameters=site.parameters)
+        for motion in ((run.q, run.qd, run.qdd), (q, qd, qdd))
+    )
     return (true - seen)[np.minimum(np.arange(len(run.q)) // every, len(true) - 1)]
 
 

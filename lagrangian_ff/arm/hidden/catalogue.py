@@ -44,6 +44,7 @@ UNKNOWN = (
         strange.capstan, "friction set by the difference of two joints' angles", known=False
     ),
     HiddenEffect(strange.pinched, "friction set by another joint's angle", known=False),
+    HiddenEffect(strange.dress_pack, "hoses that the angles of three joints bend", known=False),
     HiddenEffect(strange.debris, "bursts of friction at random times", known=False),
     HiddenEffect(strange.starved, "friction that remembers acceleration", known=False),
 )

@@ -70,7 +70,7 @@ def position_friction(site: Site, strength: float) -> Installed:
     at a random phase.
     """
     joint, phase = site.joint, site.random.uniform(0.0, 2.0 * pi)
-    least = max(0.0, strength - 0.9 * ArmParameters().coulomb[joint])
+    least = max(0.0, strength - 0.9 * site.parameters.coulomb[joint])
 
     def law(v: float, moment: JointMoment) -> tuple[float, float]:
         height = least + strength * cos(float(moment.q[joint]) + phase)
@@ -89,9 +89,10 @@ class ColdGrease(OneJoint):
     Sys. Meas. Control 134 (2012), with a time constant short enough for a minute of motion.
     """
 
-    def __init__(self, joint: int, share: float, time: float, mean_power: float) -> None:
+    def __init__(
+        self, joint: int, share: float, time: float, mean_power: float, parameters: ArmParameters
+    ) -> None:
         super().__init__(joint)
-        parameters = ArmParameters()
         self._coulomb = share * parameters.coulomb[joint]
         self._viscous = share * parameters.viscous[joint]
         self._time, self._mean_power, self._share = time, mean_power, share
@@ -114,10 +115,10 @@ class ColdGrease(OneJoint):
 def warm_up(site: Site, strength: float) -> Installed:
     """Install friction of strength times the joint's own friction, cold; T of 10 to 30 s."""
     time = site.random.uniform(10.0, 30.0)
-    parameters, v = ArmParameters(), site.along.qd[:, site.joint]
+    parameters, v = site.parameters, site.along.qd[:, site.joint]
     own = parameters.coulomb[site.joint] * np.abs(v) + parameters.viscous[site.joint] * v**2
     return Installed(
-        (ColdGrease(site.joint, strength, time, float(np.mean(own))),),
+        (ColdGrease(site.joint, strength, time, float(np.mean(own)), parameters),),
         facts={"share of own friction, cold": strength, "time constant [s]": time},
     )
 

@@ -15,7 +15,6 @@ from lagrangian_ff.arm.hidden.base import (
     unexplained_by,
 )
 from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
-from lagrangian_ff.arm.parameters import ArmParameters
 from lagrangian_ff.arm.plant import Gear
 from lagrangian_ff.arrays import Floats
 
@@ -114,12 +113,12 @@ def elasticity(site: Site, strength: float) -> Installed:
 
 def backlash(site: Site, strength: float) -> Installed:
     """Install a play of strength rad; teeth that ring at 15 Hz with 40 % of critical damping."""
-    inertia = float(ArmParameters().reflected_inertia[site.joint])
+    inertia = float(site.parameters.reflected_inertia[site.joint])
     return _gear(site, inertia * (2.0 * np.pi * 15.0) ** 2, 0.4, strength)
 
 
 def _gear(site: Site, stiffness: float, damping: float, play: float) -> Installed:
-    inertia = float(ArmParameters().reflected_inertia[site.joint])
+    inertia = float(site.parameters.reflected_inertia[site.joint])
     loss = 2.0 * damping * float(np.sqrt(stiffness * inertia))
     facts = {
         "stiffness [N·m/rad]": stiffness,

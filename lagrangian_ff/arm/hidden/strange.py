@@ -5,6 +5,7 @@ from math import cos, exp, pi, sin
 import numpy as np
 
 from lagrangian_ff.arm.hidden.base import (
+    ALL_JOINTS,
     Installed,
     Law,
     OneJoint,
@@ -78,6 +79,26 @@ def pinched(site: Site, strength: float) -> Installed:
         return rub(strength * closed, v)
 
     facts = {"height [N·m]": strength, "angle of the other [rad]": edge}
+    return Installed((Law(site.joint, law),), facts=facts)
+
+
+def dress_pack(site: Site, strength: float) -> Installed:
+    """Install a torque of strength N·m that the angles of three joints set: a bundle of hoses.
+
+    a sin(q_j + φ1) sin(q_k + φ2) sin(q_m + φ3): no one and no two of the angles show it.
+    """
+    others = site.random.choice([n for n in ALL_JOINTS if n != site.joint], 2, replace=False)
+    turned = [site.joint, *(int(n) for n in others)]
+    middle = np.median(site.along.q[:, turned], axis=0)
+    phase = (site.random.uniform(-0.5, 0.5, 3) - middle).tolist()
+
+    def law(v: float, moment: JointMoment) -> tuple[float, float]:
+        torque = strength
+        for n, ahead in zip(turned, phase, strict=True):
+            torque *= sin(float(moment.q[n]) + ahead)
+        return torque, 0.0
+
+    facts = {"height [N·m]": strength, "joint k": turned[1] + 1.0, "joint m": turned[2] + 1.0}
     return Installed((Law(site.joint, law),), facts=facts)
 
 

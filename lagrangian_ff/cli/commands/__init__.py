@@ -31,8 +31,8 @@ class Command(Protocol):
 
 
 _FILES = (
-    "identify", "compare", "diagnose", "add", "history", "excite", "effects", "predict",
-    "feedforward", "simulate", "info", "demo", "study",
+    "identify", "compare", "diagnose", "add", "history", "excite", "effects", "calibrate",
+    "predict", "feedforward", "simulate", "info", "demo", "study",
 )  # fmt: skip
 """The file of each command beside this one, in the order in which they are listed."""
 

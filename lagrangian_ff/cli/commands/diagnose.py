@@ -22,7 +22,7 @@ from lagrangian_ff.cli.text.diagnose import (
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
-    from lagrangian_ff.diagnosis import DiagnosisRun, Round
+    from lagrangian_ff.diagnosis import Changed, DiagnosisRun, Round
     from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.identification import Model
     from lagrangian_ff.recording import Motion
@@ -47,10 +47,12 @@ examples:
 
 what comes out:
   faults of the measurement, to be fixed first;
+  what changed since the model was identified, where it errs clearly more than it did then;
   the verdict, and for each finding its evidence, size, and error before and after:
       confirmed    helps on motion that was not used to find it
       ambiguous    one of several that look the same on this motion
       suggested    the evidence is strong, the confirmation is not
+  what touched the arm for two seconds or less while it was recorded, and when;
   what is left unexplained, named by what it depends on;
   what this motion could not have shown, and the motion to do;
   with --apply a model with everything confirmed, its history included.
@@ -77,8 +79,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         "(default: 6)"
     )
     since = (
-        "also ask what changed since the model was identified, friction or masses: SOURCE against "
-        "the data that the model keeps"
+        "ask what changed since the model was identified, friction, masses or a drive's gain: "
+        "SOURCE against the data that the model keeps (without it this is asked only where the "
+        "model errs clearly more than on motion left out when it was identified)"
     )
     add = "add what is confirmed, look again until nothing is, and write the model"
     rows = [
@@ -97,7 +100,7 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check(arguments)
     options.load_own_effects(arguments, console)
-    from lagrangian_ff.diagnosis import run_record
+    from lagrangian_ff.diagnosis import believed, run_record
 
     loaded = LoadedModel.of(arguments, console)
     motions = loaded.motions(arguments.sources, console)
@@ -105,9 +108,11 @@ def run(arguments: Namespace) -> int:
     if not confirm:
         console.note("no --confirm: the last third of the motion is held back to confirm on")
         console.say()
-    checks = _checks(loaded.model, motions, confirm)
+    changed = _changed(loaded.model, motions, arguments)
+    checks = believed(_checks(loaded.model, motions, confirm), changed)
     say_checks(checks, console)
-    found = replace(_found(loaded.model, motions, confirm, arguments), checks=checks)
+    found = _found(loaded.model, motions, confirm, arguments)
+    found = replace(found, checks=checks, changed=changed)
     after = next((one.after for one in reversed(found.rounds) if one.after is not None), None)
     if after is not None:
         with whole(arguments.output) as path:
@@ -137,27 +142,38 @@ def _checks(model: "Model", motions: "Motions", confirm: "Motions") -> "tuple[Ch
         known = {(one.check, one.joint) for one in checks if one.serious}
         for number, motion in enumerate(confirm if alone else every):
             progress(number / len(every), motion.source)
-            for one in preflight(model, motion):
+            for one in preflight(model, motion, kind=False):
                 new = (one.check, one.joint) not in known
                 if (one.serious and new) or one.check in CHECKED_EACH:
                     checks.append(replace(one, source=motion.source))
     return tuple(sorted(checks, key=lambda one: not one.serious))
 
 
+def _changed(
+    model: "Model", motions: "Motions", arguments: Namespace
+) -> "tuple[Changed, ...] | None":
+    """Return what changed since the identification; None if that is neither asked nor seen."""
+    from lagrangian_ff.diagnosis import changed_if_misfit, changed_since
+    from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
+    from lagrangian_ff.recording.motion import concatenate
+
+    steps = MOST_STEPS if arguments.steps is None else arguments.steps
+    ask = changed_since if arguments.since else changed_if_misfit
+    with progress_bar("looking for what changed") as progress:
+        return ask(model, concatenate(motions), steps, progress)
+
+
 def _found(
     model: "Model", motions: "Motions", confirm: "Motions", arguments: Namespace
 ) -> "DiagnosisRun":
     """Return all that the arguments ask for; nothing is written."""
-    from lagrangian_ff.diagnosis import DiagnosisRun, changed_since, compare
+    from lagrangian_ff.diagnosis import DiagnosisRun, compare
     from lagrangian_ff.diagnosis.search.forward import MOST_STEPS
     from lagrangian_ff.diagnosis.where import locate
     from lagrangian_ff.recording.motion import concatenate
 
     steps = MOST_STEPS if arguments.steps is None else arguments.steps
-    changed = where = None
-    if arguments.since:
-        with progress_bar("looking for what changed") as progress:
-            changed = changed_since(model, concatenate(motions), steps, progress)
+    where = None
     rounds = tuple(_rounds(model, motions, confirm, steps, apply=arguments.apply))
     if arguments.json is not None or arguments.report is not None:
         with progress_bar("looking where it fails") as progress:
@@ -168,7 +184,6 @@ def _found(
         sources=tuple(map(str, arguments.sources)),
         confirm=tuple(map(str, arguments.confirm)),
         rounds=rounds,
-        changed=changed,
         where=where,
         output=str(arguments.output) if arguments.apply else "",
     )
@@ -203,7 +218,7 @@ def _say(found: "DiagnosisRun", arguments: Namespace, console: Console) -> None:
     for number, one in enumerate(found.rounds, start=1):
         if len(found.rounds) > 1:
             console.say(["", f"round {number}: {one.diagnosis.model.name}"])
-        say_diagnosis(one.diagnosis, console)
+        say_diagnosis(one.diagnosis, console, found.changed if number == 1 else None)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])
     if found.changed is not None:

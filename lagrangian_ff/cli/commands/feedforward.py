@@ -8,6 +8,7 @@ from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, table
 from lagrangian_ff.cli.common.outputs import check_outputs, write_record, write_table
 from lagrangian_ff.cli.common.sources import out_of_range
+from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.numbers import number
 
@@ -86,6 +87,7 @@ def run(arguments: Namespace) -> int:
         f"torque of {len(trajectory)} points in {trajectory.duration:.3f} s"
         + (f", without {', '.join(without)}" if without else "")
     )
+    console.say(scaling(model.identified.conditioning))
     console.say(_table(model, torque))
     then = "There the model guesses: stay inside, or identify from a motion that goes there"
     away.warn("trajectory", "the model", f": {away.when()}. {then}", console)

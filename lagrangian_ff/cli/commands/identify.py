@@ -9,10 +9,12 @@ from lagrangian_ff.cli.common import options, sources
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
 from lagrangian_ff.cli.text.advice import FAIR, Findings, advice, usable
+from lagrangian_ff.cli.text.diagnose import say_checks
 from lagrangian_ff.cli.text.errors import verdict, worse_than
 from lagrangian_ff.cli.text.model import say_identified
 
 if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.identification import Identification, Settings
 
 NAME = "identify"
@@ -40,7 +42,7 @@ what comes out:
   whether that is good or bad, and what to do next.
 
 models are one kernel and any number of effects, joined by +:
-  kernels  auto (the usual): chain or chain_rbf, whichever predicts blocks left out better;
+  kernels  auto (the usual): chain, or chain_rbf if it predicts blocks left out surely better;
            chain, chain_rbf: kinetic energy quadratic in velocity, gravity apart, of a serial
            arm, joints given from the base to the tool; energy, energy_rbf: of any arm;
            vrbfs, vrbf, svrbfs, svrbf, srbfs, srbf: the paper's, from a Lagrangian, of which
@@ -60,7 +62,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--output", required=True, type=Path, metavar="MODEL.npz", help="the model file to write"
     )
     options.add_rows(parser, (
-        ("--model", str, "NAME", "kernel and effects, see below (default: auto+fri)"),
+        ("--model", str, "NAME", "kernel and effects, see below (default: auto+fri; "
+         "auto with --effort without-friction)"),
         ("--joints", list, "JOINT",
          "learn these only, a,b or a b (default: all that were recorded)"),
         ("--urdf", Path, "FILE",
@@ -82,14 +85,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--inducing-points --landmarks", int, "C",
          "build the kernel on C samples and learn from all of them, in time linear in the "
          "recording; 0: an exact model of --samples (default: 0 for up to two minutes of training "
-         "motion, 300 for more)"),
+         "motion, 300 for more, or where that is cheap, as for two joints)"),
         ("--block", float, "SECONDS", "length of the blocks of cross-validation (default: 3)"),
         ("--folds", int, "", "in how many turns the blocks are left out (default: 5)"),
         ("--selection", ("validation", "evidence"), "",
          "what hyperparameters are chosen by (default: validation, blocks left out)"),
         ("--scale", ("auto", "joint", "common"), "",
          "joint: each torque counts by its own spread; common: one unit for all, so that the "
-         "torques derive from one Lagrangian; auto: whichever does better (default: auto)"),
+         "torques derive from one Lagrangian; auto: whichever does better, or one unit with gains "
+         "of the joints that the data ask for (default: auto)"),
         ("--positive", bool, "",
          "keep the mass matrix positive definite along the training motion, for simulation and "
          "control with it; the joints then have one torque scale"),
@@ -118,28 +122,43 @@ def run(arguments: Namespace) -> int:
     if joints:
         recordings = [recording.select(joints) for recording in recordings]
     sources.require_same_joints(recordings)
-    readings = [sources.prepare(recording, conditioning, console) for recording in recordings]
+    readings = sources.prepare(recordings, conditioning, console)
+    from lagrangian_ff.diagnosis.record import check_record
     from lagrangian_ff.identification import identify
 
     with progress_bar("identifying") as progress:
         found = identify([reading.motion for reading in readings], settings, progress, robot)
     with whole(arguments.output) as path:
         found.model.save(path)
-    write_record(arguments.json, found.record)
+    checks = _checks(found, readings)
+    write_record(arguments.json, {**found.record, "preflight": [check_record(c) for c in checks]})
     known = {note for reading in readings for note in reading.motion.notes}  # they are out already
     for note in found.model.identified.notes:
         if note not in known:
             console.note(note, "  ")
+    say_checks(checks, console)
     _say(found, readings, arguments.output, console)
     return 0
 
 
+def _checks(found: "Identification", readings: list[sources.Reading]) -> "list[Check]":
+    """Return what the torques show of what the effort holds."""
+    from lagrangian_ff.diagnosis.preflight import effort_checks
+    from lagrangian_ff.recording.motion import concatenate
+
+    with progress_bar("looking at what the effort holds"):
+        return effort_checks(found.model, concatenate([one.motion for one in readings]))
+
+
 def _settings(arguments: Namespace) -> "Settings":
     from lagrangian_ff.identification import Settings
+    from lagrangian_ff.identification.settings import usual_model
     from lagrangian_ff.identification.spec import parse, require_sliding
+    from lagrangian_ff.recording.motion import TOTAL
 
     known = {field.name for field in fields(Settings)}
     given = {name: v for name, v in vars(arguments).items() if name in known and v is not None}
+    given.setdefault("model", usual_model(arguments.effort or TOTAL))
     given["prismatic"] = options.names(arguments.prismatic)
     for option, name in (("block", "block_seconds"), ("inducing_points", "landmarks")):
         if (value := getattr(arguments, option)) is not None:

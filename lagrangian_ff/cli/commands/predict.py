@@ -93,7 +93,9 @@ def _parts(model: "Model", comparison: "Comparison", *, terms: bool) -> "dict[st
         parts |= {"low": comparison.predicted - reach, "high": comparison.predicted + reach}
     if terms:
         states = motion.q, motion.qd, motion.qdd
-        found = model.terms(*states, time=motion.time, segment=motion.segment)
+        found = model.terms(
+            *states, time=motion.time, segment=motion.segment, temperature=motion.temperature
+        )
         parts |= {name: getattr(found, name) for name in ("gravity", "inertia", "coriolis")}
         parts |= found.effects
     return parts

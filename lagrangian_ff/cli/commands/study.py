@@ -10,8 +10,8 @@ from lagrangian_ff.cli.common.outputs import check_file, write_record
 from lagrangian_ff.studies.catalogue import STUDIES, study_class
 
 NAME = "study"
-SUMMARY = "repeat a study: the paper's figures, and effects hidden in the simulated arm"
-USAGE = "NAME [--output FOLDER] [options]"
+SUMMARY = "repeat a study: the paper's figures, hidden effects, measured recordings"
+USAGE = "NAME [RECORDINGS] [--output FOLDER] [options]"
 DESCRIPTION = "Repeats a study, with a table, a picture and every result as JSON:\n\n" + "\n".join(
     f"  {name:<12} {entry.about}" for name, entry in STUDIES.items()
 )
@@ -22,11 +22,14 @@ examples:
   lagrangian_ff study ideal --quick              a minute: a small study, to see it work
   lagrangian_ff study hidden --list              the names of the cases, nothing done
   lagrangian_ff study hidden --cases 'ripple-*'  some of them
+  lagrangian_ff study nuisances --record         its recordings alone, to be judged with --keep
+  lagrangian_ff study measured FOLDER            arms whose recordings are in a folder
+  lagrangian_ff study measured FOLDER --known config/measured --only ur10   one of them
   lagrangian_ff study ideal --scheduler tcp://host:8786   on the workers of a Dask cluster
 
 how long it takes, on two processors, about:
-  hidden 3 h; ideal and friction 1 h; speeds 20 minutes; loaded, tracking, sparsity and consistency
-  5 to 10 minutes.
+  hidden and nuisances 3 h; ideal and friction 1 h; speeds 20 minutes; loaded, tracking, sparsity
+  and consistency 5 to 10 minutes; measured 1 to 2 minutes an arm.
 
 what comes out, in the folder:
   cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and
@@ -37,7 +40,14 @@ Interrupt it with Ctrl-C; the same command continues where it stopped."""
 
 def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("study", metavar="NAME", help=", ".join(STUDIES))
-    add_rows(parser, [("--output", Path, "FOLDER", "default: study_NAME; made if it is missing")])
+    recordings = "of measured: the folder of the recordings"
+    parser.add_argument("recordings", metavar="RECORDINGS", nargs="?", type=Path, help=recordings)
+    known = "of measured: a folder of files that say what is known of the arms (docs/studies.md)"
+    rows = [
+        ("--output", Path, "FOLDER", "default: study_NAME; made if it is missing"),
+        ("--known", Path, "FOLDER", f"{known}; default: every known.json below RECORDINGS"),
+    ]
+    add_rows(parser, rows)
     parser.add_argument(
         "--quick", "--small", action="store_true", help="a small study, to see it work"
     )
@@ -49,9 +59,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     models = "only these, as in vrbfs or motor+fri"
     parser.add_argument("--models", nargs="+", default=[], metavar="MODEL", help=models)
     after = [
-        ("--cases", str, "PATTERN", "only the cases of this name, with * and ?"),
+        ("--cases --only", str, "PATTERN", "only the cases of this name, with * and ?"),
         ("--list", bool, "", "only name the cases"),
         ("--keep", bool, "", "keep the recordings, and use those that are there"),
+        ("--record", bool, "", "only make the recordings, for a later run with --keep"),
     ]
     add_rows(parser, after)
     workers = [
@@ -70,7 +81,7 @@ def run(arguments: Namespace) -> int:
         check_file(Path(arguments.json), "--json", force=arguments.force)
     kind = study_class(arguments.study)
     from lagrangian_ff.report.style import png
-    from lagrangian_ff.studies.run import Folder
+    from lagrangian_ff.studies.run import Folder, record_all
     from lagrangian_ff.studies.run import run as run_study
     from lagrangian_ff.studies.study import Request
     from lagrangian_ff.studies.workers import cluster, processes
@@ -83,12 +94,18 @@ def run(arguments: Namespace) -> int:
         robots=arguments.robots,
         models=names(arguments.models),
         keep=arguments.keep,
+        recordings=arguments.recordings,
+        known=arguments.known,
     )
     study = kind(request, output)
     if arguments.list:
         console.say(case.name for case in study.cases())
         return 0
     workers = cluster(arguments.scheduler) if arguments.scheduler else processes(arguments.jobs)
+    if arguments.record:
+        with progress_bar(f"recording {study.name}") as progress:
+            console.say(record_all(study, output, workers, progress))
+        return 0
     with progress_bar(f"study {study.name}") as progress:
         lines = run_study(study, output, workers, progress)
     results = study.results(lines)

@@ -1,7 +1,7 @@
 """Options that several commands have, and the forms that their values take."""
 
 import warnings
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 SOURCE_HELP = (
     "a recording: a rosbag2 folder, a .db3 or .mcap file, a .csv with the header "
     "time,position/<joint>,velocity/<joint>,effort/<joint> (velocity optional), or an .npz with "
-    "time, position, velocity, effort, joints"
+    "time, position, velocity, effort, joints; temperature/<joint>, temperature in an .npz, and "
+    "topics of sensor_msgs/Temperature that name a joint are read too"
 )
 
 
@@ -81,14 +82,33 @@ def add_reading(parser: ArgumentParser) -> None:
          "current or the other sign; 1 for joints not named"),
         ("--effort-offset", list, "JOINT=VALUE",
          "N·m added to the torque after scaling; 0 for joints not named"),
-        ("--bandwidth", float, "HZ", "cut-off of the low-pass on position and torque (default: 25; "
-         "lower for slow recordings)"),
+        ("--effort", ("total", "without-gravity", "without-friction"), "",
+         "what the recorded effort holds: all torque of the joint; torque from which the driver "
+         "removed gravity, as those of UR and Franka can report; or torque without the friction "
+         "that the drive compensates. Model and feedforward then hold the same (default: total; "
+         "with a model what its recordings held)"),
+        ("--units", list, "QUANTITY=UNIT",
+         "what was recorded, if not s, rad, rad/s and N·m: time=ms, us or ns; position=deg or "
+         "mrad; velocity=deg/s, rpm or mrad/s; effort=mNm, Ncm, kNm, kgfcm, kgfm, lbfin or lbfft"),
+        ("--bandwidth", _bandwidth, "HZ|auto", "cut-off of the low-pass on position and torque, "
+         "one for all joints; auto: as wide as their noise allows, up to 25 Hz and a quarter of "
+         "the rate (default: that of the model if there is one, else auto)"),
         ("--rate", float, "HZ",
          "sample rate of the motion that is made (default: that of the recording)"),
         ("--clock", ("auto", "stamps", "steady"), "", "stamps: believe the stamps; steady: samples "
          "were taken by a steady clock and stamped late; auto: whichever the motion follows "
          "(default: auto)"),
     ))  # fmt: skip
+
+
+def _bandwidth(text: str) -> float | str:
+    """Return what --bandwidth gives."""
+    if text == "auto":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r}: expected a number in Hz, or auto") from None
 
 
 def add_topic(parser: ArgumentParser) -> None:
@@ -155,15 +175,21 @@ def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) 
     from dataclasses import replace
 
     from lagrangian_ff.recording import Conditioning
+    from lagrangian_ff.recording.units import named_units
 
     given: dict[str, object] = {}
     for option in ("effort_scale", "effort_offset"):
         values = assignments(f"--{option.replace('_', '-')}", getattr(arguments, option))
         if values:
             given[option] = {**(getattr(before, option) if before else {}), **values}
-    for option in ("bandwidth", "rate", "clock"):
+    if arguments.units:
+        units = named_units(names(arguments.units))
+        given["units"] = {**(before.units if before else {}), **units}
+    for option in ("bandwidth", "rate", "clock", "effort"):
         if getattr(arguments, option) is not None:
             given[option] = getattr(arguments, option)
+    if given.get("bandwidth") == "auto":
+        given["bandwidth"] = None
     return replace(before or Conditioning(), **given)  # type: ignore[arg-type]
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.options import conditioning_of
 from lagrangian_ff.cli.text.model import scaling
-from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.errors import RecordingError, UserError
 
 if TYPE_CHECKING:
     from lagrangian_ff.arrays import Floats
@@ -39,24 +39,34 @@ def read(path: Path, topic: str | None) -> "Recording":
         return load(path, topic=topic, progress=progress)
 
 
-def prepare(recording: "Recording", conditioning: "Conditioning", console: Console) -> Reading:
-    """Say what a recording holds, and make it ready as `recording.condition` does."""
-    from lagrangian_ff.recording import condition, inspect
+def prepare(
+    recordings: Sequence["Recording"], conditioning: "Conditioning", console: Console
+) -> list[Reading]:
+    """Say what recordings hold, and make them ready as `recording.condition_alike` does."""
+    from lagrangian_ff.recording import condition_alike, converted, inspect
 
-    inspection = inspect(recording)
-    say_inspection(inspection, console)
-    with progress_bar("conditioning"):
-        motion = condition(recording, conditioning)
-    for note in motion.notes:
-        console.note(note, "  ")
-    console.say()
-    return Reading(inspection, motion)
+    inspections = [inspect(converted(one, conditioning.units)) for one in recordings]
+    try:
+        with progress_bar("conditioning"):
+            motions = condition_alike(recordings, conditioning)
+    except RecordingError:
+        for inspection in inspections:
+            say_inspection(inspection, console)
+        raise
+    found = []
+    for inspection, motion in zip(inspections, motions, strict=True):
+        say_inspection(inspection, console)
+        for note in motion.notes:
+            console.note(note, "  ")
+        console.say()
+        found.append(Reading(inspection, motion))
+    return found
 
 
 def say_inspection(inspection: "Inspection", console: Console) -> None:
     """Say what a recording holds; the console shows each of its notes once."""
-    # Conditioning notes the clipping again.
-    console.say(replace(inspection, notes=(), clipping=()).lines())
+    # Conditioning notes clipping and doubts again.
+    console.say(replace(inspection, notes=(), clipping=(), doubts=()).lines())
     for note in inspection.notes:
         console.note(note, "  ")
 
@@ -93,10 +103,20 @@ class LoadedModel:
 
     @classmethod
     def of(cls, arguments: Namespace, console: Console) -> "LoadedModel":
-        """Load the model as `Model.load` does, and say how efforts are scaled."""
+        """Load the model as `Model.load` does, and say how efforts are scaled.
+
+        Raises:
+            UserError: --effort names another kind of effort than the model's.
+        """
         from lagrangian_ff.identification import Model
 
         model = Model.load(arguments.model)
+        if arguments.effort not in (None, model.data.effort):
+            raise UserError(
+                f"--effort {arguments.effort}: {arguments.model} was identified from an effort "
+                f"that is {model.data.effort}; leave --effort out, or identify a model from "
+                f"recordings whose effort is {arguments.effort}"
+            )
         conditioning = conditioning_of(arguments, model.identified.conditioning)
         console.say(scaling(conditioning))
         return cls(model, arguments.model, conditioning, arguments.topic)
@@ -112,7 +132,7 @@ class LoadedModel:
         for recording in recordings:
             self.model.require_joints(recording.joints, recording.source, self.path)
         chosen = [recording.select(self.model.joints) for recording in recordings]
-        return [prepare(one, self.conditioning, console).motion for one in chosen]
+        return [one.motion for one in prepare(chosen, self.conditioning, console)]
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,17 @@ from lagrangian_ff.words import which
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Changed, Diagnosis, DiagnosisRun, Finding
+    from lagrangian_ff.diagnosis.consequence import Consequence
     from lagrangian_ff.diagnosis.preflight import Check
-    from lagrangian_ff.diagnosis.results import Consequence, Found
+    from lagrangian_ff.diagnosis.results import Found
     from lagrangian_ff.identification.records import FittedEffect
 
 LEGEND = (
-    "confirmed: with frozen coefficients it lowers the error on motion that was not used to find "
-    "it. gain: log evidence won. p: how often chance gives the best of all candidates as much. "
+    "confirmed: with frozen coefficients it explains motion that was not used to find it, and "
+    "adding it lowers the error of this model there. gain: log evidence won. p: how often chance "
+    "gives the best of all candidates as much. "
     "error: rms on that joint, on {unseen}, of the model as it is and refitted with the effect."
 )
-
-STAYS = 0.98
-"""An error that keeps at least this share of its size does not fall."""
 
 
 def say_checks(checks: "Sequence[Check]", console: Console) -> None:
@@ -40,12 +39,14 @@ def say_checks(checks: "Sequence[Check]", console: Console) -> None:
             console.say()
 
 
-def say_diagnosis(diagnosis: "Diagnosis", console: Console) -> None:
-    """Print the verdict, the findings, and what is left."""
+def say_diagnosis(
+    diagnosis: "Diagnosis", console: Console, changed: "Sequence[Changed] | None" = None
+) -> None:
+    """Print the verdict with what changed first, the findings, and what is left."""
     from lagrangian_ff.diagnosis import verdict
 
     console.say()
-    console.paragraph(verdict(diagnosis))
+    console.paragraph(verdict(diagnosis, changed))
     every = diagnosis.model.joints
     if diagnosis.found:
         console.say(["", "what was found"])
@@ -64,11 +65,25 @@ def say_diagnosis(diagnosis: "Diagnosis", console: Console) -> None:
         console.say(table(header, rows))
         console.paragraph(LEGEND.format(unseen=diagnosis.confirmed_on), "  ")
         say_equations("as torque,", [_entry(one, every) for one in diagnosis.found], console)
-        doubts = [text for one in diagnosis.found for text in (doubt(one, every), no_fall(one))]
+        doubts = [no_fall(one) or doubt(one, every) for one in diagnosis.found]
         if any(doubts):
             console.say()
         for text in filter(None, doubts):
             console.bullet(text)
+    if diagnosis.contacts:
+        console.say(["", "what touched the arm while it was recorded, with 90 % intervals"])
+        header = [
+            "from [s]",
+            "to [s]",
+            "joint",
+            "torque [N·m]",
+            "5 %",
+            "95 %",
+            "p",
+            "verdict",
+            "recording",
+        ]
+        console.say(table(header, touches(diagnosis)))
     if diagnosis.unexplained:
         console.say(["", "left unexplained: no effect of the catalogue fits"])
     for rest in diagnosis.unexplained:
@@ -76,6 +91,27 @@ def say_diagnosis(diagnosis: "Diagnosis", console: Console) -> None:
             f"{rest.joint}: something {rest.share:.1%} the size of its torque depends on "
             f"{rest.coordinate}"
         )
+    if diagnosis.remainders:
+        console.say(["", "more than noise is left: it changes more slowly than noise does"])
+    for left in diagnosis.remainders:
+        console.bullet(f"{left.joint}: {number(left.size)} N·m, {left.share:.1%} of its torque")
+
+
+def touches(diagnosis: "Diagnosis") -> list[list[str]]:
+    """Return a row for each touch and joint."""
+    return [
+        [
+            f"{one.begin:.2f}",
+            f"{one.end:.2f}",
+            joint,
+            *map(number, (size.value, size.low, size.high)),
+            chance(one.p_value),
+            "sure" if one.sure else "suggested",
+            one.source,
+        ]
+        for one in diagnosis.contacts
+        for joint, size in one.sizes.items()
+    ]
 
 
 def _entry(found: "Found", every: Sequence[str]) -> "FittedEffect":
@@ -106,17 +142,16 @@ def doubt(found: "Found", every: Sequence[str]) -> str:
 
 
 def no_fall(found: "Found") -> str:
-    """Return what it means if the model's error does not fall with a confirmed effect."""
-    made = found.consequence
-    if not found.confirmed or made is None or made.whole_after < STAYS * made.whole_before:
+    """Return what it may mean that adding an effect which is there does not lower the error."""
+    from lagrangian_ff.diagnosis.results import Reason
+
+    if found.doubt is None or found.doubt.reason is not Reason.NO_HELP:
         return ""
-    joints = ", ".join(found.joints)
     return (
-        f"{found.effect.name} on {joints} is there, yet adding it to this model hardly changes "
-        f"its error on {joints}. Its kernel may have it already, as a torque over position passes "
-        "for gravity in chain_rbf or vrbfs; the recordings that the model keeps may not hold it "
-        "(did it appear since? ask with --since: then identify again from these, and add it); or "
-        "other errors of the model are larger"
+        f"{found.effect.name} on {', '.join(found.joints)}: {found.doubt.words}. Or the kernel has "
+        "it already, as a torque over position passes for gravity in chain_rbf or vrbfs; or the "
+        "recordings that the model keeps do not hold it (did it appear since? ask with --since: "
+        "then identify again from these, and add it)"
     )
 
 
@@ -156,6 +191,8 @@ def say_changed(changed: "Sequence[Changed]", model: str, console: Console) -> N
         ]
         if ranges:
             console.paragraph(f"{one.what}, 90 % intervals: {', '.join(ranges)}", "  ", "    ")
+        if one.note:
+            console.paragraph(f"{one.what}: {one.note}", "  ", "    ")
         if one.rivals:
             alike = ", ".join(one.rivals)
             console.paragraph(f"{one.what}: {alike} would explain as much", "  ", "    ")
@@ -189,11 +226,19 @@ def excite(effect: str, joint: str, model: str) -> str:
     return f"lagrangian_ff excite {effect} --joint {joint} --model {model} --output motion.csv"
 
 
+def again_from(found: "DiagnosisRun") -> str:
+    """Return the command that identifies the arm as it is now."""
+    recordings = " ".join([*found.sources, *found.confirm])
+    return f"  lagrangian_ff identify {recordings} --train 1.0 --output NEW.npz"
+
+
 def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
     """Return the commands to type next; `saved` is the file that holds the JSON, empty for none."""
     diagnosis, model, sources = found.diagnosis, found.model_file, " ".join(found.sources)
     again = " ".join([sources, *(["--confirm", *found.confirm] if found.confirm else [])])
     lines = []
+    if found.changed:
+        return ["next: identify again from recordings of the arm as it is", again_from(found)]
     if found.serious:
         lines.append("next: fix what is wrong with the measurement, see above, and diagnose again")
     sure = [one for one in diagnosis.found if one.confirmed]
@@ -225,8 +270,12 @@ def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
             f"  lagrangian_ff compare {model} {sources} --report where.html",
             f"  lagrangian_ff diagnose {model} {again} --effects-file my_effects.py",
         ]
-    if diagnosis.found:
-        first = diagnosis.found[0]
+    unsettled = [one for one in diagnosis.found if not no_fall(one)]
+    if diagnosis.found and not unsettled:
+        lines += ["next: identify again, from more motion or with another model, and diagnose that"]
+        lines += [again_from(found)]
+    if unsettled:
+        first = unsettled[0]
         lines += [
             f"next: record the motion that settles {first.effect.name}, and confirm on that",
             f"  {excite(first.effect.name, first.joints[0], model)}",

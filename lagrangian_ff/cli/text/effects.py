@@ -23,7 +23,7 @@ COORDINATES = {
     "order": "order spectrum over position",
 }
 """Coordinates whose name is not clear by itself."""
-NAMES_WIDTH = 22
+NAMES_WIDTH = 24
 
 
 def say_catalogue(effects: "Collection[Effect]", console: Console) -> None:
@@ -51,7 +51,10 @@ def say_effect(effect: "Effect", console: Console) -> None:
             console.say()
     console.paragraph(f"source: {effect.source}", "  ", "    ")
     console.say(["", "parameters, which are estimated"])
-    rows = [[p.name, p.unit, p.meaning] for p in effect.parameters]
+    rows = [
+        [p.name, p.unit, f"{p.meaning}; above zero" if p.positive else p.meaning]
+        for p in effect.parameters
+    ]
     console.say(table(["", "unit", "meaning"], rows))
     if effect.shapes:
         console.say(["", "numbers the torque is not linear in, which are searched"])

@@ -12,6 +12,13 @@ if TYPE_CHECKING:
     from lagrangian_ff.identification.records import Identified, KnownMechanism
     from lagrangian_ff.recording import Conditioning
 
+KINDS = {
+    "without-gravity": "effort without gravity: so are the model and its feedforward",
+    "without-friction": "effort without friction that the drive compensates: so are the model and "
+    "its feedforward",
+}
+"""What is said of an effort that does not hold all torque."""
+
 SCALES = {
     "common": "one for all joints, whose torques derive from one Lagrangian",
     "joint": "each torque divided by its own spread",
@@ -55,7 +62,7 @@ def say_identified(found: "Identified", console: Console) -> None:
 
 
 def scaling(conditioning: "Conditioning | None") -> list[str]:
-    """Return how the effort of the recordings was scaled; empty if it was not."""
+    """Return how the effort of the recordings was scaled, and what it lacks; empty if nothing."""
     if conditioning is None:
         return []
     scaled = (
@@ -63,9 +70,12 @@ def scaling(conditioning: "Conditioning | None") -> list[str]:
         ("effort offset in N·m", conditioning.effort_offset),
     )
     return [
-        f"{what}: {', '.join(f'{joint} {number(value)}' for joint, value in values.items())}"
-        for what, values in scaled
-        if values
+        *(
+            f"{what}: {', '.join(f'{joint} {number(value)}' for joint, value in values.items())}"
+            for what, values in scaled
+            if values
+        ),
+        *([KINDS[conditioning.effort]] if conditioning.effort in KINDS else []),
     ]
 
 

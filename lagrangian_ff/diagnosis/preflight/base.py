@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.predicting import by_part
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import recorded_seconds, usual_step
@@ -56,6 +58,7 @@ class Case:
         correlation: (N,) of measured and predicted torque, inside the model's range; 0 if that is
             less than `ENOUGH` seconds.
         slope: (N,) measured per predicted torque, with its sign: the ratio of their spreads.
+        known: (M,) whether a sample of `thin` lies inside the model's range.
     """
 
     model: Model
@@ -65,6 +68,7 @@ class Case:
     predicted: Floats
     correlation: Floats
     slope: Floats
+    known: NDArray[np.bool_]
 
     @classmethod
     def of(cls, model: Model, motion: Motion, others: Sequence[Motion] = ()) -> "Case":
@@ -77,10 +81,10 @@ class Case:
         thin = thinned(motion)
         predicted = model.predict(thin.q, thin.qd, thin.qdd, time=thin.time, segment=thin.segment)
         excess = model.range.excess(States.of(thin.q, thin.qd, thin.qdd))
-        known = (excess <= MARGIN).all(axis=1)
+        known = np.asarray((excess <= MARGIN).all(axis=1))
         if known.sum() < ENOUGH * THIN:
             nothing = np.zeros(len(model.joints))
-            return cls(model, motion, tuple(rest), thin, predicted, nothing, nothing + 1.0)
+            return cls(model, motion, tuple(rest), thin, predicted, nothing, nothing + 1.0, known)
         measured = thin.tau[known] - thin.tau[known].mean(axis=0)
         expected = predicted[known] - predicted[known].mean(axis=0)
         size = np.sqrt((measured**2).mean(axis=0)), np.sqrt((expected**2).mean(axis=0))
@@ -89,7 +93,7 @@ class Case:
         common = (measured * expected).mean(axis=0)
         correlation[turns] = common[turns] / (size[0] * size[1])[turns]
         slope[turns] = np.copysign(size[0][turns] / size[1][turns], common[turns])
-        return cls(model, motion, tuple(rest), thin, predicted, correlation, slope)
+        return cls(model, motion, tuple(rest), thin, predicted, correlation, slope, known)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -100,6 +104,12 @@ class Case:
     def clear(self) -> NDArray[np.bool_]:
         """Return whether measured torque follows the model closely enough to compare them, (N,)."""
         return np.abs(self.correlation) >= CLEAR
+
+    @cached_property
+    def parts(self) -> dict[str, Floats]:
+        """Return the model's torque at `thin` by `PARTS` of effects, (M, N) N·m each."""
+        x = self.thin
+        return by_part(self.model.terms(x.q, x.qd, x.qdd, time=x.time, segment=x.segment))
 
     @property
     def residual(self) -> Floats:
@@ -124,7 +134,7 @@ def duration_of(motion: Motion) -> float:
 
 
 def _of_model(model: Model, motion: Motion) -> Motion:
-    model.require_joints(motion.joints, motion.source)
+    model.require_motion(motion)
     return _on_one_clock(motion.select(model.joints))
 
 

@@ -134,6 +134,13 @@ def _scored(
     flat = raw.transpose(1, 0, 2).reshape(samples, -1)
     scale = expected(flat, float(whitened.spread[joint]))
     white = whitened.whitened(flat * scale, joint, coarse=coarse).T
+    elsewhere = np.zeros((len(white), whitened.joints))
+    for number, candidate in enumerate(candidates):
+        for other, factor in candidate.others.items():
+            elsewhere[number * width : (number + 1) * width, other] = factor
+    if elsewhere.any():
+        both = np.flatnonzero(elsewhere.any(axis=1))
+        white[both] += whitened.shared((flat * scale)[:, both], elsewhere[both]).T
     before = np.einsum("kn,kn->k", white, white)
     span = whitened.explained.astype(white.dtype)
     left = white - (white @ span) @ span.T
@@ -222,7 +229,8 @@ def log_bayes_factor_of(score: BayesFactor, whitened: Whitened, without: float) 
     scale = expected(columns, float(whitened.spread[joint]))
     # Scaled by the prior, so that parameters of any unit are comparable.
     scaled = (columns * scale)[:, scale > 0.0]
-    nuisance = (Nuisance(joint, scaled), *whitened.problem.nuisance)
+    more = Nuisance(joint, scaled, score.candidate.others)
+    nuisance = (more, *whitened.problem.nuisance)
     system = whitened.explaining(whitened.basis, nuisance).system
     own = slice(whitened.basis.size, whitened.basis.size + scaled.shape[1])
     # The restricted evidence has a flat prior: multiply by the prior's density at the estimate.

@@ -45,6 +45,11 @@ class Candidate:
         of = self.effect.cause(self.joint, self.shape) if self.named else self.joint
         return self.source.name, of
 
+    @property
+    def others(self) -> Mapping[int, float]:
+        """Return the other joints that it acts on, with the factor of its columns on each."""
+        return self.term().others if self.named else {}
+
     def term(self) -> Term:
         """Return the candidate as a term of a model."""
         return Term(self.effect, self.joint, dict(self.shape))

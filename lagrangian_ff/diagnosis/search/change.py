@@ -16,6 +16,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import rigid_torque
+from lagrangian_ff.identification.problem import Nuisance, within
 
 SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
@@ -64,13 +65,15 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
-    if best.log_bayes_factor < beyond * max(_of_shuffled(whitened, best)):
+    if best.log_bayes_factor < beyond * max(of_shuffled(whitened, best)):
         return None
     every = _log_bayes_factors(whitened, len(whitened.index))
     best = replace(best, log_bayes_factor=every(best))
     if best.log_bayes_factor <= limits.change_floor:
         return None
     best = _Better(every, start, end).moved(best, EXACT)
+    if _beside_friction(whitened, best) <= limits.change_floor:
+        return None
     return _with_ranges(best, coarse, (start, end))
 
 
@@ -109,6 +112,21 @@ class _Better:
         return best
 
 
+def _beside_friction(whitened: Whitened, change: Change) -> float:
+    """Return the log Bayes factor of a change beside other friction and offsets in its interval.
+
+    An arm that moves otherwise for a while, or creeps, meets other friction; that is no load.
+    """
+    x, joints = whitened.x, range(whitened.joints)
+    inside = within(change.prior, x).astype(np.float64)
+    friction = [
+        Nuisance(n, np.stack([inside, inside * x.sign(n), inside * x.qd[:, n]], axis=1))
+        for n in joints
+    ]
+    beside = whitened.explaining(whitened.basis, (*whitened.problem.nuisance, *friction))
+    return _log_bayes_factors(beside, len(whitened.index))(change)
+
+
 def _with_ranges(
     best: Change, log_bf: Callable[[Change], float], motion: tuple[float, float]
 ) -> Change:
@@ -132,7 +150,7 @@ def _with_ranges(
     return replace(best, since_range=since, until_range=until)
 
 
-def _of_shuffled(whitened: Whitened, change: Change) -> list[float]:
+def of_shuffled(whitened: Whitened, change: Change) -> list[float]:
     """Return the log Bayes factors of a change with the blocks of time in random order.
 
     A rigid-body part that fits badly gains from any freedom. A real change gains more in its

@@ -4,7 +4,7 @@ The same Bayes factors show which effects the motion could not have shown.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,15 +20,27 @@ from lagrangian_ff.diagnosis.search.judging import (
     causes_of,
     explained_with,
     judge,
+    judge_alike,
     possible,
+    reconsider,
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
+from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
+from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.sampling import recorded_seconds
 
-MOST_STEPS = 6
+MOST_STEPS = 40
+"""More than any arm lacks: the search ends where nothing stands out."""
+TRIED = 3
+"""Joints whose best candidate is judged, until one holds."""
+AGAIN = 1.5
+"""Ratio of its gain to that at its rejection from which on a joint is judged again."""
+SHORTER = 0.8
+"""Ratio of the lengths of blocks below which all candidates are judged again."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +56,7 @@ class Search:
         change: a load that was taken up on the way, if any.
         whitened: the motion, with all steps explained.
         own: the number of terms that the basis had before the first step.
+        wanting: s of such motion that a verdict needs besides; without it there are no steps.
     """
 
     steps: tuple[Step, ...]
@@ -54,6 +67,7 @@ class Search:
     change: Change | None
     whitened: Whitened
     own: int
+    wanting: float = 0.0
 
 
 def search(
@@ -72,21 +86,30 @@ def search(
     """
     own = len(whitened.basis.terms)
     taken: list[Step] = []
+    rejected: dict[int, float] = {}
     change: Change | None = None
     may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
     rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
     while True:
-        share = len(taken) / (steps + 1)
-        progress(share, f"looking at every effect, step {len(taken) + 1}")
+        share = 1.0 - 0.75 ** len(rounds)
+        progress(share, f"looking at every effect, step {len(rounds) + 1}")
         candidates = candidates_of(whitened, range(whitened.joints), effects)
         found = bayes_factors(whitened, candidates, coarse=True)
         whitened.forget()
+        if not rounds and found and len(np.unique(whitened.block)) < MANY:
+            shorter = _with_blocks(whitened, max(found, key=lambda score: score.log_bf))
+            if shorter.seconds < SHORTER * whitened.seconds:
+                whitened = shorter
+                found = bayes_factors(whitened, candidates, coarse=True)
+                whitened.forget()
         causes = causes_of(whitened.basis)
         best = best_of_each(found, causes)
         null = MaximumNull.of([score for score in found if not score.once])
         rounds.append((found, best, null))
         strong = [score for score in best if _stands_out(score, null, whitened)]
-        eligible = [score for score in strong if possible(score, causes)]
+        eligible = [score for score in strong if possible(score, causes, whitened.x)]
+        if wanting := _wanting(whitened):
+            break
         if change is None and may_change and (not taken or not eligible):
             change = change_of(whitened)
             if change is not None and change.log_bayes_factor > _to_beat(whitened, eligible):
@@ -95,20 +118,71 @@ def search(
                 whitened = whitened.assuming(problem)
                 continue
             change = None
-        if not eligible or len(taken) == steps:
+        if not eligible or len(taken) >= steps:
             break
-        name = eligible[0].candidate.source.name
-        progress(share + 0.5 / (steps + 1), f"looking closer at {name}")
-        step, refitted = judge(whitened, eligible[0], best, null, effects)
-        if step is None:
+        for first in _of_each_joint(eligible, rejected):
+            name = first.candidate.source.name
+            progress(share + 0.125 * 0.75 ** (len(rounds) - 1), f"looking closer at {name}")
+            step, refitted = judge(whitened, first, best, null, effects)
+            if step is not None:
+                break
+            rejected[first.candidate.joint] = first.log_bf
+        else:
             break
         taken.append(step)
         whitened = refitted.explaining(*explained_with(whitened, step.score.candidate))
+        if step.named and len(taken) < steps:
+            alike, whitened = judge_alike(whitened, step, eligible, null, effects)
+            taken += alike
+            if step.score.candidate.effect.kind == "friction":
+                whitened = with_sign_speeds(whitened)
     taken, whitened = _backward(taken, whitened, own)
+    taken, whitened = _reconsidered(taken, whitened, own, effects)
     (every, ranking, null), (_, last, _) = rounds[0], rounds[-1]
     return Search(
-        tuple(taken), tuple(every), tuple(ranking), tuple(last), null, change, whitened, own
+        tuple(taken),
+        tuple(every),
+        tuple(ranking),
+        tuple(last),
+        null,
+        change,
+        whitened,
+        own,
+        wanting,
     )
+
+
+def _of_each_joint(
+    eligible: Sequence[BayesFactor], rejected: Mapping[int, float]
+) -> list[BayesFactor]:
+    """Return the best of each joint, `TRIED` at most: hyperparameters may explain the first.
+
+    Args:
+        rejected: nats of the best of a joint when it was rejected; it must gain clearly more now.
+    """
+    first: dict[int, BayesFactor] = {}
+    for score in eligible:
+        first.setdefault(score.candidate.joint, score)
+    better = [one for n, one in first.items() if one.log_bf > AGAIN * rejected.get(n, 0.0)]
+    return better[:TRIED]
+
+
+def _with_blocks(whitened: Whitened, best: BayesFactor) -> Whitened:
+    """Return the motion with blocks as short as its noise allows.
+
+    What is missing lengthens the memory of the residual, which is measured without the best
+    candidate.
+    """
+    without = whitened.explaining(*explained_with(whitened, best.candidate))
+    return replace(whitened, seconds=block_seconds(without))
+
+
+def _wanting(whitened: Whitened) -> float:
+    """Return the s of such motion that a verdict needs besides; 0 if there is enough."""
+    blocks = len(np.unique(whitened.block))
+    motion = whitened.motion
+    lasts = recorded_seconds(motion.time, motion.segment)
+    return max(0.0, (thresholds.USED.fewest_blocks / blocks - 1.0) * lasts)
 
 
 def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Step], Whitened]:
@@ -128,6 +202,22 @@ def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Ste
         taken = taken[:last] + taken[last + 1 :]
         whitened = whitened.explaining(basis, whitened.problem.nuisance)
     return taken, whitened
+
+
+def _reconsidered(
+    taken: list[Step], whitened: Whitened, own: int, effects: Mapping[str, Effect] | None
+) -> tuple[list[Step], Whitened]:
+    """Return the steps, each judged again beside all others, and the motion with them."""
+    if len(taken) < 2:
+        return taken, whitened
+    nuisance = whitened.problem.nuisance
+    for number, step in enumerate(taken):
+        if step.named and not step.score.candidate.effect.plain and not step.score.once:
+            less = whitened.explaining(_without(whitened.basis, own, step), nuisance)
+            taken[number], whitened = reconsider(less, step, effects)
+    terms = [step.score.candidate.term() for step in taken if step.named]
+    basis = Basis((*whitened.basis.terms[:own], *terms))  # in the order of the steps
+    return taken, whitened.explaining(basis, nuisance)
 
 
 class Needed(NamedTuple):

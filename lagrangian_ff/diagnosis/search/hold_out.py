@@ -7,18 +7,25 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.intervals import reach_of_all
 from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
-from lagrangian_ff.diagnosis.whitening.hyperparameters import BLOCK_SECONDS
-from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
+from lagrangian_ff.diagnosis.whitening.hyperparameters import used
+from lagrangian_ff.effects.reversals import travelled
+from lagrangian_ff.identification.basis import Basis, shares
 from lagrangian_ff.identification.problem import Nuisance
-from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import recorded_seconds
 
 ROUNDING = 1e-9
+BEYOND = 2.0
+"""Distance from a reversal at which hysteresis is over, over that within which it builds up."""
+MOST_MORE = 600.0
+"""s of motion beyond which another motion is better than more of this one."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +62,10 @@ class HoldOutMotion:
         assumed = found.problem
         if assumed.change is not None:
             assumed = replace(assumed, change=change.prior if change else None)
-        index = evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints))
-        block = motion.blocks(BLOCK_SECONDS)[index]
+        index, seconds = used(motion), found.seconds
         whole = Basis((*model.terms, *(c.term() for c, b in taken if c.named and len(b))))
         assumed = replace(assumed.having(basis=whole), nuisance=())
-        whitened = whiten(motion, index, block, found.inputs_of(motion), assumed)
+        whitened = whiten(motion, index, seconds, found.inputs_of(motion), assumed)
         inputs = whitened.inputs_of(motion)
         x = replace(whitened, inputs=inputs).inputs_left_out()
         tau = motion.tau.copy()
@@ -70,34 +76,39 @@ class HoldOutMotion:
                 torques.append(np.zeros(len(index)))
                 continue
             torque = candidate.columns(x.whole or x) @ parameters
-            tau[:, candidate.joint] -= torque
+            tau -= np.outer(torque, candidate.term().on(len(motion.joints)))
             torques.append(x.mean(torque))
         system = whitened.system
         assumed = replace(assumed.having(basis=model), nuisance=tuple(nuisance))
         left = replace(motion, tau=tau)
-        whitened = whiten(left, index, block, inputs, assumed, x, system)
-        return cls(whitened, tuple(torques))
+        whitened = whiten(left, index, seconds, inputs, assumed, x, system)
+        return cls(replace(whitened, seconds=shortest_seconds(whitened)), tuple(torques))
 
-    def judged(self, parts: Sequence[tuple[int, int]]) -> HoldOut:
+    def judged(
+        self, parts: Sequence[tuple[int, Candidate]], share: Floats | None = None
+    ) -> HoldOut:
         """Return how findings do together: the log Bayes factor with them, over that without.
 
         Args:
-            parts: the number of each finding, and its joint.
+            parts: the number of each finding, and the finding.
+            share: (S,) by which the torque counts at each sample; None is 1.
         """
-        whitened = self.whitened
-        z = np.zeros_like(whitened.residual)
-        for number, joint in parts:
-            z += whitened.project(whitened.whitened(self.torques[number][:, None], joint))[:, 0]
-        return _judged(whitened, z)
+        z = np.zeros_like(self.whitened.residual)
+        for number, candidate in parts:
+            torque = self.torques[number]
+            z += self._white(torque if share is None else torque * share, candidate)
+        return _judged(self.whitened, z)
 
-    def rival(self, score: BayesFactor, instead_of: int) -> Floats:
+    def _white(self, torque: Floats, candidate: Candidate) -> Floats:
+        """Return the whitened and projected torque (S N,) of a finding, (S,) N·m on its joint."""
+        on = shares(self.whitened.joints, candidate.joint, candidate.others)[None]
+        return self.whitened.project(self.whitened.shared(torque[:, None], on))[:, 0]
+
+    def rival(self, score: BayesFactor, number: int, instead_of: Candidate) -> Floats:
         """Return the log Bayes factor by block (B,) of a frozen rival instead of a finding."""
         whitened, candidate = self.whitened, score.candidate
-        joint = candidate.joint
-        back = whitened.project(whitened.whitened(self.torques[instead_of][:, None], joint))[:, 0]
-        torque = candidate.columns(whitened.x) @ score.coefficients
-        z = whitened.project(whitened.whitened(torque[:, None], joint))[:, 0]
-        w = whitened.residual + back
+        w = whitened.residual + self._white(self.torques[number], instead_of)
+        z = self._white(candidate.columns(whitened.x) @ score.coefficients, candidate)
         return np.asarray(np.add.reduceat(z * (w - 0.5 * z), whitened.starts))
 
 
@@ -112,7 +123,7 @@ def judge_hold_out(
     """
     whole = without(found, motion, change)
     named = [number for number, step in enumerate(found.steps) if step.named]
-    views = {number: (whole, _alone_or_together(found, whole, number)) for number in named}
+    views = {number: (whole, _of_step(found, whole, number)) for number in named}
     failed: dict[int, list[int]] = {}
     for number in sorted(named, key=lambda n: -found.steps[n].score.log_bf):
         if not views[number][1].holds:
@@ -122,7 +133,7 @@ def judge_hold_out(
         again = without(found, motion, change, smaller)
         for number, *others in failed.values():
             if others:
-                views[number] = (again, _alone_or_together(found, again, number))
+                views[number] = (again, _of_step(found, again, number))
     return views
 
 
@@ -147,8 +158,7 @@ def frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
     """Return each step's parameters, and the ends of their 90 % intervals, fitted together."""
     whitened = found.whitened
     places = [place for _, place in whitened.basis.slices()][found.own :]
-    values = whitened.system.coefficients
-    deviation = whitened.system.deviations
+    half, values = reach_of_all(whitened), whitened.system.coefficients
     out = []
     waiting = iter(places)
     for step in found.steps:
@@ -157,17 +167,44 @@ def frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
             out.append((empty, empty, empty))
             continue
         place = next(waiting)
-        reach = 1.645 * np.sqrt(step.score.variance_inflation) * deviation[place]
-        out.append((values[place], values[place] - reach, values[place] + reach))
+        out.append((values[place], values[place] - half[place], values[place] + half[place]))
     return out
+
+
+def _of_step(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
+    """Return how a step does, beside hysteresis of its joint away from reversals as well.
+
+    What hysteresis is not quite like in form is left near reversals, at low speed, and looks like
+    friction over speed; but that is there wherever the joint is slow.
+    """
+    held = _alone_or_together(found, motion, number)
+    candidate = found.steps[number].score.candidate
+    effect, joint = candidate.effect, candidate.joint
+    over_speed = effect.kind == "friction" and effect.coordinate == "velocity"
+    if not held.holds or effect.remembers or effect.plain or not over_speed:
+        return held
+    terms = (term for term in found.whitened.basis.terms if term.joint == joint)
+    reach = max((term.effect.reach(term.shape) for term in terms), default=0.0)
+    if reach <= 0.0:
+        return held
+    x = motion.whitened.inputs
+    far = travelled(x.q[:, joint], x.qd[:, joint], x.segment) > BEYOND * reach
+    away = motion.judged([(number, candidate)], motion.whitened.x.mean(far.astype(np.float64)))
+    if away.holds:
+        return held
+    words = (
+        "it shows only where the joint has just reversed, as what is left of hysteresis does: "
+        "creep without reversing"
+    )
+    return replace(held, doubt=Doubt(Reason.NEAR_REVERSALS, words))
 
 
 def _alone_or_together(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
     """Return how a step does alone, or else with the steps of the same cause on other joints."""
     candidate = found.steps[number].score.candidate
-    alone = motion.judged([(number, candidate.joint)])
+    alone = motion.judged([(number, candidate)])
     same = [
-        (n, other.score.candidate.joint)
+        (n, other.score.candidate)
         for n, other in enumerate(found.steps)
         if other.named and other.score.candidate.cause == candidate.cause
     ]
@@ -179,13 +216,17 @@ def _judged(whitened: Whitened, z: Floats) -> HoldOut:
     """Return how effects with the whitened torque z (S N,) do on hold-out motion."""
     limits = thresholds.USED
     w = whitened.residual + z
-    gained = _by_piece(whitened, z * (w - 0.5 * z))
-    expected = _by_piece(whitened, 0.5 * z * z)
+    gained = np.add.reduceat(z * (w - 0.5 * z), whitened.starts)
+    expected = np.add.reduceat(0.5 * z * z, whitened.starts)
+    enough = min(len(expected), float(expected.sum()) / limits.group_nats[0]) / limits.fewest_groups
     power = float(z @ z)
     ratio = float(z @ w) / power if power > 0.0 else 0.0
     gained, expected = grouped(gained, expected)
     if len(gained) < limits.fewest_groups:
-        words = "the unseen motion is too short, or hardly shows the effect, to confirm it"
+        lasts = recorded_seconds(whitened.motion.time, whitened.motion.segment)
+        more = lasts / max(enough, 1e-9) - lasts
+        wanted = f": {more:.0f} s more of it would do" if 1.0 < more < MOST_MORE else ""
+        words = f"the unseen motion is too short, or hardly shows the effect, to confirm it{wanted}"
         return HoldOut(expected, gained, ratio, 1.0, Doubt(Reason.TOO_SHORT, words))
     p_value = signed_ranks(gained)
     share = float(np.mean(gained > 0.0))
@@ -210,20 +251,10 @@ def signed_ranks(gained: Floats) -> float:
     return float(np.mean(above >= rank[gained > 0.0].sum()))
 
 
-def _by_piece(whitened: Whitened, values: Floats) -> Floats:
-    """Return the sums of values (S N,) over pieces of time within blocks."""
-    time = whitened.x.time
-    piece = np.floor(time / thresholds.USED.piece) if np.isfinite(time).all() else 0.0
-    changes = np.diff(whitened.block) != 0
-    changes |= np.diff(np.broadcast_to(piece, len(whitened.block))) != 0.0
-    starts = np.concatenate([[0], np.flatnonzero(changes) + 1]) * whitened.joints
-    return np.asarray(np.add.reduceat(values, starts))
-
-
 def grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
-    """Return the sums over groups of neighbouring pieces, with enough expected of each group.
+    """Return the sums over groups of neighbouring blocks, with enough expected of each group.
 
-    Pieces stay whole: what exceeds the share of one group counts for the next.
+    Blocks stay whole: what exceeds the share of one group counts for the next.
     """
     limits = thresholds.USED
     total = float(expected.sum())

@@ -16,12 +16,15 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.nonparametric import sinusoids
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
+from lagrangian_ff.diagnosis.search.signs import natural
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
-from lagrangian_ff.effects import Effect
+from lagrangian_ff.effects import Effect, Inputs
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Nuisance, Problem
 from lagrangian_ff.kernels import threads
 
+NEAREST = 4
+"""Effects whose shapes are refined where a step is judged again."""
 REFINED = 8
 """Effects whose shapes are refined, besides plain friction."""
 
@@ -70,7 +73,7 @@ def candidates_of(
     ]
 
 
-def possible(score: BayesFactor, causes: frozenset[tuple[str, int]]) -> bool:
+def possible(score: BayesFactor, causes: frozenset[tuple[str, int]], x: Inputs) -> bool:
     """Return whether hardware could do this.
 
     What the hardware of another joint causes must have been found on that joint first.
@@ -79,7 +82,7 @@ def possible(score: BayesFactor, causes: frozenset[tuple[str, int]]) -> bool:
     if not candidate.named:
         return True
     if candidate.cause == candidate.key:
-        return candidate.effect.possible(score.coefficients)
+        return candidate.effect.possible(score.coefficients) and natural(score, x)
     return candidate.cause in causes
 
 
@@ -147,6 +150,85 @@ def judge(
     return step, refitted
 
 
+def judge_alike(
+    whitened: Whitened,
+    step: Step,
+    strong: Sequence[BayesFactor],
+    null: MaximumNull,
+    effects: Mapping[str, Effect] | None,
+) -> tuple[list[Step], Whitened]:
+    """Return the steps of the same effect on other joints, and the motion with them explained.
+
+    Gears are of one make: what one of them has, most have. Each joint is judged by itself, with the
+    hyperparameters at hand, which are refitted once for all.
+
+    Args:
+        whitened: the motion with the step explained.
+        step: just found.  strong: the candidates that stood out before it.
+        null, effects: see `judge`.
+    """
+    name = step.score.candidate.source.name
+    found = []
+    for first in strong:
+        joint = first.candidate.joint
+        if first.candidate.source.name != name or joint == step.score.candidate.joint:
+            continue
+        best = _best_here(whitened, joint, effects)
+        names = [one for one in best if one.candidate.named]
+        free = next((one for one in best if not one.candidate.named), None)
+        if not names or names[0].candidate.source.name != name:
+            continue
+        score = refined(whitened, names[0])
+        whitened.forget()
+        least = thresholds.USED.name_share * free.log_bf if free else 0.0
+        if score.log_bf > max(least, thresholds.USED.floor):
+            p_value, left = null.p_value(first.log_bf), tuple(rivals(score, names[1:]))
+            found.append(Step(score, left, first.log_bf, p_value, free))
+            whitened = whitened.explaining(*explained_with(whitened, score.candidate))
+    if found:
+        whitened = whitened.assuming(refit(whitened, whitened.basis, whitened.problem.nuisance))
+    return found, whitened
+
+
+def reconsider(
+    less: Whitened, step: Step, effects: Mapping[str, Effect] | None
+) -> tuple[Step, Whitened]:
+    """Return a step judged again beside what was found after it, and the motion with it explained.
+
+    The first effect that is found has to do for others, too: its form and its rivals are those of
+    all of them together. Another effect takes its place if that rules it out now.
+
+    Args:
+        less: the motion with all steps but this one explained.
+    """
+    candidate = step.score.candidate
+    best = [one for one in _best_here(less, candidate.joint, effects) if one.candidate.named]
+    names = [refined(less, one) for one in best[:NEAREST]]
+    (mine,) = bayes_factors(less, [candidate])
+    less.forget()
+    mine = max([mine, *(one for one in names if one.candidate.key == candidate.key)], key=_log_bf)
+    first = max([mine, *names], key=_log_bf)
+    if first is not mine and not rivals(first, [mine]):
+        step = replace(step, score=first, rivals=tuple(rivals(first, names)))
+    elif first is not mine or step.rivals:
+        step = replace(step, rivals=tuple(rivals(mine, names)))
+    return step, less.explaining(*explained_with(less, step.score.candidate))
+
+
+def _log_bf(score: BayesFactor) -> float:
+    return score.log_bf
+
+
+def _best_here(
+    whitened: Whitened, joint: int, effects: Mapping[str, Effect] | None
+) -> list[BayesFactor]:
+    """Return the candidates that may be on one joint, each at its best shape, best first."""
+    causes = causes_of(whitened.basis)
+    scores = bayes_factors(whitened, candidates_of(whitened, [joint], effects))
+    best = best_of_each(scores, causes)
+    return [one for one in best if one.log_bf > 0.0 and possible(one, causes, whitened.x)]
+
+
 @dataclass(frozen=True)
 class _View:
     """One joint with the hyperparameters that suit one candidate.
@@ -176,10 +258,7 @@ class _View:
         """Return the view, and the motion whitened for it."""
         joint = leader.candidate.joint
         refitted = whitened.assuming(problem)
-        candidates = candidates_of(refitted, [joint], effects)
-        causes = causes_of(refitted.basis)
-        every = best_of_each(bayes_factors(refitted, candidates), causes)
-        found = [one for one in every if one.log_bf > 0.0 and possible(one, causes)]
+        found = _best_here(refitted, joint, effects)
         # An event as leader was not compared with the null: only events may take its place.
         best = [one for one in found if one.candidate.named and (one.once or not leader.once)]
         best = [

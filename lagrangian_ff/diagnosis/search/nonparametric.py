@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.search.products import WITH_SIGN, Product
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.sampling import usual_step
 
@@ -18,7 +19,6 @@ KNOTS, PRODUCT_KNOTS = 9, 5
 BAND = (1.0, 10.0)
 """Hz between which a sinusoid is searched: slower ones are the motion's own."""
 SHORTEST, PADDED = 200, 4
-WITH_SIGN = "changing sign with direction"
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Sinusoid:
         return np.asarray(np.where(np.isfinite(x.time)[:, None], waves, 0.0))
 
 
-Alternative = Spline | SplineProduct | Sinusoid
+Alternative = Spline | SplineProduct | Sinusoid | Product
 
 
 def _hats(values: Floats, knots: Sequence[float]) -> Floats:

@@ -148,6 +148,11 @@ COORDINATES: dict[str, Coordinate] = {
             levels={-1.0: "backwards", 1.0: "forwards"},
         ),
         Coordinate(
+            "rest", "", "standing still",
+            lambda s, j: s.still[:, j].astype(np.float64), _either("standing still", "moving"),
+            levels={0.0: "moving", 1.0: "standing still"}, binned=False,
+        ),
+        Coordinate(
             "outside_range", "", "outside the range the model knows",
             lambda s, j: (s.excess > OUTSIDE).astype(np.float64),
             _either(
@@ -159,6 +164,9 @@ COORDINATES: dict[str, Coordinate] = {
     )
 }  # fmt: skip
 """By name. Where two say the same thing equally well, the one listed first is named."""
+
+APART = ("time", "rest")
+"""Searched for themselves: when a model failed, and that it stood still, do not answer where."""
 
 PAIRS: tuple[tuple[str, str], ...] = (
     ("speed", "since_reversal"),

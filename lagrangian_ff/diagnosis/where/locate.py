@@ -150,7 +150,11 @@ def locate(model: Model, comparison: Comparison, progress: Progress = silent) ->
         states = motion.q, motion.qd, motion.qdd
         load = model.inputs(*states, time=motion.time, segment=motion.segment).load
     excess = model.range.excess(States.of(motion.q, motion.qd, motion.qdd)).max(axis=1)
-    series = ResidualSeries(motion, comparison.residual, load, excess)
+    static = np.zeros(len(motion.joints))
+    for term, place in model.basis.slices():
+        if term.effect.name == "coulomb":
+            static[term.joint] = abs(float(model.coefficients[place][0]))
+    series = ResidualSeries(motion, comparison.residual, load, excess, static)
     bins: list[Bins] = []
     regions: list[Region] = []
     spectra: list[Spectrum] = []

@@ -6,14 +6,14 @@ of Kulldorff's scan statistic (1997): much error in little time.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.diagnosis.where.bins import divide
-from lagrangian_ff.diagnosis.where.coordinates import COORDINATES, PAIRS, Coordinate, percent
+from lagrangian_ff.diagnosis.where.coordinates import APART, COORDINATES, PAIRS, Coordinate, percent
 from lagrangian_ff.diagnosis.where.series import (
     BLOCK_SECONDS,
     ResidualSeries,
@@ -21,6 +21,7 @@ from lagrangian_ff.diagnosis.where.series import (
     block_orders,
     resampled,
 )
+from lagrangian_ff.numbers import typeset
 
 ALONE, TOGETHER = 20, 8
 """Bins of a coordinate that is looked at alone, and of one that is looked at with another."""
@@ -41,6 +42,8 @@ LEAST_RATIO, SURE_RATIO = 1.5, 1.2
 LEAST_SHARE = 0.1
 PAIR_MUST_GAIN = 1.3
 """Two conditions are named only if they stand out by this factor more than the best single one."""
+STATIC = 1.5
+"""Static friction over Coulomb friction, at most."""
 AS_GOOD = 0.9
 """A coordinate that is listed earlier is named if it reaches this share of the best."""
 
@@ -75,6 +78,7 @@ class Region:
         share_of_error: of the joint's squared error.
         band: 90 % of it, from a bootstrap over blocks of 1 s.
         share_of_time: of the samples.  rms: N·m, of the residual inside.
+        remark: what follows from it, in words; mostly nothing.
     """
 
     joint: str
@@ -83,6 +87,7 @@ class Region:
     band: tuple[float, float]
     share_of_time: float
     rms: float
+    remark: str = ""
 
     @property
     def strength(self) -> float:
@@ -100,7 +105,7 @@ class Region:
         """The region as one sentence."""
         return (
             f"{self.joint} {self.place}: {percent(self.share_of_error)} of its error in "
-            f"{percent(self.share_of_time)} of the time"
+            f"{percent(self.share_of_time)} of the time{self.remark}"
         )
 
     def record(self) -> dict[str, object]:
@@ -250,7 +255,9 @@ def find_regions(series: ResidualSeries, joint: int, seed: int = 0) -> list[Regi
         Up to three, and one of time; none if the error is spread evenly or the motion is too short.
     """
     small = series.thinned(SAMPLES)
-    squared = small.residual[:, joint] ** 2
+    squared, still = small.residual[:, joint] ** 2, small.still[:, joint]
+    if not still.all():
+        squared = np.where(still, squared[~still].mean(), squared)
     if series.too_short or not float(squared.sum()) > 0.0:
         return []
     orders = block_orders(small.motion.time, SHUFFLES, seed)
@@ -276,10 +283,36 @@ def find_regions(series: ResidualSeries, joint: int, seed: int = 0) -> list[Regi
             error = np.where(inside, error[~inside].mean(), error)
         return regions
 
-    names = [[name] for name in COORDINATES if name != "time"] + [list(pair) for pair in PAIRS]
+    names = [[name] for name in COORDINATES if name not in APART] + [list(pair) for pair in PAIRS]
     scans = [scan for one in names if (scan := Scan.of(small, joint, one))]
     when = Scan.of(small, joint, ["time"])
-    return greedily(scans, MOST, CHANCE) + greedily([when] if when else [], 1, CHANCE_OF_TIME)
+    found = greedily(scans, MOST, CHANCE) + greedily([when] if when else [], 1, CHANCE_OF_TIME)
+    return found + _standing_still(series, joint, seed)
+
+
+def _standing_still(series: ResidualSeries, joint: int, seed: int) -> list[Region]:
+    """Return the region in which a joint stands still, if it holds clearly more error than time.
+
+    There the torque is anywhere within static friction; only what exceeds it is an error.
+    """
+    condition = Condition("rest", 1.0, 1.0, "standing still")
+    region = _measured(series, joint, (condition,), seed)
+    if region is None or not region.share_of_time >= LEAST_TIME:
+        return []
+    static = 0.0 if series.static is None else float(series.static[joint])
+    if static <= 0.0:
+        remark = "; static friction may be all of it, and this model knows none of this joint"
+    elif region.rms <= STATIC * static:
+        remark = (
+            f"; it is within the static friction that {typeset(static, 2)} N·m of Coulomb friction "
+            "allow: nothing follows from it"
+        )
+    else:
+        remark = (
+            f"; at {typeset(region.rms, 2)} N·m it exceeds what {typeset(static, 2)} N·m of "
+            "Coulomb friction can hold: gravity is wrong there, or the effort"
+        )
+    return [replace(region, remark=remark)]
 
 
 def _strongest(scans: Sequence[Scan], error: Floats) -> Strongest:
@@ -320,4 +353,6 @@ def _measured(
 
 
 def _inside(series: ResidualSeries, joint: int, conditions: tuple[Condition, ...]) -> Flags:
-    return np.logical_and.reduce([one.holds(series, joint) for one in conditions])
+    inside = np.logical_and.reduce([one.holds(series, joint) for one in conditions])
+    resting = any(one.coordinate == "rest" for one in conditions)
+    return np.asarray(inside if resting else inside & ~series.still[:, joint])

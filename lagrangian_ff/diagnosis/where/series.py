@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.recording.motion import Motion
 
 BLOCK_SECONDS = 1.0
@@ -30,12 +30,21 @@ class ResidualSeries:
         residual: (M, N) N·m, measured minus predicted.
         load: (M, N) N·m, the model's rigid-body torque: the measured one holds the residual.
         excess: (M,) how far outside the identified range the state is, in parts of the range.
+        static: (N,) N·m, static friction as far as the model knows it; None if it knows none.
+        rest: (M, N) where each joint stands still; None takes it from the motion.
     """
 
     motion: Motion
     residual: Floats
     load: Floats
     excess: Floats
+    static: Floats | None = None
+    rest: Flags | None = None
+
+    @property
+    def still(self) -> Flags:
+        """Return (M, N) where each joint stands still."""
+        return self.motion.rest if self.rest is None else self.rest
 
     @property
     def too_short(self) -> bool:
@@ -50,7 +59,8 @@ class ResidualSeries:
             return self
         part = slice(None, None, step)
         arrays = self.residual[part], self.load[part], self.excess[part]
-        return ResidualSeries(self.motion.take(part), *arrays)
+        # Found at the full rate: a few samples show no rest.
+        return ResidualSeries(self.motion.take(part), *arrays, self.static, self.still[part])
 
 
 def resampled(sums: "NDArray[Any]", seed: int = 0) -> Floats:

@@ -1,21 +1,22 @@
 """Fit hyperparameters and the shapes of friction by evidence, on few samples first."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from threadpoolctl import threadpool_limits
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.choosing.evidence import Logarithms, maximise_evidence, quiet
+from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
 from lagrangian_ff.identification.problem import Nuisance, Prior, Problem, Scaling
-from lagrangian_ff.identification.samples import Samples, evenly
+from lagrangian_ff.identification.samples import Samples, moving
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.solving.system import System
@@ -23,13 +24,15 @@ from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.structured.chain import Chain
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
+from lagrangian_ff.sampling import usual_step
 
 COARSE, FINE, SHAPES = 120, 240, 400
 """Numbers of samples. On the fewest alone, a flexible prior takes the noise for dynamics."""
-BLOCK_SECONDS = 2.0
 AGAIN = 2
 """Largest number of steps of a refit."""
+FEWEST = 200
+"""Samples that are whitened at least, however low the low-pass."""
 LEAST_NOISE = 1e-7
 """Least noise relative to the prior variance; with less, many samples have no factor."""
 FAILED = 1e12
@@ -54,9 +57,11 @@ def fit(
         progress: receives the share done, 0 to 1.
         sliding: (N,) 1 for a joint that slides; None if all turn.
     """
-    index = evenly(len(motion), FINE)
+    index = moving(motion, FINE)
     states = States(inputs.q[index], inputs.qd[index], inputs.qdd[index])
-    problem = _started(_few(motion, inputs, FINE), motion.tau, states, basis, sliding)
+    weightless = motion.effort == WITHOUT_GRAVITY
+    few = _few(motion, inputs, FINE)
+    problem = _started(few, motion.tau, states, basis, sliding, weightless)
     prior = _about(problem)
     with threadpool_limits(1):
         begin = 0.0
@@ -100,13 +105,19 @@ def refit(
     problem = whole.thinned(FINE)
     samples = problem.samples
     sliding = sliding_of(problem.kernel, whitened.joints)
-    start = _started(samples, samples.tau, samples.states, basis, sliding)
+    weightless = whitened.motion.effort == WITHOUT_GRAVITY
+    start = _started(samples, samples.tau, samples.states, basis, sliding, weightless)
     with threadpool_limits(1):
         return _maximised(problem, _about(start), AGAIN, silent)
 
 
 def _started(
-    samples: Samples, tau: Floats, states: States, basis: Basis, sliding: Floats | None
+    samples: Samples,
+    tau: Floats,
+    states: States,
+    basis: Basis,
+    sliding: Floats | None,
+    weightless: bool,
 ) -> Problem:
     """Return the problem before the fit.
 
@@ -114,6 +125,7 @@ def _started(
         tau: (M, N) N·m and states: (M, N) give the scales.
         basis: the effects already in the model.
         sliding: (N,) 1 for a joint that slides; None if all turn.
+        weightless: whether the torque holds no gravity.
     """
     spread = np.std(tau, axis=0)
     unit = spread.max(initial=0.0) or 1.0
@@ -121,7 +133,10 @@ def _started(
     kernel = Chain.start(states)
     if sliding is not None:
         kernel = kernel.replace(prismatic=sliding)
-    noise = START_NOISE * share * kernel.variance(states).mean()
+    if weightless:
+        kernel = kernel.without_gravity()
+    relative = np.maximum(START_NOISE * share, 2.0 * LEAST_NOISE)
+    noise = relative * kernel.variance(states).mean()
     scaling = Scaling(np.full(tau.shape[1], unit), np.ones(tau.shape[1]))
     return Problem(samples, Prior(kernel, noise, scaling, basis))
 
@@ -133,17 +148,28 @@ def _about(problem: Problem) -> HyperPrior:
 
 def _few(motion: Motion, inputs: Inputs, count: int) -> Samples:
     """Return some samples of a motion, averaged as all of them are."""
-    window = window_of(evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints)), motion)
-    x = inputs.take(evenly(len(motion), count), window)
+    x = inputs.take(moving(motion, count), window_of(used(motion), motion))
     return Samples(x, x.mean(motion.tau))
+
+
+def used(motion: Motion) -> Ints:
+    """Return the samples (S,) of a motion that are whitened.
+
+    Not more than the low-pass has left independent: two in each period of its bandwidth.
+    """
+    bandwidth = motion.conditioning.get("bandwidth")
+    most = thresholds.EFFORT.rows // len(motion.joints)
+    if isinstance(bandwidth, float):
+        moves = len(motion) * usual_step(motion.time, motion.segment)
+        most = min(most, max(FEWEST, round(2.0 * bandwidth * moves)))
+    return moving(motion, most)
 
 
 def _whitened(
     motion: Motion, inputs: Inputs, problem: Problem, like: System | None = None
 ) -> Whitened:
-    index = evenly(len(motion), thresholds.EFFORT.rows // len(motion.joints))
-    block = motion.blocks(BLOCK_SECONDS)[index]
-    return whiten(motion, index, block, inputs, problem, like=like)
+    made = whiten(motion, used(motion), LONGEST, inputs, problem, like=like)
+    return replace(made, seconds=block_seconds(made))
 
 
 def _maximised(problem: Problem, prior: HyperPrior, steps: int, progress: Progress) -> Problem:
@@ -158,50 +184,28 @@ def _maximised(problem: Problem, prior: HyperPrior, steps: int, progress: Progre
 
 def _with_gains(problem: Problem) -> Problem:
     """Return the problem with units of effort that differ between joints, if strongly evident."""
-    evidence = _by_gain(problem)
-    start = problem.unit / problem.unit[0]
-    first = evidence(start)
-    best, gain = first, start
-    steps = np.full(len(gain), 0.25)
-    for _ in range(3):
-        for joint in range(1, len(gain)):
-            for sign in (1.0, -1.0):
-                tried = gain.copy()
-                tried[joint] *= np.exp(sign * steps[joint])
-                value = evidence(tried)
-                if value > best:
-                    best, gain = value, tried
-                    break
-            else:
-                steps[joint] *= 0.4
-    if best - first <= thresholds.USED.unit_floor:
-        return problem
-    return problem.having(scaling=replace(problem.prior.scaling, unit=problem.unit[0] * gain))
-
-
-def _by_gain(problem: Problem) -> Callable[[Floats], float]:
-    """Return the log evidence in N·m as a function of the units (N,) relative to the first joint's.
-
-    The units change no Gram matrix.
-    """
     if quiet(problem, LEAST_NOISE):
-        return lambda gain: -FAILED
+        return problem
     try:
-        system = exact(problem).system
+        gains = likeliest_gains(problem)
     except NotPositiveDefiniteError:
-        return lambda gain: -FAILED
-    joints = len(problem.unit)
-    apart = (system.target.reshape(-1, joints, 1) * np.eye(joints)).reshape(-1, joints)
-    white = solve_triangular(system.upper, apart, trans=1, check_finite=False)
+        return problem
+    return problem if gains.nats <= thresholds.USED.unit_floor else gains.of(problem)
 
-    def evidence(gain: Floats) -> float:
-        unit = problem.unit[0] * gain
-        scale = problem.unit / unit
-        design = system.white_design * scale[problem.basis.joints]
-        scaled = replace(system, white_design=design, white_target=white @ scale)
-        return scaled.log_evidence - len(problem.samples) * float(np.sum(np.log(unit)))
 
-    return evidence
+def with_sign_speeds(whitened: Whitened) -> Whitened:
+    """Return the motion with the widths of the Coulomb steps fitted beside all its effects.
+
+    A width that was fitted while other friction was missing had made up for it.
+    """
+    problem = _sign_speeds(whitened.motion, whitened.inputs, replace(whitened.problem, nuisance=()))
+    speed = problem.basis.sign_speed(whitened.joints)
+    inputs, x = replace(whitened.inputs, sign_speed=speed), replace(whitened.x, sign_speed=speed)
+    if x.whole is not None:
+        x = replace(x, whole=replace(x.whole, sign_speed=speed))
+    problem = replace(problem.of(whitened.problem.samples), nuisance=whitened.problem.nuisance)
+    parts = whitened.motion, whitened.index, whitened.seconds, inputs
+    return whiten(*parts, problem, x, whitened.system)
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:

@@ -27,6 +27,8 @@ from lagrangian_ff.kernels.structured.chain import Chain
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import usual_step
 
+LOAD_SECONDS = 2.0
+"""Length of the blocks that the load is predicted without."""
 MANY = 64
 """Number of columns of a joint above which its response saves time."""
 ROWS_AT_ONCE = 480
@@ -41,7 +43,7 @@ class Whitened:
 
     Attributes:
         motion: the whole motion.
-        index: (S,) the samples used.  block: (S,) the block of time of each.
+        index: (S,) the samples used.  seconds: length of the blocks of time that are independent.
         inputs: the whole motion as effects read it.
         problem: of the samples used: a serial arm of unknown masses with white noise on every
             joint, the effects already in the model with free parameters, and nuisance columns.
@@ -52,7 +54,7 @@ class Whitened:
 
     motion: Motion
     index: Ints
-    block: Ints
+    seconds: float
     inputs: Inputs
     problem: Problem
     system: System
@@ -89,6 +91,11 @@ class Whitened:
     def spread(self) -> Floats:
         """Return the standard deviation (N,) N·m of each joint's torque."""
         return np.asarray(np.std(self.motion.tau, axis=0))
+
+    @cached_property
+    def block(self) -> Ints:
+        """Return (S,) the block of time of each sample used."""
+        return np.asarray(self.motion.blocks(self.seconds)[self.index])
 
     @cached_property
     def starts(self) -> Ints:
@@ -138,7 +145,7 @@ class Whitened:
         return self._again(problem, self.system)
 
     def _again(self, problem: Problem, like: System | None) -> "Whitened":
-        parts = self.motion, self.index, self.block, self.inputs
+        parts = self.motion, self.index, self.seconds, self.inputs
         return whiten(*parts, problem, self.x, like)
 
     def whitened(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
@@ -160,6 +167,18 @@ class Whitened:
             solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
         )
 
+    def shared(self, columns: Floats, on: Floats) -> Floats:
+        """Return columns (S, K) N·m whitened, (S N, K), that act on several joints.
+
+        Args:
+            on: (K, N) the factor of each in the torque of each joint.
+        """
+        full = columns[:, None, :] * (on / self.problem.unit).T / self.amplitude
+        flat = np.asfortranarray(full.reshape(-1, columns.shape[1]))
+        return np.asarray(
+            solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
+        )
+
     def project(self, whitened: Floats) -> Floats:
         """Return whitened columns (S N, K) with everything explained projected out."""
         return np.asarray(whitened - self.explained @ (self.explained.T @ whitened))
@@ -172,7 +191,7 @@ class Whitened:
         """
         x = States.of(motion.q, motion.qd, motion.qdd)
         speed = self.basis.sign_speed(self.joints)
-        inputs = Inputs.of(x, motion.time, motion.segment, sign_speed=speed)
+        inputs = Inputs.of(x, motion.time, motion.segment, None, None, speed, motion.temperature)
         load, torque = self._predicted(inputs, self.system.weights, self.system.coefficients)
         return replace(inputs, load=load, torque=torque, rotor=self._rotor)
 
@@ -183,10 +202,11 @@ class Whitened:
     def inputs_left_out(self) -> Inputs:
         """Return the samples used, and the motion behind them, with the load cross-validated.
 
-        The load at each moment is predicted without the block of that moment: a load fitted to the
-        torque that it is to explain would contain the answer.
+        The load at each moment is predicted without `LOAD_SECONDS` about that moment: a load fitted
+        to the torque that it is to explain would contain the answer.
         """
-        _, place = np.unique(self.block, return_inverse=True)
+        block = self.motion.blocks(LOAD_SECONDS)[self.index]
+        _, place = np.unique(block, return_inverse=True)
         ends = np.flatnonzero(np.diff(place, prepend=-1, append=-1)) * self.joints
         left = _left_out(self.system, ends.tolist())
         weights = self.system.weights_without(left)
@@ -229,7 +249,7 @@ def window_of(index: Ints, motion: Motion) -> int:
 def whiten(
     motion: Motion,
     index: Ints,
-    block: Ints,
+    seconds: float,
     inputs: Inputs,
     assumed: Problem,
     x: Inputs | None = None,
@@ -238,7 +258,7 @@ def whiten(
     """Return a motion factored and whitened, with the tangents of the basis' shapes explained too.
 
     Args:
-        motion, index, block, inputs: see `Whitened`.
+        motion, index, seconds, inputs: see `Whitened`.
         assumed: the problem; its samples are replaced.
         x: the samples used; None takes them from the inputs.
         like: a system of the same samples, kernel and noise, whose factor is reused.
@@ -255,7 +275,7 @@ def whiten(
     explained = explained[:, ~weak]
     white = system.white_target - explained @ (explained.T @ system.white_target)
     residual = white / np.sqrt(system.amplitude)
-    return Whitened(motion, index, block, inputs, problem, system, residual, explained)
+    return Whitened(motion, index, seconds, inputs, problem, system, residual, explained)
 
 
 def rigid_torque(problem: Problem, x: Inputs, weights: Floats) -> Floats:
@@ -292,7 +312,7 @@ def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
 
     def without(rows: tuple[int, int]) -> LeftOut:
         first, last = rows
-        half = _inverse_rows(system.upper, first, last)
+        half = inverse_rows(system.upper, first, last)
         mine = white[first:last]
         projected = half @ half.T - mine @ system.covariance @ mine.T
         residual = np.linalg.solve(projected, system.weights[first:last])
@@ -303,7 +323,7 @@ def _left_out(system: System, ends: Sequence[int]) -> list[LeftOut]:
     return threads.side_by_side(without, pairwise(ends))
 
 
-def _inverse_rows(upper: Floats, first: int, last: int) -> Floats:
+def inverse_rows(upper: Floats, first: int, last: int) -> Floats:
     """Return rows of U⁻¹ (R, n - first), from where they are not zero."""
     size = len(upper) - first
     out = np.zeros((last - first, size))

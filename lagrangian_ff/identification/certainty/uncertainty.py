@@ -211,7 +211,8 @@ def quick_factor(model: TorqueModel) -> Floats | None:
 def _data(model: TorqueModel) -> Inputs:
     """Return all of the data that the model keeps, as effects see it."""
     data = model.data
-    return _inputs(model, data.q, data.qd, data.qdd, data.time, data.segment)
+    motion = data.q, data.qd, data.qdd, data.time, data.segment
+    return _inputs(model, *motion, data.temperature)
 
 
 def _inputs(
@@ -221,9 +222,12 @@ def _inputs(
     qdd: ArrayLike,
     time: ArrayLike | None,
     segment: Ints | None,
+    temperature: Floats | None = None,
 ) -> Inputs:
     """Return a motion as effects see it, with torques (slow) only if an effect uses them."""
     if not any(term.effect.uses for term in model.basis.terms):
         speed = model.basis.sign_speed(len(model.joints))
-        return Inputs.of(model.states(q, qd, qdd), time, segment, sign_speed=speed)
-    return model.with_torque(model.inputs(q, qd, qdd, time=time, segment=segment))
+        x = model.states(q, qd, qdd)
+        return Inputs.of(x, time, segment, None, None, speed, temperature)
+    inputs = model.inputs(q, qd, qdd, time=time, segment=segment, temperature=temperature)
+    return model.with_torque(inputs)

@@ -1,10 +1,10 @@
 """Choosing a kernel and its hyperparameters, in the way that suits the kernel.
 
 The paper's kernels have a few numbers, which a simplex search finds (see `search`). Structured
-kernels have several a joint: their evidence is maximised (see `evidence`), and blocks left out
-decide between kernels and scalings, and by how much the noise is raised, since the errors of a real
-arm are not white. All that uses a subset of the samples; the width of the Coulomb step, which only
-slow samples show, is then chosen on all.
+kernels have several a joint: their evidence is maximised (see `evidence`) and decides between
+scalings. Blocks left out decide between kernels, and by how much the noise is raised, since the
+errors of a real arm are not white. All that uses a subset of the samples; the width of the Coulomb
+step, which only slow samples show, is then chosen on all.
 
 With Huber's loss the IRLS weights follow from a fit, and the choice from the weights.
 """
@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.special import stdtrit
 from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats
@@ -24,6 +25,7 @@ from lagrangian_ff.identification.choosing.evidence import (
     maximise_evidence,
     solvable,
 )
+from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.shapes import refit_shapes
 from lagrangian_ff.identification.choosing.simplex import require_folds, search, validation_score
 from lagrangian_ff.identification.predicting import CHUNK_SAMPLES
@@ -52,12 +54,17 @@ from lagrangian_ff.progress import Progress, part, silent
 QUICK_SAMPLES = 120
 """Samples on which a robust choice finds rough weights, twice: the first model is too poor."""
 FIRST, SECOND, LAST = (60, 30), (120, 12), (240, 4)
-"""Samples that the evidence is maximised on, and steps at most: for every candidate, for those that
-are not clearly worse than the best, and for the best."""
-WORSE = 1.5
-"""Multiple of the least error on blocks left out beyond which a candidate is clearly worse."""
+"""Samples that the evidence is maximised on, and steps at most: for every scaling with the first
+kernel, and every other kernel with the best; for each kernel; and for the best of them."""
+STRONG = 5.0
+"""Nats, very strong evidence (Kass and Raftery 1995), by which a candidate that assumes less must
+be the likelier one: a freer kernel, or a unit of effort for each joint."""
+SURE = 0.95
+"""Confidence with which folds left out must find a candidate better."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
+LEAST_ERROR = 1e-12
+"""Of a joint's error relative to its variance: rounding is no difference."""
 ENOUGH = 0.5
 """Nats that a step must bring for another to be tried; less hardly changes the error."""
 SHAPED_TORQUES = 4000
@@ -103,8 +110,9 @@ def choose(
     require_folds(samples)
     criterion = settings.selection
     first, second, last = (_for(stage, settings) for stage in (FIRST, SECOND, LAST))
-    count = len(spec.alternatives) * len(scalings)
-    whole = count * (_work(first) + _work(second)) + _work(last)
+    kernels = len(spec.alternatives)
+    starts_tried = kernels + len(scalings) - 1
+    whole = starts_tried * _work(first) + kernels * _work(second) + _work(last)
     rough, fine = samples.thinned(ROUGH_SAMPLES), samples.thinned(JUDGED_SAMPLES)
     tried: list[_Candidate] = []
     done = 0.0
@@ -121,19 +129,25 @@ def choose(
 
     kept: list[_Candidate] = []
     for kernel in spec.alternatives:
-        # A scaling that is clearly worse with one kernel is so with the next.
-        used = [one.latest.prior.scaling for one in kept]
-        left = [scaling for scaling in scalings if any(one is scaling for one in used)]
-        starts = [Problem.started(kernel, samples, scaling) for scaling in left or scalings]
+        # The units of effort are those of the arm, whatever the kernel.
+        left = [kept[0].latest.prior.scaling] if kept else scalings
+        starts = [Problem.started(kernel, samples, scaling) for scaling in left]
         candidates = [_Candidate(kernel, start, start, start) for start in starts]
-        kept += [one for candidate in candidates if (one := improved(candidate, first, rough))]
-        if criterion == "validation":
-            least = min((one.cost for one in kept), default=0.0)
-            kept = [one for one in kept if one.cost <= WORSE * least]
+        found = [one for candidate in candidates if (one := improved(candidate, first, rough))]
+        if len(found) > 1 and (gained := found[0].in_likeliest_units(samples)):
+            again = improved(gained, first, rough)
+            found[1:1] = [again] if again else []
+        one = _likeliest(found) if found else None
+        if one and not (kept and kept[0].surely_beats(one, criterion)):
+            kept.append(one)
     if not kept:
         raise no_factor(spec.text, samples.x.qd, samples.x.qdd)
     pairs = [(improved(one, second, rough) or one, one) for one in kept]
-    best, before = min(pairs, key=lambda pair: pair[0].cost)
+    best, before = pairs[0]
+    for one, earlier in pairs[1:]:
+        # Where two do as well on this motion, the one that knows more physics does better beyond.
+        if one.is_likelier(best) and one.surely_beats(best, criterion):
+            best, before = one, earlier
     misled = criterion == "validation" and best.cost > before.cost
     best = best.judged(fine, criterion)
     # Samples that lie close share their errors, which the evidence then takes for dynamics.
@@ -174,6 +188,7 @@ class _Candidate:
         start: before any step.  latest: after the last.  choice: with the best noise.
         factor: index of that noise in `NOISE_FACTORS`.
         samples: number in the last steps.  evidence: on these.  cost: to minimise.
+        folds: (F,) log error on each fold left out.
     """
 
     spec: Spec
@@ -184,6 +199,7 @@ class _Candidate:
     samples: int = 0
     evidence: float = -np.inf
     cost: float = np.inf
+    folds: Floats = field(default_factory=lambda: np.zeros(0))
 
     def improved(self, samples: Samples, stage: Stage, progress: Progress) -> "_Candidate":
         """Return the candidate after some more steps."""
@@ -195,14 +211,40 @@ class _Candidate:
         found = maximise_evidence(begin, steps, prior, progress, enough=ENOUGH, damping=damping)
         return replace(self, latest=found.problem, samples=count, evidence=found.log_evidence)
 
+    def in_likeliest_units(self, samples: Samples) -> "_Candidate | None":
+        """Return the candidate with gains of the drives; None if the evidence is not for any."""
+        latest = self.latest.of(samples.thinned(self.samples))
+        gains = likeliest_gains(latest)
+        # By chance, each free unit gains half a nat (Wilks 1938).
+        if gains.nats <= STRONG + 0.5 * (len(gains.unit) - 1):
+            return None
+        latest = gains.of(latest)
+        start = Problem.started(self.spec, samples, latest.prior.scaling)
+        return _Candidate(self.spec, start, latest, latest)
+
     def judged(self, samples: Samples, criterion: str) -> "_Candidate":
         """Return the candidate with its cost."""
         if criterion == "evidence":
             return replace(self, choice=self.latest, cost=-self.evidence)
         # Threads cost more than they bring on matrices as small as these.
         with threadpool_limits(1):
-            factor, choice, cost = _least_error(self.latest.of(samples), self.factor)
-        return replace(self, factor=factor, choice=choice, cost=cost)
+            factor, choice, folds = _least_error(self.latest.of(samples), self.factor)
+        return replace(self, factor=factor, choice=choice, cost=_typical(folds), folds=folds)
+
+    def surely_beats(self, other: "_Candidate", criterion: str) -> bool:
+        """Return whether it is better by more than chance.
+
+        Its error on folds left out must be less by a one-sided paired t-test at the 5 % level.
+        """
+        if criterion == "evidence" or not (len(self.folds) == len(other.folds) > 1):
+            return self.cost < other.cost
+        gain = other.folds - self.folds
+        error = np.std(gain, ddof=1) / np.sqrt(len(gain))
+        return bool(np.mean(gain) > stdtrit(len(gain) - 1, SURE) * error)
+
+    def is_likelier(self, other: "_Candidate") -> bool:
+        """Return whether the evidence on as many samples is very strong for it."""
+        return self.samples == other.samples and self.evidence > other.evidence + STRONG
 
     def shown(self, criterion: str) -> Tried:
         """Return kernel, scaling, samples, evidence and cost for the findings."""
@@ -211,22 +253,32 @@ class _Candidate:
         return Tried(self.spec.kernel.name, scale, self.samples, **costs)
 
 
-def _least_error(problem: Problem, first: int) -> tuple[int, Problem, float]:
-    """Return index, problem and error of the best noise factor on blocks left out.
+def _likeliest(candidates: "Sequence[_Candidate]") -> "_Candidate":
+    """Return the first candidate, or a later one that is surely likelier and no worse on folds."""
+    best = candidates[0]
+    for one in candidates[1:]:
+        if one.is_likelier(best) and one.cost <= best.cost:
+            best = one
+    return best
+
+
+def _least_error(problem: Problem, first: int) -> tuple[int, Problem, Floats]:
+    """Return index, problem and log errors by fold of the best noise factor on blocks left out.
 
     The search goes from the first factor to its neighbours, as long as the error falls.
     """
     groups = problem.samples.groups()
-    errors: dict[int, float] = {}
+    errors: dict[int, Floats] = {}
 
     def error(factor: int) -> float:
         if factor not in errors:
             try:
                 found = exact(problem.noisier(NOISE_FACTORS[factor]))
-                errors[factor] = float(np.nanmean(validation_score(found, groups)))
+                scores = [validation_score(found, [group]) for group in groups]
+                errors[factor] = np.array([_log_error(score) for score in scores])
             except (NotPositiveDefiniteError, np.linalg.LinAlgError):
-                errors[factor] = np.inf
-        return errors[factor]
+                errors[factor] = np.full(len(groups), np.inf)
+        return _typical(errors[factor])
 
     best = first
     for step in (1, -1):
@@ -234,7 +286,24 @@ def _least_error(problem: Problem, first: int) -> tuple[int, Problem, float]:
             error(best + step) < error(best) or not np.isfinite(error(best))
         ):
             best += step
-    return best, problem.noisier(NOISE_FACTORS[best]), error(best)
+    error(best)
+    return best, problem.noisier(NOISE_FACTORS[best]), errors[best]
+
+
+def _log_error(score: Floats) -> float:
+    """Return the mean log of the joints' errors (N,), NaN left out.
+
+    It is, up to a factor, minus the predictive log likelihood of torques whose joints have noise of
+    unknown size each: a joint whose torque is mostly noise counts no more than one predicted to a
+    thousandth. In the mean of the errors it would decide alone.
+    """
+    known = score[np.isfinite(score)]
+    return float(np.mean(np.log(np.maximum(known, LEAST_ERROR)))) if len(known) else np.inf
+
+
+def _typical(folds: Floats) -> float:
+    """Return the error of log errors by fold."""
+    return float(np.exp(np.mean(folds)))
 
 
 def _reshaped(chosen: Chosen) -> Chosen:

@@ -255,8 +255,12 @@ def projected(system: System, rows: Floats) -> Floats:
 
 
 def numbers(kernel: DifferentiableKernel) -> dict[str, Floats]:
-    """Return the kernel's numbers that the evidence is maximised over, by name."""
-    return {name: kernel.hyperparameters[name] for name in kernel.differentiable}
+    """Return the kernel's numbers that the evidence is maximised over, by name.
+
+    A part whose weight is 0 is not there and stays so, as gravity where the effort has none.
+    """
+    every = {name: kernel.hyperparameters[name] for name in kernel.differentiable}
+    return {name: value for name, value in every.items() if value.any()}
 
 
 def kernel_of(problem: Problem) -> DifferentiableKernel:

@@ -41,7 +41,8 @@ def best_shape(
     if not shapes:
         raise ModelError(
             f"{effect.name}: the motion that the model keeps leaves no shape of it to try on this "
-            "joint, being too short, too still or of too few joints for it"
+            "joint, being too short, too still, of too few joints, or without what it depends on; "
+            f"the motion that shows it: {effect.next_motion}"
         )
     return max(shapes, key=lambda shape: fall(found, Term(effect, joint, shape))[0])
 
@@ -55,7 +56,7 @@ def fall(found: Posterior[System], term: Term) -> tuple[float, float]:
     """
     joints, _, system = _system_of(found, term.joint)
     columns = term.columns(found.problem.samples.x)
-    z = _whitened(system, joints, term.joint, columns)
+    z = _whitened(system, term.on(found.states.joints)[list(joints)], columns)
     size = float(np.sum(z**2))
     span = _orthonormal(system.white_design)
     z -= span @ (span.T @ z)
@@ -135,11 +136,14 @@ def _system_of(found: Posterior[System], joint: int) -> tuple[tuple[int, ...], B
     raise ValueError(f"joint {joint} is in no system of the posterior")
 
 
-def _whitened(system: System, joints: tuple[int, ...], joint: int, columns: Floats) -> Floats:
-    """Return (n, P) a joint's columns (M, P), of largest entry 1, whitened with G."""
-    full = np.zeros((len(columns), len(joints), columns.shape[1]))
+def _whitened(system: System, on: Floats, columns: Floats) -> Floats:
+    """Return (n, P) columns (M, P), of largest entry 1, whitened with G.
+
+    Args:
+        on: (n,) their factor in the torque of each joint of the system.
+    """
     scale = np.maximum(np.abs(columns).max(axis=0), 1e-300)
-    full[:, joints.index(joint), :] = columns / scale
+    full = (columns / scale)[:, None, :] * on[:, None]
     flat = full.reshape(-1, columns.shape[1])
     return np.asarray(solve_triangular(system.upper, flat, trans=1, check_finite=False))
 

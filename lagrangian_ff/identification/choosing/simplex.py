@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.problem import NOISE_START, Problem, Scaling
+from lagrangian_ff.identification.problem import NOISE_START, STUCK_NOISE, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples
 from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
@@ -31,10 +31,12 @@ FAILED = 1e12
 def validation_score(found: Posterior, groups: Sequence[Ints]) -> Floats:
     """Return (N,) each joint's mean squared error on left-out folds, over its torque's variance.
 
-    Each torque counts by its IRLS weight. NaN for a joint that was not solved.
+    Each torque counts by its IRLS weight, that of a joint at rest hardly. NaN for a joint that was
+    not solved.
     """
     residual = found.left_out(groups)
-    weights = found.problem.samples.weights
+    samples = found.problem.samples
+    weights = samples.weights / np.where(samples.x.rest, STUCK_NOISE, 1.0)
     errors = weights * (residual / found.problem.prior.scaling.spread) ** 2
     seen = np.isfinite(errors)
     counted = np.sum(weights, axis=0, where=seen)

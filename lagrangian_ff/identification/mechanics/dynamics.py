@@ -24,6 +24,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.predicting import TorqueModel
 from lagrangian_ff.kernels import LagrangianKernel, States
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY
 
 Torque = Callable[[States], Floats]
 
@@ -88,7 +89,12 @@ class Dynamics:
         return _as(q, moving + self._effects(x)[0])
 
     def potential_energy(self, q: ArrayLike) -> Floats:
-        """Return (M,) the energy at rest in J, up to a constant."""
+        """Return (M,) the energy at rest in J, up to a constant.
+
+        Raises:
+            ModelError: the model's effort holds no gravity.
+        """
+        self._require_gravity()
         x = self._at(q)
         return _as(q, self._kernel_energy(x) + self._effects(x)[1])
 
@@ -131,7 +137,12 @@ class Dynamics:
         return _as(q, self.torque(x) - self.torque(x.at_rest()))
 
     def gravity(self, q: ArrayLike) -> Floats:
-        """Return ∂V/∂q, (M, N) N·m, which holds the arm at rest without friction or offset."""
+        """Return ∂V/∂q, (M, N) N·m, which holds the arm at rest without friction or offset.
+
+        Raises:
+            ModelError: the model's effort holds no gravity.
+        """
+        self._require_gravity()
         return _as(q, self.torque(self._at(q)))
 
     def forward(self, q: ArrayLike, qd: ArrayLike, tau: ArrayLike) -> Floats:
@@ -157,6 +168,13 @@ class Dynamics:
         for term, place in self.kept.slices():
             out[:, term.joint] += term.columns(inputs) @ self._coefficients[place]
         return out
+
+    def _require_gravity(self) -> None:
+        if self.model.data.effort == WITHOUT_GRAVITY:
+            raise ModelError(
+                "the model was identified from an effort without gravity, and knows nothing of it: "
+                "take gravity from the driver that removed it, or identify from total torque"
+            )
 
     @cached_property
     def kept(self) -> Basis:

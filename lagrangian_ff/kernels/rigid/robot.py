@@ -70,6 +70,9 @@ class Robot(Mechanism):
         tree = replace(self.tree, driver=driver.astype(np.int64), ratio=ratio, shift=shift)
         return replace(self, tree=tree, joints=joints)
 
+    def without_gravity(self) -> "Robot":
+        return replace(self, tree=replace(self.tree, gravity=np.zeros(3)))
+
     def _moved(self, name: str, joints: tuple[str, ...]) -> tuple[int, float, float]:
         """Return the coordinate that moves a joint, its ratio and its shift."""
         if name in joints:

@@ -51,7 +51,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     Attributes:
         inertia: (N,) Λ, s²/rad² in the kernel's units: how much a joint's motion weighs.
         link: (N,) κ, the weight of each link's kinetic energy; (1,) if all links share one.
-        potential: λ, likewise the weight of potential energy.
+        potential: λ, likewise the weight of potential energy; 0 where the torque has no gravity.
         wave: (N,) ω of the kinetic part's factors: how much it changes with each joint.
         swing: (N,) ω of the potential part's factors.
         rotor: (N,) ρ, the weight of rotors that turn with their own joint only.
@@ -67,6 +67,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     prismatic: Floats
 
     quadratic = True
+    separates = True
     form: ClassVar[int]
     serial: ClassVar[bool]
     searched: ClassVar[tuple[Hyperparameter, ...]] = (
@@ -97,6 +98,9 @@ class Structured(DifferentiableKernel, LagrangianKernel):
             rotor=np.full(joints, ROTOR_START),
             prismatic=np.zeros(joints),
         )
+
+    def without_gravity(self: Self) -> Self:
+        return self.replace(potential=np.zeros_like(self.potential))
 
     def gram(self, x: States) -> Floats:
         out = np.empty((len(x), x.joints, len(x), x.joints))

@@ -16,7 +16,9 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateView, MessageError
 from lagrangian_ff.recording import Conditioning
+from lagrangian_ff.recording.bandwidth import USUAL
 from lagrangian_ff.recording.filtering import settling
+from lagrangian_ff.recording.units import factor_of
 
 STEP = 0.5
 """Longest step, in units of 1 / (2π bandwidth): the Taylor series below is exact to 1e-9 there."""
@@ -128,7 +130,9 @@ class LiveStates:
     def __init__(self, joints: tuple[str, ...], conditioning: Conditioning, rate: float) -> None:
         self._joints = joints
         self._conditioning = conditioning
+        self._angle = factor_of(conditioning.units, "position")
         self._scale = _by_joint(conditioning.effort_scale, joints, 1.0)
+        self._scale *= factor_of(conditioning.units, "effort")
         self._offset = _by_joint(conditioning.effort_offset, joints, 0.0)
         self._every = round(1e9 / rate)
         self._filter: CausalFilter | None = None
@@ -190,7 +194,10 @@ class LiveStates:
             lacking = "positions" if len(view.position) == 0 else "effort"
             raise MessageError(f"joint states without {lacking}: there is nothing to compare")
         values = np.concatenate(
-            [view.position[self._columns], view.effort[self._columns] * self._scale + self._offset]
+            [
+                view.position[self._columns] * self._angle,
+                view.effort[self._columns] * self._scale + self._offset,
+            ]
         )
         if not np.isfinite(values).all():
             kind, joint = divmod(int(np.isfinite(values).argmin()), len(self._joints))
@@ -204,7 +211,7 @@ class LiveStates:
         """Return the filter that recordings of this sampling rate would get."""
         self.period = float(np.median(self._steps)) / 1e9
         # As long as the gaps that are bridged in recordings.
-        self.bandwidth = min(self._conditioning.bandwidth, 0.25 / self.period)
+        self.bandwidth = min(self._conditioning.bandwidth or USUAL, 0.25 / self.period)
         usual = max(0.5 / self.bandwidth, 2.5 * self.period)
         self._longest = self._conditioning.max_gap or usual
         filter_ = CausalFilter(self._conditioning.order, self.bandwidth)

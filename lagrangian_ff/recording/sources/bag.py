@@ -19,6 +19,7 @@ from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.recording.sources import temperature
 from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage, shortfall
 from lagrangian_ff.words import counted
 
@@ -111,12 +112,30 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     with ExitStack() as stack:
         workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
         local = [_prepare(file, workplace, notes) for file in paths]
-        chosen = _choose_topic(path, _topics(local, paths), topic, notes)
+        topics = _topics(local, paths)
+        chosen = _choose_topic(path, topics, topic, notes)
         table = JointStateTable()
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
             report = part(progress, index / len(local), (index + 1) / len(local))
             _read_file(file, original, chosen, table, notes, report)
-        return _as_recording(f"{path} ({chosen})", table, notes)
+        recording = _as_recording(f"{path} ({chosen})", table, notes)
+        warm = [name for name, kind in topics.items() if _is_kind(kind, temperature.MESSAGE_TYPE)]
+        if not warm:
+            return recording
+        pairs = zip(local, paths, strict=True)
+        messages = (one for pair in pairs for name in warm for one in _messages(*pair, name))
+        return temperature.with_temperatures(recording, messages)
+
+
+def _messages(path: Path, name: Path, topic: str) -> Iterator[tuple[str, int, bytes]]:
+    """Yield topic, time received in ns and message of one file, what can be read of it."""
+    try:
+        found = list(IntactFile(path).messages(topic))
+    except UnreadableError:
+        found = list(_salvage(path, name).messages(topic))
+    unpack = zstandard.ZstdDecompressor()
+    for received, data in found:
+        yield topic, received, _unpacked(unpack, data)
 
 
 def _files(path: Path, notes: list[str]) -> list[Path]:
@@ -220,8 +239,7 @@ def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
 def _choose_topic(
     path: Path, topics: Mapping[str, str], wanted: str | None, notes: list[str]
 ) -> str:
-    short = MESSAGE_TYPE.replace("/msg/", "/")
-    joint_states = [name for name, kind in topics.items() if kind.replace("/msg/", "/") == short]
+    joint_states = [name for name, kind in topics.items() if _is_kind(kind, MESSAGE_TYPE)]
     if wanted is not None:
         names = [name for name in joint_states if name.lstrip("/") == wanted.lstrip("/")]
         if names:
@@ -241,6 +259,11 @@ def _choose_topic(
     raise RecordingError(
         f"{path}: joint states on several topics, name one of them: {', '.join(joint_states)}"
     )
+
+
+def _is_kind(kind: str, expected: str) -> bool:
+    """Return whether a message type is the expected one, written with or without /msg/."""
+    return kind.replace("/msg/", "/") == expected.replace("/msg/", "/")
 
 
 def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
@@ -280,14 +303,19 @@ def _append(
     _, expected = file.topics.get(topic, ("", 0))
     unpack = zstandard.ZstdDecompressor()
     for number, (received, data) in enumerate(file.messages(topic)):
-        if data[:4] == _ZSTD_MAGIC:
-            try:
-                data = unpack.decompress(data)
-            except zstandard.ZstdError:
-                data = b""
-        table.add(received, data)
+        table.add(received, _unpacked(unpack, data))
         if number % 8192 == 0:
             progress(min(1.0, number / expected) if expected else 0.0, f"read {name.name}")
+
+
+def _unpacked(unpack: zstandard.ZstdDecompressor, data: bytes) -> bytes:
+    """Return a message without its compression; nothing if that is damaged."""
+    if data[:4] != _ZSTD_MAGIC:
+        return data
+    try:
+        return unpack.decompress(data)
+    except zstandard.ZstdError:
+        return b""
 
 
 def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Recording:

@@ -1,4 +1,7 @@
-"""CSV with the header `time,position/<joint>,velocity/<joint>,effort/<joint>`."""
+"""CSV with the header `time,position/<joint>,velocity/<joint>,effort/<joint>`.
+
+A column `temperature/<joint>`, °C, may be there for any joint.
+"""
 
 import csv
 from itertools import islice
@@ -9,7 +12,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import QUANTITIES, Recording, from_arrays
+from lagrangian_ff.recording.recording import QUANTITIES, TEMPERATURE, Recording, from_arrays
 
 NAME = "a .csv with the header time,position/<joint>,velocity/<joint>,effort/<joint>"
 _BLOCK = 20_000
@@ -41,19 +44,22 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     missing: Floats = np.full(len(table), np.nan)
     tables = [
         np.column_stack([table[:, at[name]] if name in at else missing for at in columns.values()])
-        for name in QUANTITIES
+        for name in (*QUANTITIES, TEMPERATURE)
     ]
-    return from_arrays(path, list(columns), table[:, names.index("time")], tables)
+    temperature = tables.pop()
+    time = table[:, names.index("time")]
+    return from_arrays(path, list(columns), time, tables, temperature=temperature)
 
 
 def write(path: Path, recording: Recording) -> None:
     """Write a table that reads back to the same numbers; only the date of the start is lost."""
-    header = ["time", *(f"{kind}/{joint}" for kind in QUANTITIES for joint in recording.joints)]
+    held = recording.tables
+    header = ["time", *(f"{kind}/{joint}" for kind in held for joint in recording.joints)]
     with path.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerow(header)
         for first in range(0, len(recording), _BLOCK):
             part = slice(first, first + _BLOCK)
-            tables = (getattr(recording, quantity)[part] for quantity in QUANTITIES)
+            tables = (held[quantity][part] for quantity in held)
             block = np.column_stack([recording.time[part], *tables])
             rows = (
                 ",".join("" if value != value else repr(value) for value in row)
@@ -75,7 +81,7 @@ def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
     columns: dict[str, dict[str, int]] = {}
     for number, name in enumerate(names):
         quantity, _, joint = name.partition("/")
-        if quantity in QUANTITIES and joint:
+        if quantity in (*QUANTITIES, TEMPERATURE) and joint:
             columns.setdefault(joint, {})[quantity] = number
     without = [joint for joint, found in columns.items() if "position" not in found]
     if not columns or without:

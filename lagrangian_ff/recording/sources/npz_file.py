@@ -1,5 +1,7 @@
 """NumPy archives: `time`, `position`, `velocity` (optional), `effort`, `joints`.
 
+`temperature`, °C, may be there, of the shape of the position.
+
 The names used by other collections (`times`, `positions`, `velocities`, `torques`) are read as
 well; joints without names are called joint_1, joint_2, ...
 """
@@ -8,13 +10,14 @@ import tokenize
 import zipfile
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import Recording, from_arrays
+from lagrangian_ff.recording.recording import TEMPERATURE, Recording, from_arrays
 
 NAME = "an .npz with time, position, velocity, effort, joints"
 _KEYS = {
@@ -22,6 +25,7 @@ _KEYS = {
     "position": ("position", "positions"),
     "velocity": ("velocity", "velocities"),
     "effort": ("effort", "efforts", "torques"),
+    TEMPERATURE: ("temperature", "temperatures"),
 }
 _UNPACKING = (EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
 _PARSING = (ValueError, TypeError, KeyError, MemoryError, SyntaxError, tokenize.TokenError)
@@ -66,12 +70,12 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     missing: Floats = np.full(position.shape, np.nan)
     joints = names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)]
     tables = position, found.get("velocity", missing), found.get("effort", missing)
-    return from_arrays(path, joints, found["time"], tables, start)
+    return from_arrays(path, joints, found["time"], tables, start, found.get(TEMPERATURE))
 
 
 def write(path: Path, recording: Recording) -> None:
     """Write the arrays under the first names above, and `start`."""
-    tables = {name: getattr(recording, name) for name in _KEYS}
+    tables: dict[str, Any] = {"time": recording.time, **recording.tables}
     joints = np.array(recording.joints, dtype=np.str_)
     # An open file keeps NumPy from appending .npz to another name.
     with path.open("wb") as file:

@@ -50,6 +50,7 @@ def changed_section(run: "DiagnosisRun") -> Section | None:
         for one in changed
         if one.rivals
     ]
+    alike += [f"{_name(one, every)}: {one.note}." for one in changed if one.note]
     small = html.note(
         "Torque is the RMS torque of the change. Gain is in log evidence: by how much the change "
         "makes the measured torques more likely. p is how often chance alone gives as much."

@@ -15,7 +15,8 @@ from lagrangian_ff.words import sentence, spoken
 if TYPE_CHECKING:
     # The page of a history needs none of the libraries of a diagnosis.
     from lagrangian_ff.diagnosis import DiagnosisRun
-    from lagrangian_ff.diagnosis.results import Consequence, Found, PartialResidual
+    from lagrangian_ff.diagnosis.consequence import Consequence
+    from lagrangian_ff.diagnosis.results import Found, PartialResidual
 
 MEANINGS = (
     "Confirmed: the effect, frozen as it was found, also lowers the error on data that the search "

@@ -1,8 +1,8 @@
-"""What is wrong with the measurement, what it could not show, and what to record next."""
+"""What is wrong with the measurement, what disturbed it or does not show, and what to do next."""
 
 from typing import TYPE_CHECKING
 
-from lagrangian_ff.numbers import percent
+from lagrangian_ff.numbers import chance, percent, typeset
 from lagrangian_ff.report import html
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.words import sentence, spoken, which
@@ -28,6 +28,31 @@ def _fault(check: "Check") -> str:
     advice = sentence(check.advice) if check.advice else ""
     text, joint = f"{sentence(check.finding)} {advice}".strip(), check.joint
     return text if not joint or joint in text else f"{joint}: {text}"
+
+
+def touched_section(run: "DiagnosisRun") -> Section | None:
+    """Return what touched the arm while it was recorded; None if nothing did."""
+    rows = [
+        [
+            f"{one.begin:.2f} to {one.end:.2f} s",
+            joint,
+            typeset(size.value),
+            f"{typeset(size.low)} to {typeset(size.high)}",
+            chance(one.p_value),
+            "sure" if one.sure else "suggested",
+            one.source,
+        ]
+        for one in run.diagnosis.contacts
+        for joint, size in one.sizes.items()
+    ]
+    if not rows:
+        return None
+    header = ["when", "joint", "torque [N·m]", "90 % interval", "p", "verdict", "recording"]
+    lead = (
+        "For a moment the actuators gave this torque beyond what the motion took, and neither the "
+        "model's own errors nor chance explain it. Leave these moments out of what is learned from."
+    )
+    return Section("What touched the arm", lead, html.table(header, rows))
 
 
 def checks_section(run: "DiagnosisRun") -> Section | None:
@@ -78,6 +103,13 @@ def next_section(run: "DiagnosisRun") -> Section | None:
             for one in diagnosis.unexplained
         ]
         parts.append(f'<h3 class="plain">Left unexplained</h3>{html.bullets(texts)}')
+    if diagnosis.remainders:
+        texts = [
+            f"{one.joint}: {one.size:.2g} N·m, {percent(one.share)} of its torque, changes more "
+            "slowly than noise does."
+            for one in diagnosis.remainders
+        ]
+        parts.append(f'<h3 class="plain">More than noise is left</h3>{html.bullets(texts)}')
     if not parts:
         return None
     return Section("What to record next", "", "".join(parts))

@@ -1,163 +1,22 @@
-"""The cases of the study: arms with hidden effects, and two recordings of each."""
+"""The plants of the study: arms with hidden effects, and two recordings of each."""
 
 import json
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
-from lagrangian_ff.arm import JOINTS, Run, Trajectory, exciting_trajectory, simulate
-from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Installed, Reference, Site, size, sized
+from lagrangian_ff.arm import JOINTS, ArmParameters, Run, Trajectory, exciting_trajectory, simulate
+from lagrangian_ff.arm.hidden import Installed, Reference, Site, size, sized
 from lagrangian_ff.arm.hidden.base import together
 from lagrangian_ff.files import whole
 from lagrangian_ff.recording import load, write_npz
 from lagrangian_ff.recording.recording import Recording
+from lagrangian_ff.studies.hidden.cases import Hidden, HiddenCase
 
-SIZES = (0.02, 0.05, 0.10, 0.20)
-MOTIONS = 3
-"""Pairs of motions that the cases share."""
-PAIRS = (
-    ("stribeck", "ripple"),
-    ("load_friction", "delay"),
-    ("warm_up", "quadratic_drag"),
-    ("position_friction", "hysteresis"),
-    ("asymmetric_viscous", "payload"),
-    ("coupled", "gear_mesh"),
-)
-FULL_CLEAN, SMALL_CLEAN = 40, 4
-FULL_JOINTS, OUTSIDE_JOINTS = 3, 2
 RECORDINGS = 2
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """One effect to hide.
-
-    Attributes:
-        effect: its name in `lagrangian_ff.arm.hidden.HIDDEN`.
-        joint: the name of the joint it acts on, or where its size is measured.
-        size: RMS of its torque over RMS of that joint's motor torque.
-    """
-
-    effect: str
-    joint: str
-    size: float
-
-    @property
-    def kind(self) -> HiddenEffect:
-        """Return the physics."""
-        return HIDDEN[self.effect]
-
-
-@dataclass(frozen=True)
-class HiddenCase:
-    """One plant and two recordings of it.
-
-    Attributes:
-        name: unique in the study.
-        hidden: the effects in the plant: none, one or two.
-        motion: index of the pair of motions that it makes, 0 to MOTIONS − 1.
-        seed: of the noise and of the effects' random numbers.
-    """
-
-    name: str
-    hidden: tuple[Hidden, ...]
-    motion: int
-    seed: int
-
-    @property
-    def group(self) -> str:
-        """Return `clean`, `alone`, `pair` or `outside` (of the catalogue)."""
-        if not self.hidden:
-            return "clean"
-        if not all(hidden.kind.catalogue for hidden in self.hidden):
-            return "outside"
-        return "alone" if len(self.hidden) == 1 else "pair"
-
-
-def cases(seed: int = 0, *, small: bool = False) -> list[HiddenCase]:
-    """Return all cases of the study, or a few if `small`, the same for the same seed.
-
-    The most telling come first, so that a study that is stopped early has some of each kind: clean
-    plants, then each effect by size from 10 % on.
-    """
-    found = list((_small if small else _full)(_Maker(seed)))
-    assert len({case.name for case in found}) == len(found)
-    return found
-
-
-def _full(make: "_Maker") -> Iterator[HiddenCase]:
-    clean = FULL_CLEAN // len(SIZES)
-    alone = {name: make.joints(kind, FULL_JOINTS) for name, kind in HIDDEN.items()}
-    for size_ in (0.10, 0.05, 0.20, 0.02):
-        for k in range(clean):
-            yield make.clean(k + clean * SIZES.index(size_))
-        for name, joints in alone.items():
-            count = FULL_JOINTS if HIDDEN[name].catalogue else OUTSIDE_JOINTS
-            for joint in joints[: count if size_ <= HIDDEN[name].largest else 0]:
-                yield make.alone(name, joint, size_)
-    for size_ in (0.10, 0.20):
-        for first, second in PAIRS:
-            yield make.pair(first, second, size_)
-
-
-def _small(make: "_Maker") -> Iterator[HiddenCase]:
-    for k in range(SMALL_CLEAN):
-        yield make.clean(k)
-    for name in ("ripple", "quadratic_drag", "stribeck", "position_friction", "pitting"):
-        yield make.alone(name, "joint_2", 0.20)
-    yield make.pair("ripple", "quadratic_drag", 0.20)
-
-
-class _Maker:
-    def __init__(self, seed: int) -> None:
-        self._seed = seed
-
-    def joints(self, kind: HiddenEffect, count: int) -> list[str]:
-        """Return joints for an effect, the arm's and the wrist's in turn."""
-        random = self._random("joints", kind.name)
-        large = [j for j in kind.joints if j < 3]
-        small = [j for j in kind.joints if j >= 3]
-        for half in (large, small):
-            random.shuffle(half)
-        turns = [j for pair in zip(large, small, strict=False) for j in pair]
-        turns += [*large[len(small) :], *small[len(large) :]]
-        return [JOINTS[j] for j in turns[:count]]
-
-    def clean(self, number: int) -> HiddenCase:
-        """Return a plant without effects."""
-        return self._case(f"clean-{number:02d}", ())
-
-    def alone(self, effect: str, joint: str, size_: float) -> HiddenCase:
-        """Return a plant with one effect."""
-        return self._case(f"{effect}-{joint}-{_percent(size_)}", (Hidden(effect, joint, size_),))
-
-    def pair(self, first: str, second: str, size_: float) -> HiddenCase:
-        """Return a plant with two effects, on joints that the seed draws."""
-        random = self._random("pair", first, second)
-        both = [
-            Hidden(name, JOINTS[int(random.choice(HIDDEN[name].joints))], size_)
-            for name in (first, second)
-        ]
-        where = "-".join(f"{hidden.effect}-{hidden.joint}" for hidden in both)
-        return self._case(f"pair-{where}-{_percent(size_)}", tuple(both))
-
-    def _case(self, name: str, hidden: tuple[Hidden, ...]) -> HiddenCase:
-        # The same physics at every size: seed and motion follow from effect and joint alone.
-        stem = name.rpartition("-")[0] if hidden else name
-        random = self._random("case", stem)
-        return HiddenCase(name, hidden, int(random.integers(MOTIONS)), int(random.integers(2**31)))
-
-    def _random(self, *words: str) -> np.random.Generator:
-        """Return random numbers for one use, so that a case stays the same when others join."""
-        text = [int.from_bytes(word.encode(), "little") for word in words]
-        return np.random.default_rng([self._seed, *text])
-
-
-def _percent(size_: float) -> str:
-    return f"{100.0 * size_:02.0f}"
 
 
 @dataclass(frozen=True)
@@ -238,26 +97,91 @@ def recorded(
     The study's folder keeps runs of the arm without effects; with `keep` the recordings, too, and
     those that are there are used.
     """
-    place = folder / "recordings" / case.name
+    return kept(folder, case.name, lambda: _record(case, folder, stretches), Plant.of, keep=keep)
+
+
+class Recordable(Protocol):
+    """The facts of a plant."""
+
+    def record(self) -> dict[str, Any]:
+        """Return them as JSON holds them."""
+
+
+Facts = TypeVar("Facts", bound=Recordable)
+Recorded: TypeAlias = tuple[Recording, Recording, Facts]
+
+
+def kept(
+    folder: Path,
+    name: str,
+    make: Callable[[], Recorded[Facts]],
+    read: Callable[[dict[str, Any]], Facts],
+    *,
+    keep: bool,
+) -> Recorded[Facts]:
+    """Return two recordings and the facts of their plant: those that are kept, or what `make` does.
+
+    Args:
+        folder: of the study.
+        name: of the case.
+        make: records the plant.
+        read: makes the facts of their record.
+        keep: whether to keep what is made, and to use what was kept.
+    """
+    place = folder / "recordings" / name
     paths, about = [place / f"{number}.npz" for number in (1, 2)], place / "info.json"
     if keep and about.is_file():
         first, second = (load(path) for path in paths)
-        return first, second, Plant.of(json.loads(about.read_text(encoding="utf-8")))
-    first, second, plant = _record(case, folder, stretches)
+        return first, second, read(json.loads(about.read_text(encoding="utf-8")))
+    first, second, facts = make()
     if keep:
         place.mkdir(parents=True, exist_ok=True)
         for path, each in zip(paths, (first, second), strict=True):
-            write_npz(path, each)
-        text = json.dumps(plant.record(), indent=1, ensure_ascii=False)
+            write_npz(path, each, overwrite=True)
+        text = json.dumps(facts.record(), indent=1, ensure_ascii=False)
         with whole(about) as made:
             made.write_text(text, encoding="utf-8")
-    return first, second, plant
+    return first, second, facts
 
 
 def _record(
     case: HiddenCase, folder: Path, stretches: Stretches
 ) -> tuple[Recording, Recording, Plant]:
     along = _along(case.motion, folder, stretches) if case.hidden else None
+
+    def drive(number: int, parts: Sequence[Installed]) -> Run:
+        reference, noise = motion(case.motion, number, stretches), case.seed + number
+        return simulate(reference, **together(parts), seed=noise)
+
+    runs, built = hide(case.hidden, case.seed, along, drive)
+    saturated = [float(run.saturated.mean()) for run in runs]
+    strayed = [float(np.sqrt(np.mean(run.tracking_error**2))) for run in runs]
+    torque = [np.sqrt(np.mean(run.motor_torque**2, axis=0)).tolist() for run in runs]
+    about = case.name, built, case.motion, case.seed, case.group
+    plant = Plant(*about, saturated, strayed, torque)
+    return runs[0].recording, runs[1].recording, plant
+
+
+def hide(
+    hidden: Sequence[Hidden],
+    seed: int,
+    along: Reference | None,
+    drive: Callable[[int, Sequence[Installed]], Run],
+    parameters: ArmParameters | None = None,
+) -> tuple[list[Run], list[Built]]:
+    """Hide effects in one arm and drive it once for each recording.
+
+    Args:
+        hidden: the effects, none or more.
+        seed: of their random numbers.
+        along: the run without them that they are sized along; None if there are none.
+        drive: drives the arm with effects for recording 0 or 1.
+        parameters: of the arm.
+
+    Returns:
+        The runs, and the effects as they were built.
+    """
+    arm = parameters or ArmParameters()
     runs: list[Run] = []
     facts: list[dict[str, float]] = []
     strengths: list[float] = []
@@ -265,43 +189,34 @@ def _record(
     for number in range(RECORDINGS):
         # One arm: both recordings are of what was built and sized along the first motion.
         sites = [
-            (hidden, Site(JOINTS.index(hidden.joint), case.seed + 7919 * n, number, along))
-            for n, hidden in enumerate(case.hidden)
+            (one, Site(JOINTS.index(one.joint), seed + 7919 * n, number, along, arm))
+            for n, one in enumerate(hidden)
             if along is not None
         ]
-        strengths = strengths or [
-            sized(hidden.kind, site, hidden.size)[1] for hidden, site in sites
-        ]
+        strengths = strengths or [sized(one.kind, site, one.size)[1] for one, site in sites]
         placed = [
-            (hidden, site, hidden.kind.install(site, strength))
-            for (hidden, site), strength in zip(sites, strengths, strict=True)
+            (one, site, one.kind.install(site, strength))
+            for (one, site), strength in zip(sites, strengths, strict=True)
         ]
         parts = [part for _, _, part in placed]
         facts = facts or [dict(part.facts) for part in parts]
-        reference, noise = motion(case.motion, number, stretches), case.seed + number
-        run = simulate(reference, **together(parts), seed=noise)
-        runs.append(run)
-        measured.append([_sizes(hidden, part, site, run) for hidden, site, part in placed])
+        runs.append(drive(number, parts))
+        measured.append([_sizes(one, part, site, runs[-1]) for one, site, part in placed])
     built = [
         Built(
-            **asdict(hidden),
-            catalogue=list(hidden.kind.catalogue),
-            joints=[JOINTS[j] for j in hidden.kind.acts_on(JOINTS.index(hidden.joint))],
-            absorbed=hidden.kind.absorbed,
-            physics=hidden.kind.physics,
+            **asdict(one),
+            catalogue=list(one.kind.catalogue),
+            joints=[JOINTS[j] for j in one.kind.acts_on(JOINTS.index(one.joint))],
+            absorbed=one.kind.absorbed,
+            physics=one.kind.physics,
             strength=strengths[n],
             facts=facts[n],
             reached=[sizes[n][0] for sizes in measured],
             visible=[sizes[n][1] for sizes in measured],
         )
-        for n, hidden in enumerate(case.hidden)
+        for n, one in enumerate(hidden)
     ]
-    saturated = [float(run.saturated.mean()) for run in runs]
-    strayed = [float(np.sqrt(np.mean(run.tracking_error**2))) for run in runs]
-    torque = [np.sqrt(np.mean(run.motor_torque**2, axis=0)).tolist() for run in runs]
-    about = case.name, built, case.motion, case.seed, case.group
-    plant = Plant(*about, saturated, strayed, torque)
-    return runs[0].recording, runs[1].recording, plant
+    return runs, built
 
 
 def _along(pair: int, folder: Path, stretches: Stretches) -> Reference:
@@ -334,7 +249,7 @@ def motion(pair: int, recording: int, stretches: Stretches = FULL) -> Trajectory
 
 def _sizes(hidden: Hidden, part: Installed, site: Site, run: Run) -> tuple[float, float]:
     """Return the size of an effect in a run, and of what plain friction leaves of it."""
-    here = Site(site.joint, site.seed, site.recording, Reference.of(run))
+    here = replace(site, along=Reference.of(run))
     torque = hidden.kind.torque(part, here)[:, site.joint]
     v = run.velocity[:, site.joint]
     plain = np.stack([v, np.tanh(v / 0.02), np.ones_like(v)], axis=1)

@@ -14,7 +14,8 @@ from scipy.stats import beta
 from lagrangian_ff.arm.hidden import HIDDEN
 from lagrangian_ff.report.colours import FAINT, INK
 from lagrangian_ff.report.style import new_figure, styled
-from lagrangian_ff.studies.hidden.plants import SIZES, Built, Plant
+from lagrangian_ff.studies.hidden.cases import SIZES
+from lagrangian_ff.studies.hidden.plants import Built, Plant
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome
 from lagrangian_ff.studies.study import Line, Results, done, row
 
@@ -71,11 +72,16 @@ class Judged:
 
     @property
     def size(self) -> float:
-        """Return the size wanted, or the next to what the physics reached where that is less."""
-        wanted, reached = self.hidden[0].size, max(self.hidden[0].reached[0], 1e-6)
-        if reached > REACHED * wanted:
-            return wanted
-        return min(SIZES, key=lambda size: abs(np.log(size / reached)))
+        """Return the size that its first effect counts under."""
+        return counted_size(self.hidden[0])
+
+
+def counted_size(hidden: Built) -> float:
+    """Return the size wanted, or the next to what the physics reached where that is less."""
+    wanted, reached = hidden.size, max(hidden.reached[0], 1e-6)
+    if reached > REACHED * wanted:
+        return wanted
+    return min(SIZES, key=lambda size: abs(np.log(size / reached)))
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,11 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording.motion import Motion
-from lagrangian_ff.studies.hidden.plants import FULL, Built, HiddenCase, Stretches, cases, recorded
+from lagrangian_ff.studies.hidden.cases import HiddenCase, cases
+from lagrangian_ff.studies.hidden.plants import FULL, Built, Stretches, recorded
 from lagrangian_ff.studies.hidden.results import HiddenResults
 from lagrangian_ff.studies.hidden.verdicts import Truth, claims, judge
-from lagrangian_ff.studies.study import Line, Request, Study
+from lagrangian_ff.studies.study import Case, Line, Request, Study
 
 BASE = "vrbfs+fri"
 CURVES = ("signature", "blocks")
@@ -118,6 +119,10 @@ class Examination:
         """Return the plant's name."""
         return self.case.name
 
+    def record(self) -> None:
+        """Record the plant, and keep that."""
+        recorded(self.case, self.folder, self.stretches, keep=True)
+
     def run(self) -> Mapping[str, Any]:
         """Record the plant, have it diagnosed, and judge the diagnosis.
 
@@ -126,10 +131,10 @@ class Examination:
             recording of the `base` model, with what was `found` and with the `true` structure,
             and their `ratio`.
         """
-        clock, who = _Clock(), self.examined
+        clock, who = Clock(), self.examined
         first, second, plant = recorded(self.case, self.folder, self.stretches, keep=self.keep)
         clock.lap("recording")
-        motion, confirm = recording.condition(first), recording.condition(second)
+        motion, confirm = recording.condition_alike([first, second])
         model = who.identify(motion)
         clock.lap("identification")
         answer = who.diagnose(model, motion, confirm)
@@ -168,6 +173,33 @@ class Examination:
         return errors
 
 
+class Recorded(Protocol):
+    """A case that makes recordings."""
+
+    @property
+    def name(self) -> str:
+        """Return its name."""
+
+    def record(self) -> None:
+        """Make the recordings of the case, and keep them."""
+
+
+@dataclass(frozen=True)
+class Recorder:
+    """Makes the recordings of a case and does no more."""
+
+    of: Recorded
+
+    @property
+    def name(self) -> str:
+        """Return the name of the case."""
+        return self.of.name
+
+    def run(self) -> Mapping[str, Any]:
+        self.of.record()
+        return {}
+
+
 def _is_event(effect: str) -> bool:
     """Return whether an effect is of the recording, as a load taken up: no model is to have it."""
     return EFFECTS[effect].kind == "event"
@@ -185,7 +217,7 @@ def _ratio(errors: Mapping[str, Mapping[str, float]], joints: Sequence[str]) -> 
     return float(np.sqrt(total[0] / total[1]))
 
 
-class _Clock:
+class Clock:
     """The time that each part of the work took, in s."""
 
     def __init__(self) -> None:
@@ -241,6 +273,9 @@ class HiddenStudy(Study):
             Examination(case, self.folder, self._stretches, self._examined, self.request.keep)
             for case in cases(self.request.seed, small=self.request.quick)
         ]
+
+    def recorders(self) -> list[Case]:
+        return [Recorder(case) for case in self.named(self.every_case())]
 
     def results(self, lines: Sequence[Line]) -> HiddenResults:
         return HiddenResults.of(lines)

@@ -68,11 +68,14 @@ def claims(finding: Found) -> bool:
     return finding.verdict is not Verdict.SUGGESTED
 
 
-def judge(truths: Sequence[Truth], findings: Sequence[Found]) -> Judgement:
+def judge(
+    truths: Sequence[Truth], findings: Sequence[Found], allowed: Sequence[Truth] = ()
+) -> Judgement:
     """Compare findings with what was hidden.
 
     With one truth of the catalogue, a claim that matches makes the case right whatever else is
     claimed; with two, with none, or outside the catalogue every claim that matches none is wrong.
+    A claim of what is `allowed`, which is there but need not be found, is neither right nor wrong.
     """
     matches: dict[int, Outcome] = {}
     suggested: set[int] = set()
@@ -84,7 +87,7 @@ def judge(truths: Sequence[Truth], findings: Sequence[Found]) -> Judgement:
             continue
         for k, how in hits.items():
             matches[k] = Outcome.RIGHT if Outcome.RIGHT in (how, matches.get(k)) else how
-        if not hits:
+        if not hits and not any(_match(one, finding) for one in allowed):
             names = [finding.effect.name, *finding.rivals]
             false.append(f"{' or '.join(names)} on {', '.join(finding.joints)}")
     outcome = _outcome(truths, matches, bool(false))

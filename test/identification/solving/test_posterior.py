@@ -1,5 +1,7 @@
 """The fit of every kernel, against refitting and against what must not matter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pendulum
 import pytest
@@ -49,7 +51,7 @@ def test_left_out_residuals_are_those_of_refitting(name: str, per_joint: bool) -
 @pytest.mark.parametrize("name", ["vrbfs+fri", "srbfs+fri", "rbf+fri", "motor+fri"])
 def test_the_unit_of_torque_does_not_matter(name: str) -> None:
     motion = thin(pendulum.motion(12.0), 80)
-    in_mnm = Motion(**{**motion.__dict__, "tau": 1000.0 * motion.tau})
+    in_mnm = replace(motion, tau=1000.0 * motion.tau)
     one, other = posterior_of(motion, name), posterior_of(in_mnm, name)
     np.testing.assert_allclose(predict(other, motion), 1000.0 * predict(one, motion), rtol=1e-6)
 
@@ -68,7 +70,7 @@ def test_the_order_of_joints_does_not_matter(name: str) -> None:
 def test_a_strong_joint_does_not_drown_a_weak_one() -> None:
     """A joint with a thousandth of the torque is learned as well as before."""
     motion = thin(pendulum.motion(20.0), 150)
-    weak = Motion(**{**motion.__dict__, "tau": motion.tau * np.array([1.0, 1e-3])})
+    weak = replace(motion, tau=motion.tau * np.array([1.0, 1e-3]))
     test = pendulum.motion(20.0, seed=0)
     one = predict(posterior_of(motion, "vrbfs+fri"), test)[:, 1]
     other = predict(posterior_of(weak, "vrbfs+fri"), test)[:, 1]
@@ -83,7 +85,7 @@ def test_with_one_unit_the_mass_matrix_is_symmetric() -> None:
     for joint in range(2):
         qdd = point.qdd.copy()
         qdd[:, joint] += 1.0
-        moved = Motion(**{**point.__dict__, "qdd": qdd})
+        moved = replace(point, qdd=qdd)
         columns.append((predict(model, moved) - predict(model, point))[0])
     assert columns[0][1] == pytest.approx(columns[1][0], rel=1e-8)
 

@@ -9,17 +9,8 @@ import pytest
 
 from lagrangian_ff.arm import JOINTS, check_limits
 from lagrangian_ff.arm.hidden import HIDDEN
-from lagrangian_ff.studies.hidden.plants import (
-    MOTIONS,
-    SIZES,
-    Hidden,
-    HiddenCase,
-    Plant,
-    Stretches,
-    cases,
-    motion,
-    recorded,
-)
+from lagrangian_ff.studies.hidden.cases import MOTIONS, SIZES, Hidden, HiddenCase, cases
+from lagrangian_ff.studies.hidden.plants import Plant, Stretches, motion, recorded
 
 SHORT = Stretches(((6, 4.0),))
 

@@ -14,7 +14,8 @@ from lagrangian_ff.cli.main import main
 from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.recording.motion import Motion
-from lagrangian_ff.studies.hidden.plants import Hidden, HiddenCase, Stretches, cases
+from lagrangian_ff.studies.hidden.cases import Hidden, HiddenCase, cases
+from lagrangian_ff.studies.hidden.plants import Stretches
 from lagrangian_ff.studies.hidden.results import HiddenResults
 from lagrangian_ff.studies.hidden.study import Answer, Examination, HiddenStudy, OwnDiagnosis
 from lagrangian_ff.studies.run import Folder, run

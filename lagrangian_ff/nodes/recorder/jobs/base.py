@@ -170,14 +170,13 @@ class Job(ABC):
         progress: Progress,
     ) -> "list[Motion]":
         """Return the motions of these joints, of all joints if none is named."""
-        from lagrangian_ff.recording import condition, load
+        from lagrangian_ff.recording import condition_alike, load
 
-        motions = []
+        recordings = []
         for number, bag in enumerate(bags):
             progress(number / len(bags), f"reading {Path(bag).name}")
-            recording = load(bag, topic=self.topic, joints=joints or None)
-            motions.append(condition(recording, conditioning))
-        return motions
+            recordings.append(load(bag, topic=self.topic, joints=joints or None))
+        return condition_alike(recordings, conditioning)
 
     def read_for(self, model: "Model", bags: Sequence[str], progress: Progress) -> "list[Motion]":
         """Return motions, conditioned as those the model was identified from."""

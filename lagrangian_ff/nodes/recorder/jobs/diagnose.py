@@ -83,6 +83,8 @@ class Diagnose(base.Job):
         from lagrangian_ff.diagnosis import (
             DiagnosisRun,
             Round,
+            believed,
+            changed_if_misfit,
             compare,
             diagnose,
             run_record,
@@ -98,14 +100,17 @@ class Diagnose(base.Job):
         unseen = self.read_for(model, self.confirm, part(progress, 0.05, 0.1))
         progress(0.1, "checking the measurement")
         checks = preflight(model, concatenate(motions), unseen)
-        diagnosis = diagnose(model, motions, unseen, progress=part(progress, 0.12, 0.7))
+        asked = part(progress, 0.12, 0.3)
+        changed = changed_if_misfit(model, concatenate(motions), progress=asked)
+        diagnosis = diagnose(model, motions, unseen, progress=part(progress, 0.3, 0.7))
         diagnosis = with_consequences(diagnosis, part(progress, 0.7, 0.85))
         comparison = compare(model, concatenate(motions), intervals=True)
         found = DiagnosisRun(
             model_file=self.model_file,
             sources=self.bags,
             confirm=self.confirm,
-            checks=tuple(checks),
+            checks=believed(checks, changed),
+            changed=changed,
             rounds=(Round(diagnosis),),
             where=locate(model, comparison, progress=part(progress, 0.85, 0.95)),
         )
@@ -133,7 +138,8 @@ class Diagnose(base.Job):
             for one in diagnosis.confirmed
             if not one.once
         )
-        statuses = {self.title: verdict, **dict(findings), **_unexplained(diagnosis)}
+        changes = _changes(run)
+        statuses = {self.title: verdict, **changes, **dict(findings), **_unexplained(diagnosis)}
         return Diagnosed(log, statuses, confirmed=confirmed)
 
 
@@ -158,9 +164,34 @@ def _verdict(run: "DiagnosisRun", files: Mapping[str, str]) -> Status:
         ),
         **files,
     }
-    message = " ".join([*(f"Fix first: {text}" for text in serious), verdict(diagnosis)])
-    missing = diagnosis.found or diagnosis.unexplained
+    message = " ".join(
+        [*(f"Fix first: {text}" for text in serious), verdict(diagnosis, run.changed)]
+    )
+    misfit = diagnosis.misfit is not None and diagnosis.misfit.larger
+    missing = diagnosis.found or diagnosis.unexplained or run.changed or misfit
     return Status(Level.WARN if missing or serious else Level.OK, message, values)
+
+
+def _changes(run: "DiagnosisRun") -> dict[str, Status]:
+    """Return a status for each change since the model was identified."""
+    from lagrangian_ff.diagnosis.sentences import amount
+
+    every = run.diagnosis.model.joints
+    return {
+        f"changed: {one.what} on {', '.join(one.joints)}": Status(
+            Level.WARN,
+            amount(one, every),
+            {
+                "evidence gain [nats]": float(one.log_bayes_factor),
+                "size [N·m]": one.size,
+                **{
+                    f"{name} by": f"{by.value:.4g} {by.unit} ({by.low:.4g} to {by.high:.4g})"
+                    for name, by in one.parameters.items()
+                },
+            },
+        )
+        for one in run.changed or ()
+    }
 
 
 def _unexplained(diagnosis: "Diagnosis") -> dict[str, Status]:

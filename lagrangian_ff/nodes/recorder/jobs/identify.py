@@ -1,16 +1,19 @@
 """The service ~/identify: a model from all recordings of the session."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Settings
+from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.nodes.common.status import Level, Status, errors_of
 from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation, lines_of, names_of, optional
 from lagrangian_ff.nodes.recorder.session import Result, SavedModel, Session, new_path
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording import Conditioning
+from lagrangian_ff.recording.units import named_units
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification.records import Identified
@@ -23,7 +26,9 @@ class Identify(Job):
     Attributes:
         joints: which to identify, in which order; empty for all that were recorded.
         urdf: file of the robot's description; empty if there is none.
-        bandwidth: Hz of the low-pass.
+        units: what was recorded in another unit than s, rad, rad/s or N·m, by quantity.
+        bandwidth: Hz of the low-pass; 0 chooses it from the recordings.
+        effort: what the recorded effort holds, one of `EFFORTS`.
         settings: of the identification.
     """
 
@@ -31,7 +36,9 @@ class Identify(Job):
 
     joints: tuple[str, ...] = ()
     urdf: str = ""
-    bandwidth: float = Conditioning.bandwidth
+    units: Mapping[str, str] = field(default_factory=dict)
+    bandwidth: float = 0.0
+    effort: str = Conditioning.effort
     settings: Settings = field(default_factory=Settings)
 
     @classmethod
@@ -39,15 +46,18 @@ class Identify(Job):
         """Return the request for all recordings, with the settings of the parameters."""
         value, bags, directory = given.value, given.session.bags, given.directory
         stem = f"{bags[-1].name}_model"
-        plain = ("model", "train", "samples", "positive", "loss")
+        plain = ("train", "samples", "positive", "loss")
         return cls(
             **given.common,
             bags=tuple(map(str, bags)),
             output=str(new_path(directory, stem, ".npz")),
             joints=tuple(filter(None, value("joints"))),
             urdf=_urdf(given, new_path(directory, stem, ".urdf")),
+            units=named_units(filter(None, value("units"))),
             bandwidth=value("bandwidth"),
+            effort=value("effort"),
             settings=Settings(
+                model=value("model") or usual_model(value("effort")),
                 **{name: value(name) for name in plain},
                 landmarks=value("landmarks") if value("landmarks") >= 0 else None,
                 prismatic=tuple(filter(None, value("prismatic"))),
@@ -59,13 +69,17 @@ class Identify(Job):
 
     def work(self, progress: Progress) -> Result:
         """Write the model and return its error on motion that it has not seen."""
+        from lagrangian_ff.diagnosis.preflight import effort_checks
         from lagrangian_ff.identification import identify
         from lagrangian_ff.kernels.rigid import read_urdf
         from lagrangian_ff.nodes.common.models import load_own_effects
+        from lagrangian_ff.recording import concatenate
 
         load_own_effects(self.effects_file)
         conditioning = Conditioning(
-            bandwidth=self.bandwidth,
+            bandwidth=self.bandwidth or None,
+            units=self.units,
+            effort=self.effort,
             effort_scale=self.effort_scale,
             effort_offset=self.effort_offset,
         )
@@ -73,7 +87,12 @@ class Identify(Job):
         mechanism = read_urdf(self.urdf) if self.urdf else None
         found = identify(motions, self.settings, part(progress, 0.1, 1.0), mechanism)
         found.model.save(Path(self.output))
-        return self.result(found.model.identified)
+        result = self.result(found.model.identified)
+        said = [
+            f"  {one.finding}. {one.advice}"
+            for one in effort_checks(found.model, concatenate(motions))
+        ]
+        return replace(result, log=(*result.log, *said))
 
     def result(self, found: "Identified") -> Result:
         """Return what is logged of the model's findings, and the model."""

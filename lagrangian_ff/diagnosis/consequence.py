@@ -1,0 +1,63 @@
+"""What adding an effect does to the error of a model, and whether that is worth it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.identification import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Consequence:
+    """The consequence of adding one finding to the model and the findings before it.
+
+    Attributes:
+        model: with the finding.
+        time: (B,) s since the beginning, start of each block.
+        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
+        whole_before, whole_after: N·m, over the whole motion.
+        every_before, every_after: N·m, over the whole motion and all joints.
+        deviation: of the fall of the joint's squared error, relative to that error before, over
+            blocks.
+        joints_before, joints_after: N·m, over the whole motion, by joint name.
+        beside: the consequence of adding it to all others, those after it too, where that decides
+            whether it is worth it; None where the order does not matter.
+    """
+
+    model: Model
+    time: Floats
+    before: Floats
+    after: Floats
+    whole_before: float
+    whole_after: float
+    every_before: float
+    every_after: float
+    deviation: float = 0.0
+    joints_before: Mapping[str, float] = field(default_factory=dict)
+    joints_after: Mapping[str, float] = field(default_factory=dict)
+    beside: "Consequence | None" = None
+
+    @property
+    def worth(self) -> bool:
+        """Return whether the error falls: surely on its joint, and over all of them.
+
+        Over all joints it must not rise in N·m, nor in the mean of its relative changes: a small
+        joint counts as much as a large one.
+        """
+        if self.beside is not None:
+            return self.beside.worth
+        if not self.whole_before > 0.0:
+            return False
+        fall = 1.0 - (self.whole_after / self.whole_before) ** 2
+        pairs = [(b, self.joints_after[name]) for name, b in self.joints_before.items()]
+        each = [float(np.log(after / before)) for before, after in pairs if before > 0.0 < after]
+        return fall > self.deviation and self.every_after < self.every_before and sum(each) <= 0.0
+
+    @property
+    def raised(self) -> str:
+        """Return the joint whose error rises most, relatively; empty if that of none does."""
+        rise = {n: self.joints_after[n] / b for n, b in self.joints_before.items() if b > 0.0}
+        worst = max(rise, key=lambda name: rise[name], default="")
+        return worst if worst and rise[worst] > 1.0 else ""

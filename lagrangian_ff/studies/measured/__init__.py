@@ -1,0 +1,1 @@
+"""The study of measured recordings: the errors of models, and verdicts on what is known."""
