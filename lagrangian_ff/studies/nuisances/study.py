@@ -1,14 +1,14 @@
 """The study of hidden effects in arms with nuisances: each case from the arm to the judgement."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lagrangian_ff import recording
 from lagrangian_ff.diagnosis.results import Found
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.recording.motion import Conditioning, Motion
+from lagrangian_ff.recording.motion import TOTAL, WITHOUT_GRAVITY, Conditioning, Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.studies.hidden.study import Answer, Clock, Examined, OwnDiagnosis, Recorder
 from lagrangian_ff.studies.hidden.verdicts import Truth, claims, judge
@@ -87,10 +87,8 @@ class NuisanceExamination:
 
 def _conditioned(each: Recording, nuisances: Nuisances) -> Motion:
     """Return the motion, conditioned as by a user who knows what the driver's effort is."""
-    known: dict[str, Any] = {}
-    if nuisances.without_gravity and "effort" in {field.name for field in fields(Conditioning)}:
-        known["effort"] = "without-gravity"
-    return recording.condition(each, Conditioning(**known))
+    effort = WITHOUT_GRAVITY if nuisances.without_gravity else TOTAL
+    return recording.condition(each, Conditioning(effort=effort))
 
 
 def _added(finding: Found) -> dict[str, Any]:
