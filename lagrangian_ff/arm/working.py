@@ -22,7 +22,7 @@ from lagrangian_ff.errors import ArmError
 
 MOTIONS = ("point-to-point", "fourier", "spline")
 MOVES = 0.8
-"""How likely a joint takes part in a move from point to point."""
+"""Probability that a joint takes part in a move from point to point."""
 HARMONICS = 5
 BASE = (0.2, 0.4)
 """Hz of the lowest harmonic at a pace of 1."""

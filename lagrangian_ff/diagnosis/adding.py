@@ -64,20 +64,9 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
         diagnosis: with its consequences no model is fitted again.
         progress: receives the share done, 0 to 1.
     """
-    if any(one.consequence is None for one in diagnosis.confirmed):
+    if any(not one.once for one in diagnosis.confirmed) and not diagnosis.tried:
         diagnosis = with_consequences(diagnosis, progress)
-    model = diagnosis.model
-    lasting = [one for one in diagnosis.confirmed if not one.once]
-    if diagnosis.tried and len(lasting) == len(diagnosis.confirmed):
-        model = diagnosis.tried[-1][1].model
-        lasting = [one for one in lasting if one.consequence is None]
-    for one in lasting:
-        why = for_history(one, diagnosis)
-        try:
-            model = add(model, one.effect.name, one.joint, one.shape, why, progress)
-        except ModelError:  # one before it has made it superfluous
-            continue
-    return model
+    return diagnosis.tried[-1][1].model if diagnosis.tried else diagnosis.model
 
 
 def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diagnosis:

@@ -101,7 +101,7 @@ class Filters:
 
 @dataclass(frozen=True)
 class _Filtered:
-    """What a filter makes of a motion.
+    """The output of a filter along a motion.
 
     Attributes:
         count: samples of its window.
@@ -120,7 +120,7 @@ class _Filtered:
 
 @dataclass(frozen=True)
 class _Sources:
-    """What the model's errors come from, along a motion; arrays are (M, N).
+    """The causes of the model's errors along a motion; arrays are (M, N).
 
     Attributes:
         motion: M samples.  residual: N·m.

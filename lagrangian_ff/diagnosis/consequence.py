@@ -1,4 +1,4 @@
-"""What adding an effect does to the error of a model, and whether that is worth it."""
+"""The change of a model's error when an effect is added, and whether adding it is worth it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

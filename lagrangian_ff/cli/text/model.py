@@ -17,7 +17,7 @@ KINDS = {
     "without-friction": "effort without friction that the drive compensates: so are the model and "
     "its feedforward",
 }
-"""What is said of an effort that does not hold all torque."""
+"""The remark on an effort that does not hold all torque."""
 
 SCALES = {
     "common": "one for all joints, whose torques derive from one Lagrangian",

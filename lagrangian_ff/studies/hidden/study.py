@@ -1,6 +1,7 @@
 """The study of hidden effects: each case from the plant to the judgement."""
 
 import time
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -173,12 +174,8 @@ class Examination:
         return errors
 
 
-class Recorded(Protocol):
+class Recorded(Case, Protocol):
     """A case that makes recordings."""
-
-    @property
-    def name(self) -> str:
-        """Return its name."""
 
     def record(self) -> None:
         """Make the recordings of the case, and keep them."""
@@ -231,21 +228,51 @@ class Clock:
         self._last = now
 
 
-class HiddenStudy(Study):
-    """Is a hidden effect found, and nothing where nothing is hidden?
+class DiagnosisStudy(Study):
+    """A study of arms that are recorded, and of what a diagnosis says of each.
 
     Args:
         request: its `models` may name the base model.
-        folder: also keeps runs of the arm without effects.
+        folder: keeps recordings on request.
+        base: the base model, if the request names none.
         examined: who diagnoses, picklable; None is this package's diagnosis on the base model.
-        stretches: the parts of each recording.
 
     Raises:
         UserError: the request names more than one base model.
     """
 
-    name = "hidden"
     takes = frozenset({"models", "keep"})
+
+    def __init__(
+        self, request: Request, folder: Path, base: str, examined: Examined | None
+    ) -> None:
+        super().__init__(request, folder)
+        if len(request.models) > 1:
+            raise UserError(f"study {self.name} has one base model: name one with --models")
+        self._base = request.models[0] if request.models else base
+        self._examined = examined or OwnDiagnosis(self._base)
+
+    def identity(self) -> dict[str, Any]:
+        """Return what identifies the study, the base model too."""
+        return {**super().identity(), "model": self._base}
+
+    @abstractmethod
+    def every_case(self) -> Sequence[Recorded]:
+        """Return the cases, each of which can also be recorded alone."""
+
+    def recorders(self) -> list[Case]:
+        return [Recorder(case) for case in self.named(self.every_case())]
+
+
+class HiddenStudy(DiagnosisStudy):
+    """Is a hidden effect found, and nothing where nothing is hidden?
+
+    Args:
+        request, folder, examined: see `DiagnosisStudy`.
+        stretches: the parts of each recording.
+    """
+
+    name = "hidden"
 
     def __init__(
         self,
@@ -255,17 +282,13 @@ class HiddenStudy(Study):
         examined: Examined | None = None,
         stretches: Stretches = FULL,
     ) -> None:
-        super().__init__(request, folder)
-        if len(request.models) > 1:
-            raise UserError("study hidden has one base model: name one with --models")
-        self._base = request.models[0] if request.models else BASE
-        self._examined = examined or OwnDiagnosis(self._base)
+        super().__init__(request, folder, BASE, examined)
         self._stretches = stretches
 
     def identity(self) -> dict[str, Any]:
         """Return what identifies the study, the base model and the stretches too."""
         stretches = [list(part) for part in self._stretches.parts]
-        return {**super().identity(), "model": self._base, "stretches": stretches}
+        return {**super().identity(), "stretches": stretches}
 
     def every_case(self) -> Sequence[Examination]:
         """Return the cases, clean plants and effects of 10 % first."""
@@ -273,9 +296,6 @@ class HiddenStudy(Study):
             Examination(case, self.folder, self._stretches, self._examined, self.request.keep)
             for case in cases(self.request.seed, small=self.request.quick)
         ]
-
-    def recorders(self) -> list[Case]:
-        return [Recorder(case) for case in self.named(self.every_case())]
 
     def results(self, lines: Sequence[Line]) -> HiddenResults:
         return HiddenResults.of(lines)

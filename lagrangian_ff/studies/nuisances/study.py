@@ -10,12 +10,12 @@ from lagrangian_ff.diagnosis.results import Found
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.recording.motion import TOTAL, WITHOUT_GRAVITY, Conditioning, Motion
 from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.studies.hidden.study import Answer, Clock, Examined, OwnDiagnosis, Recorder
+from lagrangian_ff.studies.hidden.study import Answer, Clock, DiagnosisStudy, Examined
 from lagrangian_ff.studies.hidden.verdicts import Truth, claims, judge
 from lagrangian_ff.studies.nuisances.drawn import Nuisances
 from lagrangian_ff.studies.nuisances.plants import NuisanceCase, cases, recorded
 from lagrangian_ff.studies.nuisances.results import NuisanceResults
-from lagrangian_ff.studies.study import Case, Line, Request, Study
+from lagrangian_ff.studies.study import Line, Request
 
 BASE = "auto+fri"
 
@@ -100,21 +100,15 @@ def _added(finding: Found) -> dict[str, Any]:
     return {**about, "before": made.every_before, "after": made.every_after}
 
 
-class NuisancesStudy(Study):
+class NuisancesStudy(DiagnosisStudy):
     """Is a hidden effect found in an arm with nuisances, and is nothing wrong named?
 
     Args:
-        request: its `models` may name the base model.
-        folder: keeps recordings on request.
-        examined: who diagnoses, picklable; None is this package's diagnosis on the base model.
+        request, folder, examined: see `DiagnosisStudy`.
         longest: s of a motion; None leaves it as it is drawn.
-
-    Raises:
-        UserError: the request names more than one base model.
     """
 
     name = "nuisances"
-    takes = frozenset({"models", "keep"})
 
     def __init__(
         self,
@@ -124,16 +118,12 @@ class NuisancesStudy(Study):
         examined: Examined | None = None,
         longest: float | None = None,
     ) -> None:
-        super().__init__(request, folder)
-        if len(request.models) > 1:
-            raise UserError("study nuisances has one base model: name one with --models")
-        self._base = request.models[0] if request.models else BASE
-        self._examined = examined or OwnDiagnosis(self._base)
+        super().__init__(request, folder, BASE, examined)
         self._longest = longest
 
     def identity(self) -> dict[str, Any]:
-        """Return what identifies the study, the base model too."""
-        return {**super().identity(), "model": self._base, "longest": self._longest}
+        """Return what identifies the study, the length of its motions too."""
+        return {**super().identity(), "longest": self._longest}
 
     def every_case(self) -> Sequence[NuisanceExamination]:
         """Return the cases, all groups mixed."""
@@ -142,9 +132,6 @@ class NuisancesStudy(Study):
             NuisanceExamination(case, self.folder, self._examined, keep, self._longest)
             for case in cases(self.request.seed, small=self.request.quick)
         ]
-
-    def recorders(self) -> list[Case]:
-        return [Recorder(case) for case in self.named(self.every_case())]
 
     def results(self, lines: Sequence[Line]) -> NuisanceResults:
         return NuisanceResults.of(lines)
