@@ -64,14 +64,16 @@ def reported(run: Run, driver: Driver, parameters: ArmParameters, seed: int) -> 
     """
     random = np.random.default_rng(seed)
     seen = run.recording
-    position, effort = seen.position, seen.effort
-    if not driver.gravity:
-        effort = effort - _gravity(run, parameters)
+    position = seen.position
     count = int((seen.time[-1] - seen.time[0]) * driver.rate) + 1
     time = seen.time[0] + np.arange(count) / driver.rate
     position = scipy.interpolate.CubicSpline(seen.time, position)(time)
-    columns = [np.interp(time - driver.delay, seen.time, column) for column in effort.T]
-    effort = np.stack(columns, axis=1) * driver.gains
+    # The motors hold a torque for a tick; what is seen at its end is that of its middle.
+    middle = seen.time - 0.5 * parameters.tick
+    effort = _at(time - driver.delay, middle, seen.effort)
+    if not driver.gravity:
+        effort -= _gravity(run, parameters, time - driver.delay)
+    effort *= driver.gains
     effort += random.normal(size=effort.shape) * driver.white
     effort += _coloured(effort.shape, driver.memory * driver.rate, random) * driver.coloured
     effort = _rounded(effort, driver.effort_step)
@@ -84,14 +86,17 @@ def reported(run: Run, driver: Driver, parameters: ArmParameters, seed: int) -> 
     return Recording(JOINTS, when, position, velocity, effort, source="simulated driver")
 
 
-def _gravity(run: Run, parameters: ArmParameters) -> Floats:
-    """Return the torque (M, 6) N·m of the links' weight along a run."""
+def _gravity(run: Run, parameters: ArmParameters, at: Floats) -> Floats:
+    """Return the torque (M, 6) N·m of the links' weight along a run, at M times in s."""
     q = run.position[::GRAVITY_EVERY]
     still = np.zeros_like(q)
     torque = true_torque(q, still, still, friction=False, parameters=parameters)
-    time = run.recording.time
-    columns = [np.interp(time, time[::GRAVITY_EVERY], column) for column in torque.T]
-    return np.stack(columns, axis=1)
+    return _at(at, run.recording.time[::GRAVITY_EVERY], torque)
+
+
+def _at(when: Floats, time: Floats, values: Floats) -> Floats:
+    """Return (M, 6) between the values (K, 6) at K times, on straight lines."""
+    return np.stack([np.interp(when, time, column) for column in values.T], axis=1)
 
 
 def _coloured(shape: tuple[int, ...], memory: float, random: np.random.Generator) -> Floats:

@@ -91,9 +91,16 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         except ModelError:  # the model has it by another name, or one before made it superfluous
             return None
 
-    def chain(findings: Sequence[Finding]) -> tuple[list[Finding], Model]:
-        model, error, made = diagnosis.model, base, []
-        for finding in findings:
+    def chain(
+        findings: Sequence[Finding], before: Sequence[Finding] = ()
+    ) -> tuple[list[Finding], Model]:
+        """Add findings one after the other, those that began an earlier chain not again."""
+        alike = [_key(a) == _key(b) for a, b in zip(findings, before, strict=False)]
+        same = alike.index(False) if False in alike else len(alike)
+        model, made = diagnosis.model, list(findings[:same])
+        model = next((f.consequence.model for f in reversed(made) if f.consequence), model)
+        error = _errors(model, motion)
+        for finding in findings[same:]:
             larger = extended(model, finding)
             if larger is None:
                 made.append(finding)
@@ -106,11 +113,10 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         return made, model
 
     motion = diagnosis.held_out
-    base = _errors(diagnosis.model, motion)
     tried, model = chain(kept)
     useful, useless, model = _worth(tried, model, motion)
     if useless:
-        useful, model = chain(useful)
+        useful, model = chain(useful, tried)
     error = _errors(model, motion)
     suggested = []
     for finding in others:
@@ -120,10 +126,14 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
             made = _between(larger, motion, finding.joint, error, new)
             finding = replace(finding, consequence=made)
         suggested.append(finding)
-    by_name = {(one.effect.name, one.joints): one for one in (*useful, *useless, *suggested)}
-    findings = [by_name.get((one.effect.name, one.joints), one) for one in diagnosis.findings]
+    by_name = {_key(one): one for one in (*useful, *useless, *suggested)}
+    findings = [by_name.get(_key(one), one) for one in diagnosis.findings]
     progress(1.0, "adding what was found")
     return replace(diagnosis, findings=sorted_findings(findings))
+
+
+def _key(finding: Finding) -> tuple[str, tuple[str, ...]]:
+    return finding.effect.name, finding.joints
 
 
 def _worth(

@@ -130,11 +130,11 @@ class Effort:
     """The part of a motion that is examined, and how long hyperparameters are fitted.
 
     Attributes:
-        rows: torques (samples times joints) that are whitened; factoring 4800 takes about a second.
+        rows: torques (samples times joints) that are whitened; factoring 3600 takes half a second.
         stages: samples that the evidence is maximised on, and the largest number of steps.
     """
 
-    rows: int = 4800
+    rows: int = 3600
     stages: tuple[tuple[int, int], ...] = ((60, 20), (120, 6), (240, 2))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.gear import ROTOR, link_load, rotors
 from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.stribeck import creeping
 
 
 class _GearLoss(Effect):
@@ -101,7 +102,8 @@ class LoadStribeck(_GearLoss):
     def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
         """Return every speed with every inertia of `rotors`."""
         inertias = rotors(x, joint)
-        return [{"v_s": speed, "Jr": jr} for speed in self.shapes[0].grid() for jr in inertias]
+        speeds = creeping(self.shapes[0], x, joint)
+        return [{"v_s": speed, "Jr": jr} for speed in speeds for jr in inertias]
 
 
 class DirectionalFriction(_GearLoss):

@@ -1,9 +1,16 @@
 """The Stribeck effect."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.inputs import Inputs
+
+CREEPING = 0.3, 0.4
+"""Largest Stribeck velocity: rad/s, or share of the joint's rms speed if that is more. A bump over
+most of the speeds of a motion has the form of drag, or of shear that thins, less a straight line.
+"""
 
 
 class Stribeck(Effect):
@@ -28,6 +35,17 @@ class Stribeck(Effect):
     motion = "slow sweep"
     next_motion = "creep through the range at 0.005 to 0.2 rad/s, both ways"
 
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return the velocities at which the joint creeps, see `CREEPING`."""
+        return [{"v_s": speed} for speed in creeping(self.shapes[0], x, joint)]
+
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         speed = x.qd[:, joint]
         return (x.sign(joint) * np.exp(-((speed / shape["v_s"]) ** 2)))[:, None]
+
+
+def creeping(shape: Shape, x: Inputs, joint: int) -> list[float]:
+    """Return the Stribeck velocities of a shape's grid, none above those of `CREEPING`."""
+    rms = float(np.sqrt(np.mean(x.qd[:, joint] ** 2))) if len(x) else 0.0
+    most = max(CREEPING[0], CREEPING[1] * rms)
+    return sorted({min(speed, most) for speed in shape.grid()})

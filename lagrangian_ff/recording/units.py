@@ -2,11 +2,12 @@
 
 Nothing is converted in silence. What contradicts itself is named with the option that mends it:
 velocity that is not the derivative of position, samples that are too far apart to be seconds,
-angles that make sense as degrees only.
+angles that make sense as degrees only, effort without the noise that every sensor has.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from math import comb
 
 import numpy as np
 
@@ -47,6 +48,11 @@ _TWO_TURNS = 13.0  # rad; few arms have joints half of which turn that far
 _BETTER = (0.5, 0.9)  # times the error with degrees that shows they are: below two turns, above
 _SAMPLES = 4000  # that are looked at
 _BLOCKS = 10
+_DIFFERENCE = 6  # order of the differences that show noise: what is smooth hardly shows in them
+_APART_MOST = 0.005  # s between the samples of these differences, at most
+_SILENT = 1e-5  # noise over the signal's deviation, 100 dB, that no sensor of torque reaches
+_NOISIER = 30.0  # times more noise of the position, which then was not smoothed, was measured
+_NORMAL = 0.6745  # median of the absolute value of a normal variable
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class Doubt:
     """A quantity that contradicts the others.
 
     Attributes:
-        quantity: time, position or velocity.
+        quantity: time, position, velocity or effort.
         joint: whose; None for all.
         finding: what contradicts what, in words.
         factor: recorded by expected.
@@ -146,6 +152,7 @@ def find_doubts(recording: Recording) -> tuple[Doubt, ...]:
             continue
         found += (of_time := _of_time(ordered.period))
         seconds = 1.0 / of_time[0].factor if of_time and of_time[0].remedy else 1.0
+        found += _of_effort(recording, rows, joints, ordered.period * seconds)
         found += (of_velocity := _of_velocity(recording, rows, joints, seconds))
         if not any("position=" in one.remedy for one in of_velocity):
             found += _of_position(recording, rows, joints)
@@ -229,6 +236,44 @@ def _compared(velocity: Floats, rate: Floats, names: list[str]) -> list[Doubt]:
             )
             found.append(Doubt("velocity", name, finding, np.nan, unused))
     return found
+
+
+def _of_effort(recording: Recording, rows: Ints, joints: Ints, period: float) -> list[Doubt]:
+    """Return a doubt of efforts that are far smoother than the position: nothing measured them."""
+    longest = max(1, int(_APART_MOST / period + 1e-6))
+    apart = [2**k for k in range(longest.bit_length())]
+
+    def noise(values: Floats) -> float:
+        size = float(np.std(values))
+        if not size > 0.0 or len(values) < 10 * _DIFFERENCE * apart[-1]:
+            return np.nan
+        # A value that a driver repeats or interpolates shows its noise over some samples only.
+        return max(_noise(values[::step]) for step in apart) / size
+
+    commanded = []
+    for joint in joints.tolist():
+        position, effort = recording.position[rows, joint], recording.effort[rows, joint]
+        if np.isfinite(effort).all():
+            least, other = noise(effort), noise(position)
+            if least < _SILENT and other > max(_NOISIER * least, _SILENT):
+                commanded.append(recording.joints[joint])
+    if not commanded:
+        return []
+    finding = (
+        f"effort of {', '.join(commanded)} has no noise, as no sensor's: it was commanded or "
+        "computed, not measured"
+    )
+    remedy = (
+        "what the drive made of it does not show; learn and compare with recordings of one kind"
+    )
+    return [Doubt("effort", None, finding, np.nan, remedy)]
+
+
+def _noise(values: Floats) -> float:
+    """Return the standard deviation of white noise on a smooth signal (M,), in its unit."""
+    differences = np.abs(np.diff(values, _DIFFERENCE))
+    size = float(np.median(differences)) / _NORMAL
+    return size / float(np.sqrt(comb(2 * _DIFFERENCE, _DIFFERENCE)))
 
 
 def _named(factor: float) -> tuple[str, str]:

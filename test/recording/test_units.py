@@ -12,8 +12,14 @@ from lagrangian_ff.recording import Conditioning, Doubt, Recording, condition, c
 DEGREE = np.pi / 180.0
 
 
-def arm(seconds: float = 20.0, rate: float = 250.0) -> Recording:
-    """Two joints that turn up to 1.5 rad, with gravity and friction, as a good driver reports."""
+def arm(
+    seconds: float = 20.0, rate: float = 250.0, noise: tuple[float, float] = (1e-5, 0.05)
+) -> Recording:
+    """Two joints that turn up to 1.5 rad, with gravity and friction, as a good driver reports.
+
+    Args:
+        noise: of the position, rad, and of the effort, N·m.
+    """
     random = np.random.default_rng(0)
     time = np.arange(round(seconds * rate)) / rate
     angle = np.outer(time, 2 * np.pi * np.array([0.2, 0.33]))
@@ -22,8 +28,8 @@ def arm(seconds: float = 20.0, rate: float = 250.0) -> Recording:
     qd = np.gradient(q, time, axis=0, edge_order=2)
     qdd = np.gradient(qd, time, axis=0, edge_order=2)
     tau = np.array([20.0, 5.0]) * np.cos(q) + np.array([2.0, 0.5]) * (qdd + np.sign(qd))
-    tau += 0.05 * random.standard_normal(q.shape)
-    q = q + 1e-5 * random.standard_normal(q.shape)
+    tau += noise[1] * random.standard_normal(q.shape)
+    q = q + noise[0] * random.standard_normal(q.shape)
     return Recording(("base", "elbow"), time, q, qd, tau)
 
 
@@ -125,6 +131,17 @@ def test_many_turns_are_no_degrees() -> None:
     effort[:, 1] = 5.0 * np.cos(turning) + np.sign(velocity[:, 1])
     wide = replace(recording, position=position, velocity=velocity, effort=effort)
     assert doubts(wide) == ()
+
+
+@pytest.mark.parametrize(
+    ("noise", "doubted"),
+    [((1e-4, 0.0), ["effort"]), ((1e-4, 0.01), []), ((0.0, 0.0), [])],
+    ids=["commanded", "measured", "smoothed before it was recorded"],
+)
+def test_an_effort_without_the_noise_of_a_sensor_was_not_measured(
+    noise: tuple[float, float], doubted: list[str]
+) -> None:
+    assert [one.quantity for one in doubts(arm(noise=noise))] == doubted
 
 
 @pytest.mark.parametrize(

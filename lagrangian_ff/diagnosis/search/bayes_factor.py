@@ -18,7 +18,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.identification.problem import Nuisance, Problem
+from lagrangian_ff.identification.problem import Nuisance
 from lagrangian_ff.kernels import threads
 
 PRIOR_SHARE = 0.3
@@ -210,11 +210,6 @@ def refined(whitened: Whitened, best: BayesFactor) -> BayesFactor:
             best = max([best, *bayes_factors(whitened, tried)], key=lambda score: score.log_bf)
             reach = reach**0.5
     return best
-
-
-def evidence_without(whitened: Whitened, chosen: Problem) -> float:
-    """Return the larger log evidence: with the hyperparameters as they are, or as `chosen`."""
-    return max(whitened.system.log_evidence, whitened.assuming(chosen).system.log_evidence)
 
 
 def log_bayes_factor_of(score: BayesFactor, whitened: Whitened, without: float) -> float:

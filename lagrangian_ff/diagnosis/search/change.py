@@ -14,9 +14,10 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change
+from lagrangian_ff.diagnosis.search.bayes_factor import expected, tempered_log_bf
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import rigid_torque
-from lagrangian_ff.identification.problem import Nuisance, within
+from lagrangian_ff.identification.problem import within
 
 SAMPLES = 200
 STEP, MARGIN = 5.0, 6.0
@@ -72,7 +73,7 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     if best.log_bayes_factor <= limits.change_floor:
         return None
     best = _Better(every, start, end).moved(best, EXACT)
-    if _beside_friction(whitened, best) <= limits.change_floor:
+    if best.log_bayes_factor - _of_friction(whitened, best) <= limits.change_floor:
         return None
     return _with_ranges(best, coarse, (start, end))
 
@@ -112,19 +113,21 @@ class _Better:
         return best
 
 
-def _beside_friction(whitened: Whitened, change: Change) -> float:
-    """Return the log Bayes factor of a change beside other friction and offsets in its interval.
+def _of_friction(whitened: Whitened, change: Change) -> float:
+    """Return the log Bayes factor of other friction and offsets of all joints in an interval.
 
-    An arm that moves otherwise for a while, or creeps, meets other friction; that is no load.
+    An arm that creeps for a while, or that something holds, meets these; that is no load. Of a load
+    they explain a part only, since its torque changes with the pose.
     """
-    x, joints = whitened.x, range(whitened.joints)
+    x = whitened.x
     inside = within(change.prior, x).astype(np.float64)
-    friction = [
-        Nuisance(n, np.stack([inside, inside * x.sign(n), inside * x.qd[:, n]], axis=1))
-        for n in joints
-    ]
-    beside = whitened.explaining(whitened.basis, (*whitened.problem.nuisance, *friction))
-    return _log_bayes_factors(beside, len(whitened.index))(change)
+    columns = []
+    for n in range(whitened.joints):
+        raw = np.stack([inside, inside * x.sign(n), inside * x.qd[:, n]], axis=1)
+        scaled = raw * expected(raw, float(whitened.spread[n]))
+        columns.append(whitened.project(whitened.whitened(scaled, n)))
+    z = np.hstack(columns)
+    return float(tempered_log_bf((z.T @ whitened.residual)[None], z.T @ z, 1.0)[0])
 
 
 def _with_ranges(

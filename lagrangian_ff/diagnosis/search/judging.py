@@ -9,7 +9,6 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     BayesFactor,
     bayes_factors,
-    evidence_without,
     log_bayes_factor_of,
     refined,
 )
@@ -23,6 +22,9 @@ from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Nuisance, Problem
 from lagrangian_ff.kernels import threads
 
+SURE = 5.0
+"""Times the floor above which hyperparameters that suit the motion without an effect are not sought
+to do without it."""
 NEAREST = 4
 """Effects whose shapes are refined where a step is judged again."""
 REFINED = 8
@@ -112,11 +114,9 @@ def judge(
     both = [score for score in (name, free) if score is not None]
     near = limits.near * first.log_bf
     leaders = [score for score in both if score is first or score.log_bf > near]
-    explained = [(whitened.basis, whitened.problem.nuisance)]
-    explained += [explained_with(whitened, one.candidate) for one in leaders]
-    problem, *problems = threads.side_by_side(lambda one: refit(whitened, *one), explained)
+    explained = [explained_with(whitened, one.candidate) for one in leaders]
+    problems = threads.side_by_side(lambda one: refit(whitened, *one), explained)
     # One factor at a time: that of the effect, which mostly wins, is made last.
-    without = evidence_without(whitened, problem)
     views: list[_View] = []
     for leader, problem in reversed(list(zip(leaders, problems, strict=True))):
         refitted = None
@@ -140,14 +140,23 @@ def judge(
     if view is not views[0]:
         refitted = None
         refitted = whitened.assuming(view.problem)
-    without = max(without, *(view.base for view in views))
+    without = max(whitened.system.log_evidence, *(view.base for view in views))
     log_bf = min(found.log_bf, log_bayes_factor_of(found, refitted, without))
+    if limits.floor < log_bf < SURE * limits.floor:
+        without = max(without, evidence_without(whitened))
+        log_bf = min(log_bf, log_bayes_factor_of(found, refitted, without))
     if log_bf <= limits.floor:
         return None, whitened
     left = rivals(found, named_view.others) if found.candidate.named else ()
     p_value = null.p_value(first.log_bf)
     step = Step(replace(found, log_bf=log_bf), tuple(left), first.log_bf, p_value, curve)
     return step, refitted
+
+
+def evidence_without(whitened: Whitened) -> float:
+    """Return the log evidence with the hyperparameters that suit the motion as it is explained."""
+    problem = refit(whitened, whitened.basis, whitened.problem.nuisance)
+    return whitened.assuming(problem).system.log_evidence
 
 
 def judge_alike(

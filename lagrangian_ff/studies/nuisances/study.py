@@ -63,7 +63,7 @@ class NuisanceExamination:
         clock.lap("recording")
         answer, errors, refused = Answer([], {}), dict[str, float](), None
         try:
-            motion, confirm = (_conditioned(each, plant.nuisances) for each in (first, second))
+            motion, confirm = _conditioned(first, second, plant.nuisances)
             model = who.identify(motion)
             clock.lap("identification")
             errors = dict(who.errors(model, confirm))
@@ -85,10 +85,10 @@ class NuisanceExamination:
         }
 
 
-def _conditioned(each: Recording, nuisances: Nuisances) -> Motion:
-    """Return the motion, conditioned as by a user who knows what the driver's effort is."""
+def _conditioned(first: Recording, second: Recording, nuisances: Nuisances) -> list[Motion]:
+    """Return both motions, conditioned as by a user who knows what the driver's effort is."""
     effort = WITHOUT_GRAVITY if nuisances.without_gravity else TOTAL
-    return recording.condition(each, Conditioning(effort=effort))
+    return recording.condition_alike([first, second], Conditioning(effort=effort))
 
 
 def _added(finding: Found) -> dict[str, Any]:
