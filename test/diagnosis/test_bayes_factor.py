@@ -17,7 +17,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.judging import evidence_without
-from lagrangian_ff.diagnosis.whitening import Whitened, refit
+from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import chain_of
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.problem import Nuisance
