@@ -5,10 +5,10 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording.recording import QUANTITIES, Recording, publishers
-from lagrangian_ff.recording.stamps import clock_resets, order
+from lagrangian_ff.recording.stamps import clock_resets, order, usual_period
 from lagrangian_ff.recording.units import Doubt, find_doubts
 from lagrangian_ff.words import counted
 
@@ -23,6 +23,8 @@ _REST = 3  # samples in a row at the extreme
 # Times the longest rest on a value in between. A parabola's top step, quantised, lasts up to 4.8
 # times as long as the step below on one side.
 _LONGER = 6
+_TOGETHER = 0.3  # of the mean step: half of the steps are shorter where samples share a stamp
+_NO_GAP = 0.99  # share of the steps that are no gap
 _AROUND = 5  # samples to either side over which a joint moves
 _MOVED = 0.02  # of the most that it moves in that time
 
@@ -98,6 +100,7 @@ class Inspection:
         samples: number of messages or rows.
         duration: s.
         rate: Hz; NaN for fewer than two samples.
+        batch: how many samples are stamped together, as they arrived; 1 where each has its stamp.
         jitter_p50, jitter_p99: s, how far the distances of samples depart from the period.
         gaps: pauses longer than 1.75 periods.
         duplicates: samples that repeat a stamp.
@@ -114,6 +117,7 @@ class Inspection:
     samples: int
     duration: float
     rate: float
+    batch: int
     jitter_p50: float
     jitter_p99: float
     gaps: tuple[Gap, ...]
@@ -135,7 +139,8 @@ class Inspection:
         found = [
             self.source,
             f"  {self.samples} samples in {self.duration:.3f} s, {self.rate:.6g} Hz; "
-            f"jitter {self.jitter_p50 * 1e6:.0f} µs (half of the samples), "
+            + (f"stamped together in batches of {self.batch}; " if self.batch > 1 else "")
+            + f"jitter {self.jitter_p50 * 1e6:.0f} µs (half of the samples), "
             f"{self.jitter_p99 * 1e6:.0f} µs (99 %)",
         ]
         for joint in self.joints:
@@ -181,14 +186,19 @@ def inspect(recording: Recording) -> Inspection:
     ordered = order(time)
     steady = time[ordered.index]
     step = np.diff(steady)
-    period = ordered.period
+    period, first = ordered.period, _first_of_batches(step)
+    batch = round(float(np.median(np.diff(first)))) if len(first) > 1 else 1
+    if batch > 1:
+        steady, step = steady[first], np.diff(steady[first])
+        period = usual_period(step) / batch
     deviation = np.abs(step - np.median(step)) if step.size else np.array([np.nan])
-    at = np.flatnonzero(step > _GAP * period)
+    at = np.flatnonzero(step > _GAP * period * batch)
     return Inspection(
         source=recording.source,
         samples=len(recording),
         duration=float(np.ptp(recording.time)) if len(recording) else 0.0,
         rate=1 / period,
+        batch=batch,
         jitter_p50=float(np.quantile(deviation, 0.5)),
         jitter_p99=float(np.quantile(deviation, 0.99)),
         gaps=tuple(Gap(float(steady[k]), float(step[k])) for k in at),
@@ -201,6 +211,19 @@ def inspect(recording: Recording) -> Inspection:
         doubts=find_doubts(recording),
         notes=recording.notes,
     )
+
+
+def _first_of_batches(step: Floats) -> Ints:
+    """Return the first sample of each batch that is stamped together; nothing if none is.
+
+    Within a batch the stamps show no more than the order in which the samples arrived.
+    """
+    if step.size < _FEWEST:
+        return np.empty(0, dtype=np.int64)
+    mean = float(step[step <= np.quantile(step, _NO_GAP)].mean())
+    if not np.median(step) < _TOGETHER * mean:
+        return np.empty(0, dtype=np.int64)
+    return np.concatenate([[0], np.flatnonzero(step > mean) + 1])
 
 
 def find_clipping(recording: Recording) -> tuple[Clipping, ...]:

@@ -175,6 +175,21 @@ def test_jitter_is_measured() -> None:
     assert found.jitter_p99 == pytest.approx(2e-4 * 0.9, rel=0.1)
 
 
+def test_samples_that_are_stamped_together_are_counted() -> None:
+    number = np.arange(len(BASE))
+    last = BASE.time[np.minimum(5 * (number // 5) + 4, len(BASE) - 1)]
+    found = inspect(replace(BASE, time=last + 1e-5 * (number % 5)))
+    assert found.batch == 5
+    assert found.rate == pytest.approx(inspect(BASE).rate, rel=1e-3)
+    assert found.gaps == ()
+    assert "stamped together in batches of 5" in "\n".join(found.lines())
+
+
+def test_a_long_pause_makes_no_batches() -> None:
+    found = inspect(replace(BASE, time=BASE.time + 3600.0 * (np.arange(len(BASE)) > 500)))
+    assert (found.batch, len(found.gaps)) == (1, 1)
+
+
 @pytest.mark.parametrize("samples", [0, 1, 2])
 def test_nearly_empty_recordings_are_inspected_too(samples: int) -> None:
     found = inspect(swinging(samples))
