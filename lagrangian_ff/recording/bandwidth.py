@@ -1,7 +1,7 @@
 """The bandwidth of the low-pass: as wide as noise allows, chosen from the motion and its torque.
 
-Two noises pass the low-pass. That of the torque averages out over many samples. That of the
-position is differentiated twice and grows with the fourth power of frequency: inertia times noisy
+Two noises pass the low-pass. That of the torque averages out over many samples, and counts for a
+quarter. That of the position is differentiated twice and grows with the fourth power of frequency: inertia times noisy
 acceleration is torque that was never there, and a fit shrinks the inertia to avoid it. Both are
 what is left of coherence: of the torque that a regression on the motion predicts, in blocks that
 it has not seen, with the torque that was measured.
@@ -28,7 +28,10 @@ USUAL = 25.0
 WIDEST = 40.0
 """Hz, bandwidth of the motion that is analysed."""
 NOISE = 0.05
-"""Most noise, rms over the rms of the torque, averaged over the joints."""
+"""Most noise that counts, rms over the rms of the torque, averaged over the joints."""
+
+AVERAGED = 0.25
+"""Share of the noise of torque that counts: what sixteen independent samples a parameter leave."""
 
 _RATE = 3.125  # times the bandwidth: samples per second that are analysed
 _SEEN = 0.8  # of that bandwidth: beyond, too little is left to judge
@@ -167,8 +170,11 @@ def _chosen(
     torque = spectra.torque * lost
     related = spectra.coherence(spectra.cross, spectra.predicted) * torque
     with_acceleration = spectra.coherence(spectra.cross_inertial, spectra.inertial)
-    noises = _floor((1.0 - with_acceleration) * spectra.inertial * lost), _floor(torque - related)
-    noise = noises[0] + noises[1]
+    of_acceleration = _floor((1.0 - with_acceleration) * spectra.inertial * lost)
+    of_torque = _floor(torque - related)
+    noise = of_acceleration + of_torque
+    noises = of_acceleration, AVERAGED**2 * of_torque
+    counted = noises[0] + noises[1]
 
     def passed(hertz: float, density: Floats = noise) -> Floats:
         """Return (J,) rms that passes a low-pass, over that of the torque."""
@@ -177,9 +183,9 @@ def _chosen(
 
     low = min(top, max(_own(spectra.speed, edges) * _TIMES, 2 * settling(order, _ENDS * longest)))
     tried = np.geomspace(low, top, 60)
-    fits = np.array([float(passed(hertz).mean()) <= NOISE for hertz in tried])
+    fits = np.array([float(passed(hertz, counted).mean()) <= NOISE for hertz in tried])
     hertz = float(f"{tried[np.flatnonzero(fits)[-1]] if fits.any() else low:.2g}")
-    worst = int(np.argmax(passed(top)))
+    worst = int(np.argmax(passed(top, counted)))
     above = middle > hertz
     reason = f"bandwidth {hertz:g} Hz: "
     if fits[-1]:

@@ -63,7 +63,7 @@ def test_noise_of_position_lowers_it_as_its_fourth_derivative_says() -> None:
 
 
 def test_noise_of_torque_lowers_it_and_is_said_to_be_unrelated() -> None:
-    found = measured_bandwidth([arm(torque_noise=10.0)])
+    found = measured_bandwidth([arm(torque_noise=40.0)])
     assert found.hertz < 15.0
     assert "torque is unrelated to the motion" in found.reason
 
