@@ -15,7 +15,7 @@ from pathlib import Path
 from lagrangian_ff import recording
 from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.identification import Settings, identify
-from lagrangian_ff.recording.motion import Motion, concatenate
+from lagrangian_ff.recording.motion import concatenate
 
 MODELS = ("motor+fri", "rbfs+fri", "vrbfs+fri", "auto+fri")
 
@@ -29,7 +29,9 @@ def main() -> None:
     parser.add_argument("--models", nargs="+", default=list(MODELS))
     parser.add_argument("--samples", type=int, default=Settings.samples)
     options = parser.parse_args()
-    learned, unseen = _motions(options.train), _motions(options.test)
+    learned = recording.condition_alike([recording.load(one) for one in options.train])
+    like = recording.Conditioning.from_record(learned[0].conditioning)
+    unseen = recording.condition_alike([recording.load(one) for one in options.test], like)
     if not unseen and options.share >= 1.0:
         parser.error("nothing is left to judge on: give --test, or --share below 1")
     rows = []
@@ -49,10 +51,6 @@ def main() -> None:
     print(_line(["---"] * (len(joints) + 3)))
     for row in rows:
         print(_line(row))
-
-
-def _motions(sources: Sequence[Path]) -> list[Motion]:
-    return [recording.condition(recording.load(source)) for source in sources]
 
 
 def _line(cells: Sequence[str]) -> str:

@@ -1,10 +1,10 @@
 """The bandwidth of the low-pass: as wide as noise allows, chosen from the motion and its torque.
 
 Two noises pass the low-pass. That of the torque averages out over many samples, and counts for a
-quarter. That of the position is differentiated twice and grows with the fourth power of frequency: inertia times noisy
-acceleration is torque that was never there, and a fit shrinks the inertia to avoid it. Both are
-what is left of coherence: of the torque that a regression on the motion predicts, in blocks that
-it has not seen, with the torque that was measured.
+quarter. That of the position is differentiated twice and grows with the fourth power of frequency:
+inertia times noisy acceleration is torque that was never there, and a fit shrinks the inertia to
+avoid it. Both are what is left of coherence: of the torque that a regression on the motion
+predicts, in blocks that it has not seen, with the torque that was measured.
 
 The regression is linear: gravity of up to two joints, friction, and a constant inertia. It is
 fitted below four times the motion's own bandwidth, where acceleration has little noise, and

@@ -105,8 +105,8 @@ def test_a_pulse_of_the_measured_acrobot_is_found(shared_data: Path, root: Path)
     arm = next(one for one in arms if one.name == "dfki_touched")
     split = next(one for one in arm.splits if one.name == "pulses-2")
     found = identify(motions(arm, split.train), FEW).model
-    (one,) = contacts_of(found, concatenate(motions(arm, split.search)))
+    (one,) = contacts_of(found, concatenate(motions(arm, split.search, found.data)))
     assert one.p_value < 0.05
     assert one.begin < 1.08 < one.end  # -0.7 N·m were injected on the elbow
     assert 0.4 < one.sizes["elbow"].value < 0.7
-    assert contacts_of(found, concatenate(motions(arm, split.test))) == ()
+    assert contacts_of(found, concatenate(motions(arm, split.test, found.data))) == ()

@@ -276,7 +276,8 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
     still = np.ptp(motion.q, axis=0) < thresholds.USED.still
     power: dict[tuple[str, int], float] = {}
     present = {step.score.candidate.key for step in found.steps}
-    for score in found.all:
+    # The last have the noise that is left beside all that was found.
+    for score in (*found.all, *found.last):
         if score.candidate.named and score.candidate.key not in present:
             key = score.candidate.key
             power[key] = max(power.get(key, -np.inf), _expected_log_bf(score))

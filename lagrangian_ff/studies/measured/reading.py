@@ -7,8 +7,8 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError, UserError
-from lagrangian_ff.recording import condition, load
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording import condition_alike, load
+from lagrangian_ff.recording.motion import Conditioning, Motion
 from lagrangian_ff.recording.recording import Recording, from_arrays
 from lagrangian_ff.studies.measured.known import Column, Known, Part, Source
 
@@ -19,13 +19,19 @@ Table = Mapping[Column, Floats]
 """Columns or tables (samples, columns) by name and, in text, by number."""
 
 
-def motions(known: Known, parts: Sequence[Part]) -> list[Motion]:
+def motions(known: Known, parts: Sequence[Part], like: Motion | None = None) -> list[Motion]:
     """Return the motion of each part, conditioned as for any user.
+
+    Args:
+        known, parts: of the arm.
+        like: what a model was learned from, and what other recordings are conditioned like; None
+            conditions these together.
 
     Raises:
         UserError: a file is missing, or lacks a column; names both.
     """
-    return [condition(_cut(read(known, known.sources[one.recording]), one)) for one in parts]
+    cut = [_cut(read(known, known.sources[one.recording]), one) for one in parts]
+    return condition_alike(cut, Conditioning.from_record(like.conditioning) if like else None)
 
 
 def read(known: Known, source: Source) -> Recording:

@@ -8,8 +8,7 @@ from typing import Any
 
 from lagrangian_ff.diagnosis import compare, diagnose, diagnosis_record, with_consequences
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.identification import Settings, identify
-from lagrangian_ff.identification.identifying import Identification
+from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.records import Score
 from lagrangian_ff.identification.samples import decimated
 from lagrangian_ff.identification.spec import parse
@@ -90,7 +89,8 @@ def _standard(case: MeasuredCase) -> dict[str, Any]:
     kinematics = known.kinematics
     if kinematics is None:
         raise UserError(f"{known.name}: no kinematics, which the standard way needs")
-    train, test = _whole(known, split.train), _whole(known, split.test)
+    train = _whole(motions(known, split.train))
+    test = _whole(motions(known, split.test, train))
     clock.lap("reading")
     urdf = kinematics.text(known.joints)
     found = StandardWay.identified(urdf, kinematics.gravity, train, kinematics.source)
@@ -101,13 +101,14 @@ def _standard(case: MeasuredCase) -> dict[str, Any]:
 
 def _model(case: MeasuredCase) -> dict[str, Any]:
     clock = _Clock()
-    found = _identified(case, clock)
-    score = compare(found.model, _whole(case.known, case.split.test)).score
+    model = _identified(case, clock)
+    test = _whole(motions(case.known, case.split.test, model.data))
+    score = compare(model, test).score
     clock.lap("compare")
-    return {**_errors(score), "model": found.model.name, **clock.record()}
+    return {**_errors(score), "model": model.name, **clock.record()}
 
 
-def _identified(case: MeasuredCase, clock: _Clock) -> Identification:
+def _identified(case: MeasuredCase, clock: _Clock) -> Model:
     known = case.known
     train = motions(known, case.split.train)
     clock.lap("reading")
@@ -116,13 +117,13 @@ def _identified(case: MeasuredCase, clock: _Clock) -> Identification:
         robot = known.kinematics.robot(known.joints)
     found = identify(train, Settings(model=case.model, train=1.0), mechanism=robot)
     clock.lap("identify")
-    return found
+    return found.model
 
 
 def _diagnosis(case: MeasuredCase) -> dict[str, Any]:
     known, split, clock = case.known, case.split, _Clock()
-    model = _identified(case, clock).model
-    search, confirm = motions(known, split.search), motions(known, split.confirm)
+    model = _identified(case, clock)
+    search, confirm = (motions(known, parts, model.data) for parts in (split.search, split.confirm))
     clock.lap("reading again")
     found = diagnose(model, search, confirm=confirm)
     clock.lap("diagnose")
@@ -142,8 +143,8 @@ def _pulses(known: Known, recording: str) -> list[tuple[float, float]]:
     return contacts(known, source) if source.layout.effort_minus else []
 
 
-def _whole(known: Known, parts: Sequence[Any]) -> Motion:
-    return concatenate([decimated(one) for one in motions(known, parts)])
+def _whole(parts: Sequence[Motion]) -> Motion:
+    return concatenate([decimated(one) for one in parts])
 
 
 def _errors(score: Score) -> dict[str, Any]:
