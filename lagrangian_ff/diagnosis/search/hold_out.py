@@ -175,13 +175,16 @@ def _of_step(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
     """Return how a step does, beside hysteresis of its joint away from reversals as well.
 
     What hysteresis is not quite like in form is left near reversals, at low speed, and looks like
-    friction over speed; but that is there wherever the joint is slow.
+    friction over speed, or like a delay; but these are there wherever the joint is slow, and
+    wherever the torque changes.
     """
     held = _alone_or_together(found, motion, number)
     candidate = found.steps[number].score.candidate
     effect, joint = candidate.effect, candidate.joint
     over_speed = effect.kind == "friction" and effect.coordinate == "velocity"
-    if not held.holds or effect.remembers or effect.plain or not over_speed:
+    late = effect.kind == "measurement" and effect.coordinate == "since_reversal"
+    alike = late or (over_speed and not effect.remembers and not effect.plain)
+    if not held.holds or not alike:
         return held
     terms = (term for term in found.whitened.basis.terms if term.joint == joint)
     reach = max((term.effect.reach(term.shape) for term in terms), default=0.0)
@@ -194,7 +197,7 @@ def _of_step(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
         return held
     words = (
         "it shows only where the joint has just reversed, as what is left of hysteresis does: "
-        "creep without reversing"
+        f"{'swing fast, then slowly' if late else 'creep without reversing'}"
     )
     return replace(held, doubt=Doubt(Reason.NEAR_REVERSALS, words))
 
