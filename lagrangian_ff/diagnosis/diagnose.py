@@ -31,14 +31,14 @@ from lagrangian_ff.diagnosis.search.nonparametric import with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
 from lagrangian_ff.diagnosis.search.signs import unnatural
 from lagrangian_ff.diagnosis.whitening import Whitened, fit
-from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import WITHOUT_FRICTION, Motion, concatenate
+from lagrangian_ff.recording.motion import WITHOUT_FRICTION, WITHOUT_GRAVITY, Motion, concatenate
 
 
 def diagnose(
@@ -214,6 +214,8 @@ def _finding(
     mine = motion.rival(step.score, number, candidate)
     others = [(mine, motion.rival(score, number, candidate)) for score in step.rivals]
     left = [one.candidate.source.name for one in rivals(step.score, step.rivals, others)]
+    if found.whitened.motion.effort == WITHOUT_GRAVITY:
+        left += [name for name in of_unseen_load(effect) if name not in left]
     alike = [one.candidate.source.name for one in step.rivals]
     return Finding(
         effect=effect,
@@ -233,6 +235,16 @@ def _finding(
         doubt=hold_out.doubt or doubt_of(found, step, model),
         partial_residual=partial_residual(found.whitened, candidate, values),
     )
+
+
+def of_unseen_load(effect: Effect) -> list[str]:
+    """Return the look-alikes of friction over position that follow a load without its gravity.
+
+    A gear carries the arm's weight, which depends on the position, even if the effort lacks it.
+    """
+    if effect.kind != "friction" or effect.coordinate != "position":
+        return []
+    return [name for name in look_alikes(effect) if "load" in EFFECTS[name].uses]
 
 
 def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:

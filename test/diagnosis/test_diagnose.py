@@ -33,6 +33,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
 
 FEW = Settings(train=1.0, samples=120, evaluations=20)
 
@@ -146,6 +147,23 @@ def stick_and_swing(
     torque = two_rods.stick(t, q, qd, qdd)
     swing = 1.5 * (np.cos(q[:, 1]) - np.sin(q[:, 1])) * np.tanh(qd[:, 1] / two_rods.WIDTH)
     return torque + np.stack([np.zeros(len(t)), swing], axis=1)
+
+
+def weightless(motion: Motion) -> Motion:
+    """Return a motion whose driver took the torque of gravity off."""
+    still = np.zeros_like(motion.q)
+    conditioning = {**motion.conditioning, "effort": WITHOUT_GRAVITY}
+    weight = two_rods.rods(motion.q, still, still)
+    return replace(motion, tau=motion.tau - weight, conditioning=conditioning)
+
+
+def test_friction_over_position_may_be_that_of_a_load_whose_weight_the_effort_lacks() -> None:
+    model = identify([weightless(two_rods.motion(1))], replace(FEW, model="chain+fri")).model
+    first, second = (weightless(two_rods.motion(s, hidden=stick_and_swing)) for s in (1, 2))
+    found = diagnose(model, first, second)
+    (finding,) = (one for one in found.findings if one.effect.name == "position_friction")
+    assert "load_friction" in finding.rivals
+    assert not finding.confirmed
 
 
 def test_what_is_not_there_does_not_take_a_larger_effect_with_it() -> None:
