@@ -27,14 +27,17 @@ COLUMNS = 10_000
 """Columns of a table."""
 CELL = 1_000
 """Characters of a cell of a table, on average over its line."""
-CELLS = 32
-"""Values held per byte of joint states read, with those left empty."""
+TABLE = 32
+"""Bytes of the table of joint states per byte of their messages; other publishers' are empty."""
 TEXT = 64 * MIB
 """Bytes of a text that is parsed as a whole, such as a URDF."""
 DEPTH = 100
 """Elements of XML inside each other."""
 LARGEST = 1e12
 """Largest position, rad or m, and effort, N·m, of a joint: with more, squares of sums overflow."""
+
+LATEST = 1e20
+"""Latest stamp, in any unit: dates in ns are about 2e18."""
 
 
 def unpacked(size: int, most: int | None = MOST) -> int:

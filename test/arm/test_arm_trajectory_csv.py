@@ -60,9 +60,9 @@ def test_other_joints_in_other_columns_are_read(tmp_path: Path) -> None:
         ("time,position/a\n", "a header and at least one point"),
         ("t,position/a\n0,1\n", "no column 'time'"),
         ("time,a\n0,1\n", "no column 'position/<joint>'"),
-        ("time,position/a\n0,1\n1,x\n", "line 3: position/a is 'x'"),
-        ("time,position/a\n0,1\n1,nan\n", "line 3: position/a is 'nan'"),
-        ("time,position/a\n0,1\n1\n", "line 3: 1 values, expected 2"),
+        ("time,position/a\n0,1\n1,x\n", "line 3: column position/a holds 'x'"),
+        ("time,position/a\n0,1\n1,nan\n", "line 3: position/a is nan"),
+        ("time,position/a\n0,1\n1\n", "line 3: 1 cells, the header has 2"),
         ("time,position/a\n0,1\n1,2\n1,3\n", "line 4: time does not increase"),
         ("time,position/a,position/b,velocity/a\n0,1,1,1\n", "not velocity/b"),
     ],
@@ -81,5 +81,5 @@ def test_files_that_cannot_be_opened_are_named(tmp_path: Path, trajectory: Traje
     with pytest.raises(ArmError, match="cannot be written"):
         write_trajectory(tmp_path / "no" / "folder.csv", trajectory)
     (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(ArmError, match="cannot be read as CSV"):
+    with pytest.raises(ArmError, match="not a CSV text file"):
         read_trajectory(tmp_path / "bytes.csv")

@@ -134,20 +134,20 @@ def test_contents_that_do_not_fit_are_called_damaged(
     ("settings", "said"),
     [
         ({"luck": 1}, "hold luck, which this version does not know"),
-        ({"train": "all"}, "train is all"),
+        ({"train": "all"}, "train is 'all'"),
         ({"folds": 0}, "folds is 0"),
-        ("usual", "expected them by name"),
+        ("usual", "'usual', expected an object"),
     ],
 )
-def test_settings_of_a_file_that_cannot_be_are_refused_on_refitting(
+def test_settings_of_a_file_that_cannot_be_are_refused(
     saved: Path, tmp_path: Path, settings: object, said: str
 ) -> None:
     def other(content: dict[str, Any]) -> None:
         content["header"]["record"]["settings"] = settings
 
-    model = Model.load(rewrite(saved, tmp_path / "other.npz", other))
+    path = rewrite(saved, tmp_path / "other.npz", other)
     with pytest.raises(ModelError, match=said):
-        extend(model, EFFECTS["stribeck"], "elbow")
+        extend(Model.load(path), EFFECTS["stribeck"], "elbow")
 
 
 def test_an_effect_of_ones_own_is_asked_for(saved: Path, tmp_path: Path) -> None:

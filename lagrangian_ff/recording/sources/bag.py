@@ -66,7 +66,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
         local = [_prepare(file, workplace, notes) for file in paths]
         topics = _topics(local, paths)
         chosen = _choose_topic(path, topics, topic, notes)
-        table = JointStateTable()
+        table = JointStateTable(str(path))
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
             report = part(progress, index / len(local), (index + 1) / len(local))
             _read_file(file, original, chosen, table, notes, report)

@@ -106,7 +106,7 @@ def test_what_is_no_urdf_is_told(text: str, expected: str, tmp_path: Path) -> No
 def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     with pytest.raises(ModelError, match="no URDF file"):
         read_urdf(tmp_path / "none.urdf")
-    with pytest.raises(ModelError, match="cannot read the URDF"):
+    with pytest.raises(ModelError, match="is a folder, expected a file"):
         read_urdf(tmp_path)
     (tmp_path / "binary.urdf").write_bytes(b"\xff\xfe\x00robot")
     with pytest.raises(ModelError, match="it is not text"):
