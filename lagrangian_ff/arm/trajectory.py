@@ -230,7 +230,10 @@ def read_trajectory(path: str | Path) -> Trajectory:
     notes = _fill(path, time, fields)
     q, qd, qdd = fields["q"], fields["qd"], fields["qdd"]
     assert q is not None and qd is not None and qdd is not None  # noqa: PT018
-    return Trajectory(time, q, qd, qdd, joints, fields["effort"], notes)
+    try:
+        return Trajectory(time, q, qd, qdd, joints, fields["effort"], notes)
+    except ArmError as error:
+        raise ArmError(f"{path}: {error}") from error
 
 
 def _table(path: Path) -> tuple[dict[str, int], Floats, Ints]:
@@ -268,9 +271,15 @@ def _fill(path: str | Path, time: Floats, fields: dict[str, Floats | None]) -> t
         return (f"{path}: one point without velocity or acceleration: taken as rest",)
     still = np.zeros(q.shape[1])
     rest = [(1, still), (2, still)]
-    spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
-    for field, order in (("qd", 1), ("qdd", 2)):
-        if field in missing:
-            fields[field] = spline(time, order)
+    try:
+        with np.errstate(all="ignore"):
+            spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+            found = {field: spline(time, order) for field, order in (("qd", 1), ("qdd", 2))}
+    except ValueError as error:
+        raise ArmError(
+            f"{path}: no spline goes through the positions ({error}): check their times, or give "
+            "velocity and acceleration"
+        ) from error
+    fields.update((field, found[field]) for field in missing)
     words = " and ".join(COLUMNS[field] for field in missing)
     return (f"{path}: {words} filled in from the quintic spline through the positions",)

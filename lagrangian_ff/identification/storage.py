@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from lagrangian_ff import budget
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.files import whole
@@ -45,6 +45,8 @@ GRAVITY = "potential"
 """The hyperparameter that is 0 where the effort holds no gravity."""
 DAMAGED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 """Errors of contents that do not fit each other."""
+MOST = 1e60
+"""Largest number of a model, in any unit: products of several must not overflow."""
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
@@ -163,8 +165,10 @@ def _build(
             raise ValueError(f"array {name} has {len(found)} entries, not {len(arrays['q'])}")
         if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
             raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
-        if name in ("unit", "noise", "noise_share") and not (found > 0.0).all():
+        if name in ("unit", "noise", "noise_share") and not _positive(found).all():
             raise ValueError(f"array {name} holds {found.tolist()}, expected above 0")
+        if name in ("weights", "coefficients") and not (np.abs(found) <= MOST).all():
+            raise ValueError(f"array {name} holds values beyond {MOST:g}")
     index, seen = (arrays[name].astype(np.int64) for name in ("index", "seen"))
     more = [arrays[name] for name in MORE]
     if len({one.shape for one in more}) != 1:
@@ -275,10 +279,15 @@ def _kernel(header: dict[str, Any], family: Family, centres: States) -> Kernel:
         if value.shape not in (usual, (1,), (centres.joints,)):
             raise ValueError(f"hyperparameter {name} has shape {value.shape}, expected {usual}")
         # What is not searched may be 0, as the mark of a joint that turns; so may gravity.
-        least = np.nextafter(0.0, 1.0) if name in searched and name != GRAVITY else 0.0
-        if not (np.isfinite(value).all() and (value >= least).all()):
+        least = 1.0 / MOST if name in searched and name != GRAVITY else 0.0
+        if not ((value <= MOST) & (value >= least)).all():
             raise ValueError(f"hyperparameter {name} is {value.tolist()}, out of range")
     return start.replace(**values)
+
+
+def _positive(values: Floats) -> Flags:
+    """Return where values are above 0, and neither so small nor so large that squares overflow."""
+    return np.asarray((values >= 1.0 / MOST) & (values <= MOST))
 
 
 def _require_weight(weight: Floats, shape: tuple[int, ...]) -> None:

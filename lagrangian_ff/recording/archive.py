@@ -80,7 +80,7 @@ def read_archive(
                     name: _array(archive, one, f"{path}: array {name}", error)
                     for name, one in chosen.items()
                 }
-        except _DAMAGED as why:
+        except (OSError, *_DAMAGED) as why:  # a damaged place in the zip's index cannot be sought
             raise error(f"{path}: not a readable .npz archive: {_reason(why)}") from why
     return Archive(arrays, tuple(members))
 
@@ -99,6 +99,8 @@ def _other(begin: bytes) -> str:
 def _reason(why: Exception) -> str:
     """Return what an error says, without NumPy's advice to read what is not safe."""
     text = str(why)
+    if isinstance(why, SyntaxError | tokenize.TokenError) or "parse" in text:
+        return "the shape of an array cannot be parsed"
     return text if text and "pickle" not in text else type(why).__name__
 
 
