@@ -182,7 +182,7 @@ def _build(
         segment=arrays["segment"].astype(np.int64),
         source=str(header["source"]),
         notes=tuple(header["notes"]),
-        conditioning=header["conditioning"],
+        conditioning=dict(header["conditioning"]),
         temperature=arrays.get(TEMPERATURE),
     )
     for chosen in (index, seen):

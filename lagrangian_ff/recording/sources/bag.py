@@ -64,7 +64,7 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     with ExitStack() as stack:
         workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
         local = [_prepare(file, workplace, notes) for file in paths]
-        topics = _topics(local, paths)
+        topics = _topics(path, local, paths)
         chosen = _choose_topic(path, topics, topic, notes)
         table = JointStateTable(str(path))
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
@@ -187,17 +187,29 @@ def _opened(path: Path, name: Path) -> StorageFile:
     return McapFile(path, name) if _kind(path) == ".mcap" else SqliteFile(path)
 
 
-def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
-    """Return the type of every topic that has messages, or of all if none has."""
+def _topics(bag: Path, paths: list[Path], names: list[Path]) -> dict[str, str]:
+    """Return the type of every topic that has messages, or of all if none has.
+
+    Raises:
+        RecordingError: there is no topic at all.
+    """
     types: dict[str, str] = {}
     empty: dict[str, str] = {}
+    damage = ""
     for path, original in zip(paths, names, strict=True):
+        file: StorageFile
         try:
-            topics = _opened(path, original).topics
+            file = _opened(path, original)
+            topics = file.topics
         except UnreadableError:
-            topics = SqliteSalvage(path, original).topics
+            file = SqliteSalvage(path, original)
+            topics = file.topics
+        damage = damage or file.damage
         for name, (kind, count) in topics.items():
             (types if count else empty)[name] = kind
+    if not (types or empty):
+        why = f" ({damage})" if damage else ""
+        raise RecordingError(f"{bag}: no joint states; it holds no topics{why}")
     return types or empty
 
 
@@ -234,8 +246,6 @@ def _is_kind(kind: str, expected: str) -> bool:
 def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
     if joint_states:
         return f"joint states are on {', '.join(joint_states)}"
-    if not topics:
-        return "it holds no topics"
     found = ", ".join(f"{name} [{kind}]" for name, kind in topics.items())
     return f"expected a topic of type {MESSAGE_TYPE}, found {found}"
 
