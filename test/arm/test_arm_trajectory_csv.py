@@ -1,5 +1,6 @@
 """Trajectories in CSV files."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -83,3 +84,28 @@ def test_files_that_cannot_be_opened_are_named(tmp_path: Path, trajectory: Traje
     (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(ArmError, match="not a CSV text file"):
         read_trajectory(tmp_path / "bytes.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time,position/a\n0,1\n1e-300,2\n1,3\n2,1\n3,0\n4,1\n", "no spline goes through"),
+        ("time,position/a\n0,1\n1,1e308\n", r"line 3: position/a is 1e\+308"),
+        ("time,position/a,position/a\n0,1,1\n", "line 1: a column is given twice"),
+        ("time,position/a\n0," + "1" * 200_000, "line 2: 200002 characters"),
+        ('time,position/a\n0,"1\n' + "1,1\n" * 50_000, "larger than field limit"),
+        (",".join(f"position/{n}" for n in range(40_000)), "line 1: .* in 40000 columns"),
+    ],
+)
+def test_what_would_overflow_or_exhaust_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(ArmError, match=message) as refused:
+        read_trajectory(path)
+    assert str(path) in str(refused.value)
+
+
+def test_a_trajectory_is_no_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(ArmError, match="is a pipe, expected a file"):
+        read_trajectory(tmp_path / "pipe.csv")

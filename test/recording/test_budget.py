@@ -93,3 +93,10 @@ def test_joints_of_several_publishers_share_a_table_however_many(tmp_path: Path)
     path = hostile_files.names_of_their_own(tmp_path, 200)
     assert len(load(path).joints) == 398
     assert np.isfinite(load(path).position).sum() == 398
+
+
+def test_a_single_stamp_far_ahead_of_its_sample_is_borne() -> None:
+    recording = swinging(300, 200.0)
+    time = recording.time.copy()
+    time[57] += 0.716
+    assert len(condition(replace(recording, time=time))) > 200

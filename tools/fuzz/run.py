@@ -26,6 +26,7 @@ class Run:
         self.largest = 0
         self.judge = Judge(target, self.seeds)
         self.engine = ""
+        self.tried = 0
 
     @property
     def found(self) -> int:
@@ -65,7 +66,9 @@ class Run:
         """Return the result in a line."""
         kinds = ", ".join(f"{number} {kind}" for kind, number in sorted(self.counts.items()))
         files = sum(self.counts.values())
+        search = f"; {self.engine}" if self.engine else ""
+        search += f" tried {self.tried} more" if self.tried else ""
         return (
             f"{self.target.name:10} {files:6} files: {kinds}; at most {self.worst.seconds:.2f} s "
-            f"and {self.largest >> 20} MiB{f'; {self.engine}' if self.engine else ''}"
+            f"and {self.largest >> 20} MiB{search}"
         )

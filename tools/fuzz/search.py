@@ -1,6 +1,7 @@
 """Search for files that break a reader: guided by coverage where atheris is, else by hypothesis."""
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -8,6 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from importlib.util import find_spec
+from itertools import count
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -36,16 +38,17 @@ def engine(wanted: str) -> str:
 def searched(run: Run, engine: str, seed: int, seconds: float) -> None:
     """Search with an engine for some seconds, and judge what it kept."""
     run.engine = engine
-    for content, name in _kept(run, engine, seed, seconds):
+    if engine == "hypothesis":
+        _hypothesis(run, seed, seconds)
+        run.judge.close()
+        return
+    for content, name in _kept(run, seed, seconds):
         run.look(content, name)
     run.judge.close()
 
 
-def _kept(run: Run, name: str, seed: int, seconds: float) -> Iterator[tuple[bytes, str]]:
+def _kept(run: Run, seed: int, seconds: float) -> Iterator[tuple[bytes, str]]:
     """Yield files that a search kept, with the names that they are to bear."""
-    if name == "hypothesis":
-        yield from _hypothesis(run, seconds)
-        return
     for clean in run.seeds:
         corpus = run.folder / f"corpus-{clean.name}"
         corpus.mkdir()
@@ -60,43 +63,47 @@ def _kept(run: Run, name: str, seed: int, seconds: float) -> Iterator[tuple[byte
         ]
         command = [sys.executable, "-m", "fuzz.search", run.target.name, str(clean), str(corpus)]
         # What it says is for people who look at one target; the judge says what counts.
-        subprocess.run(
-            [*command, *limits], capture_output=True, timeout=10 * seconds + 120, check=False
+        said = subprocess.run(
+            [*command, *limits],
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=10 * seconds + 120,
+            check=False,
         )
+        done = re.search(r"Done (\d+) runs", said.stderr)
+        run.tried += int(done[1]) if done else 0
         for path in (*sorted(corpus.iterdir()), *sorted(found.parent.glob(f"{found.name}*"))):
             yield path.read_bytes(), clean.name
 
 
-def _hypothesis(run: Run, seconds: float) -> Iterator[tuple[bytes, str]]:
+def _hypothesis(run: Run, first: int, seconds: float) -> None:
     """Search by hypothesis, which makes what breaks the reader smaller and remembers it."""
-    from hypothesis import HealthCheck, Phase, given, settings
+    from hypothesis import HealthCheck, Phase, given, seed, settings
     from hypothesis import strategies as st
     from hypothesis.database import DirectoryBasedExampleDatabase
 
-    end = time.monotonic() + seconds
-    bad: list[tuple[bytes, str]] = []
-
-    @settings(
-        max_examples=1_000_000,
+    how = settings(
+        max_examples=100,
         deadline=None,
         database=DirectoryBasedExampleDatabase(".hypothesis/fuzz"),
         phases=(Phase.reuse, Phase.generate, Phase.shrink),
         suppress_health_check=list(HealthCheck),
     )
-    @given(random=st.randoms(use_true_random=False))
+
     def attempt(random: Random) -> None:
-        if time.monotonic() > end:
-            raise KeyboardInterrupt
         path, other = (random.choice(run.seeds) for _ in range(2))
         content = mutated(path.read_bytes(), other.read_bytes(), run.target, random)
-        if not run.look(content, path.name).good:
-            bad.append((content, path.name))
+        if not run.look(content, path.name).good:  # which keeps it, too
             raise AssertionError(path.name)
 
-    # Several different errors come as a group, which is no AssertionError.
-    with suppress(KeyboardInterrupt, Exception):
-        attempt()
-    yield from bad[-1:]
+    end = time.monotonic() + seconds
+    for number in count(first):
+        if time.monotonic() > end:
+            return
+        # Several different errors come as a group, which is no AssertionError.
+        with suppress(Exception):
+            seed(number)(how(given(random=st.randoms(use_true_random=False))(attempt)))()
 
 
 def _atheris(target: Target, clean: Path, arguments: list[str]) -> None:
