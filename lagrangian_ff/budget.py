@@ -13,7 +13,7 @@ from lagrangian_ff.errors import UserError
 MIB = 1 << 20
 RATIO = 200
 """Bytes unpacked per byte of a file. Joint states of an arm at rest reach 100."""
-FLOOR = 64 * MIB
+FLOOR = 32 * MIB
 """Bytes that a file may unpack to, however small."""
 MOST = 16 << 30
 """Bytes that a file may unpack to on disk or in memory, however large."""

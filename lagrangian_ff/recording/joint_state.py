@@ -139,7 +139,7 @@ class JointStateTable:
 
     def __init__(self, source: str = "joint states") -> None:
         self._source = source
-        self._bytes = 0
+        self._bytes = self._waiting = 0
         self._malformed = 0
         self._columns: dict[str, int] = {}
         self._blocks: list[_Block] = []
@@ -162,7 +162,8 @@ class JointStateTable:
         """Take one serialized message and the time in ns at which it was received."""
         self._pending.append((min(max(received, 0), _LATEST), data))
         self._bytes += len(data)
-        if len(self._pending) >= _BATCH:
+        self._waiting += len(data)
+        if len(self._pending) >= _BATCH or self._waiting > budget.FLOOR:
             self._flush()
 
     def mark(self) -> tuple[int, int, int, int]:
@@ -205,7 +206,7 @@ class JointStateTable:
         return tuple(self._columns), stamps, received, tables[0], tables[1], tables[2]
 
     def _flush(self) -> None:
-        pending, self._pending = self._pending, []
+        pending, self._pending, self._waiting = self._pending, [], 0
         if not pending:
             return
         stamps = np.zeros(len(pending), dtype=np.int64)

@@ -15,7 +15,7 @@ from lagrangian_ff.recording import condition, inspect, load
 
 SAID = {
     "overflow_in_a_circle": "no joint states",
-    "file_of_zeros": "unpacks to more than 64",
+    "file_of_zeros": "unpacks to more than 3",
     "chunk_of_zeros": "the chunk at byte 8 claims to hold 300 MiB",
     "many_chunks": "chunks unpack to more than",
     "messages_of_zeros": "messages hold more than",

@@ -26,6 +26,8 @@ _CHUNK = struct.Struct("<QQQII")  # first and last time, size, checksum, length 
 _END = _HEAD.size + 20 + len(_MAGIC)  # bytes of the closing record and what follows
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 11, 15
 _READ = (FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS, DATA_END)
+_IN_CHUNKS = (SCHEMA, CHANNEL, MESSAGE)
+_SHORTEST = 14  # bytes of a record in a chunk: a schema without name, encoding and data
 _BROKEN = (struct.error, UnicodeDecodeError)
 
 Found: TypeAlias = tuple[int, memoryview]
@@ -190,12 +192,12 @@ class McapFile:
 
 
 def _inside(content: memoryview) -> Iterator[Found]:
-    """Yield the records of a chunk."""
+    """Yield the records of a chunk, up to what cannot be one."""
     at, size = 0, len(content)
     while at + _HEAD.size <= size:
         opcode, length = _HEAD.unpack_from(content, at)
         at += _HEAD.size
-        if at + length > size:
+        if opcode not in _IN_CHUNKS or length < _SHORTEST or at + length > size:
             return
         yield opcode, content[at : at + length]
         at += length

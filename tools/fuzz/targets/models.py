@@ -74,7 +74,7 @@ def _deeper(data: bytes, random: Random) -> bytes:
             number = random.randrange(-2, 120) if whole else random.choice(_NUMBERS)
             array.flat[random.randrange(array.size)] = number
         if random.random() < 0.2:
-            arrays[name] = random.choice((array[:-1], array[:0], array.T, array.astype(np.float32)))
+            arrays[name] = random.choice((array[:-1], array[:0], array.T, array[:, None]))
     else:
         header = json.loads(arrays["header"].tobytes())
         _replace(header, random)
