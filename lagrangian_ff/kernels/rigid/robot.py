@@ -191,6 +191,10 @@ def robot_of(text: str, source: str) -> Robot:
     bodies = range(1, model.njoints)
     placements = [model.jointPlacements[n] for n in bodies]
     movable = tuple(str(model.names[n]) for n in bodies)
+    if strange := [name for name in movable if name not in joints]:
+        raise ModelError(
+            f"{source}: the name of the joint {strange[0]!r} holds a line break or tab"
+        )
     sliding = np.array([float(joints[name].get("type") == "prismatic") for name in movable])
     tree = Tree(
         parent=np.array([int(model.parents[n]) - 1 for n in bodies]),

@@ -160,3 +160,8 @@ def test_a_long_chain_of_mimic_joints_is_followed() -> None:
     )
     robot = robot_of(f'<robot name="r"><link name="base"/>{joints}</robot>', "chain.urdf")
     assert (robot.of_joints(("j0",), "test").tree.driver == 0).all()
+
+
+def test_a_line_break_in_the_name_of_a_joint_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"the joint 'tu\\nrn' holds a line break"):
+        robot_of(GRIPPER.replace('name="turn"', 'name="tu\nrn"'), "odd.urdf")
