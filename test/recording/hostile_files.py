@@ -67,6 +67,12 @@ def many_chunks(folder: Path, number: int = 4) -> Path:
     return written(folder / "chunks.mcap", content)
 
 
+def packed_twice(folder: Path) -> Path:
+    """A small file that unpacks to many chunks, each of which unpacks."""
+    content = MCAP + chunk(zeros(1), MIB) * 2000
+    return written(folder / "twice.mcap.zstd", zstandard.compress(content))
+
+
 def messages_of_zeros(folder: Path, number: int = 20) -> Path:
     """A bag of which most messages unpack to 12 MiB."""
     good = [(k, message(k * 10**7, NAMES, (k, k), (), (k, k))) for k in range(1, 6)]
@@ -174,7 +180,8 @@ def names_of_their_own(folder: Path, number: int = 1500) -> Path:
 
 
 REFUSED: tuple[Callable[[Path], Path], ...] = (
-    overflow_in_a_circle, file_of_zeros, chunk_of_zeros, many_chunks, messages_of_zeros,
+    overflow_in_a_circle, file_of_zeros, chunk_of_zeros, many_chunks, packed_twice,
+    messages_of_zeros,
     archive_of_zeros, archive_that_claims, empty_texts, pickled, many_columns, long_cell, quote,
     pipe, device, plug, device_in_a_bag, names_of_their_own,
 )  # fmt: skip

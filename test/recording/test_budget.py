@@ -18,6 +18,7 @@ SAID = {
     "file_of_zeros": "unpacks to more than 3",
     "chunk_of_zeros": "the chunk at byte 8 claims to hold 300 MiB",
     "many_chunks": "chunks unpack to more than",
+    "packed_twice": "chunks unpack to more than 32",
     "messages_of_zeros": "messages hold more than",
     "archive_of_zeros": "claims to unpack to 256 MiB",
     "archive_that_claims": "claims the shape (1000000000000,)",

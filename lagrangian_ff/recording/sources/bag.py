@@ -30,6 +30,7 @@ NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
 _SUFFIXES = (".db3", ".mcap")
 _DATA = (*_SUFFIXES, ".zstd")
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_LONGEST = 4096  # bytes of a message with a temperature
 _PIECE = 2048  # bytes of zstd that are unpacked at once: each may become 32 KiB
 _LIST = "relative_file_paths:"
 _EPOCH_NS = 10**17  # stamps above are dates (1973 and later), not seconds since start-up
@@ -81,13 +82,18 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
 
 def _messages(path: Path, name: Path, topic: str) -> Iterator[tuple[str, int, bytes]]:
     """Yield topic, time received in ns and message of one file, what can be read of it."""
+    allowance = _Allowance(name)
+
+    def read(file: StorageFile) -> list[tuple[str, int, bytes]]:
+        # What is longer than any temperature is cut, and so malformed.
+        found = ((received, allowance.unpacked(data)) for received, data in file.messages(topic))
+        return [(topic, received, data[:_LONGEST]) for received, data in found]
+
     try:
-        found = list(_opened(path, name).messages(topic))
+        found = read(_opened(path, name))
     except UnreadableError:
-        found = list(SqliteSalvage(path, name).messages(topic))
-    allowance = _Allowance(path, name)
-    for received, data in found:
-        yield topic, received, allowance.unpacked(data)
+        found = read(SqliteSalvage(path, name))
+    yield from found
 
 
 def _files(path: Path, notes: list[str]) -> list[Path]:
@@ -262,12 +268,12 @@ def _read_file(
     reason = ""
     try:
         file = _opened(path, name)
-        _append(file, path, name, topic, table, progress)
+        _append(file, name, topic, table, progress)
     except UnreadableError as error:
         reason = str(error)
         table.rewind(mark)
         file = SqliteSalvage(path, name)
-        _append(file, path, name, topic, table, progress)
+        _append(file, name, topic, table, progress)
     if not file.damage and not reason:
         return
     what = f"cut off or damaged ({file.damage})" if file.damage else f"read by pages ({reason})"
@@ -275,15 +281,10 @@ def _read_file(
 
 
 def _append(
-    file: StorageFile,
-    path: Path,
-    name: Path,
-    topic: str,
-    table: JointStateTable,
-    progress: Progress,
+    file: StorageFile, name: Path, topic: str, table: JointStateTable, progress: Progress
 ) -> None:
     _, expected = file.topics.get(topic, ("", 0))
-    allowance = _Allowance(path, name)
+    allowance = _Allowance(name)
     for number, (received, data) in enumerate(file.messages(topic)):
         table.add(received, allowance.unpacked(data))
         if number % 8192 == 0:
@@ -291,10 +292,14 @@ def _append(
 
 
 class _Allowance:
-    """Unpacks the messages of a file until they are more than a file of its size may hold."""
+    """Unpacks the messages of a file until they are more than a file of its size may hold.
 
-    def __init__(self, path: Path, name: Path) -> None:
-        self._size, self._name = path.stat().st_size, name
+    Args:
+        name: the file the user gave, packed or not: what is packed twice has one allowance.
+    """
+
+    def __init__(self, name: Path) -> None:
+        self._size, self._name = name.stat().st_size, name
         self._left = budget.unpacked(self._size)
         self._zstd = zstandard.ZstdDecompressor()
 

@@ -109,7 +109,8 @@ class McapFile:
 
     def _records(self) -> Iterator[Found]:
         """Yield schemas, channels and messages up to the end of the data, those in chunks too."""
-        left = budget.unpacked(self._size, None)
+        size = self._name.stat().st_size  # of the file given: what is packed twice is packed
+        allowed = left = budget.unpacked(size, None)
         self.damage = ""
         with self._path.open("rb") as file:
             file.seek(len(_MAGIC))
@@ -120,8 +121,8 @@ class McapFile:
                     if left < 0:
                         raise RecordingError(
                             f"{self._name}: its chunks unpack to more than "
-                            f"{budget.in_words(budget.unpacked(self._size, None))}, which a "
-                            f"recording of {budget.in_words(self._size)} does not; not read"
+                            f"{budget.in_words(allowed)}, which a recording of "
+                            f"{budget.in_words(size)} does not; not read"
                         )
                     yield from self._sound(_inside(inside))
                 elif opcode != STATISTICS:
