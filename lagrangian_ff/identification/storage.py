@@ -121,7 +121,7 @@ def load(kind: type[Loaded], path: Path, linkage: Linkage | None = None) -> Load
         )
     try:
         model = _build(kind, header, arrays, path, linkage)
-        _require_sound(model)
+        _require_usable(model)
     except ModelError as error:
         raise error if str(path) in str(error) else ModelError(f"{path}: {error}") from error
     except (*DAMAGED, UserError) as error:
@@ -231,7 +231,7 @@ def _build(
     )
 
 
-def _require_sound(model: TorqueModel) -> None:
+def _require_usable(model: TorqueModel) -> None:
     """Refuse a model that could not be used: what it says of itself is read, and it predicts."""
     Identified.from_record(model.record)
     for step in model.steps:

@@ -72,13 +72,13 @@ def test_what_is_sound_beside_it_is_read(made: Callable[[Path], Path], tmp_path:
 
 @pytest.mark.parametrize("quantity", ["position", "effort"])
 @pytest.mark.parametrize("value", [1e308, -1e200, 1e13])
-def test_a_value_that_no_joint_has_is_named(quantity: str, value: float) -> None:
+def test_values_that_no_joint_has_are_named(quantity: str, value: float) -> None:
     recording = swinging(600)
     table = getattr(recording, quantity).copy()
-    table[300, 1] = value
+    table[300:340, 1] = value
     odd = replace(recording, **{quantity: table})
     inspect(odd)
-    with pytest.raises(RecordingError, match=f"{quantity} of elbow is .* in sample 301 at 0.600 s"):
+    with pytest.raises(RecordingError, match=f"{quantity} .*elbow .*in sample 301 at 0.600 s"):
         condition(odd)
 
 
