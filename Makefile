@@ -34,7 +34,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-oldest lint types format benchmark install clean
+.PHONY: help demo test test-oldest lint types format fuzz benchmark install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -73,6 +73,13 @@ types: install  ## check types
 format: install  ## put the sources into the one format
 	@$(BIN)/ruff check --fix $(SOURCES)
 	@$(BIN)/ruff format $(SOURCES)
+
+fuzz:  ## damage files and see what their readers do; ARGS="--seconds 900", ARGS="csv model"
+	$(environment) ros,test
+	@$(BIN)/python -c 'import atheris' 2>/dev/null || $(BIN)/python -m pip install --quiet \
+		--only-binary :all: 'atheris >=2.3, <4' 2>/dev/null || \
+		echo "There is no wheel of atheris for this Python: hypothesis searches without coverage."
+	@PYTHONPATH=tools $(BIN)/python -m fuzz $(ARGS)
 
 benchmark:  ## measure speed against named yardsticks
 	$(environment) ros,benchmark

@@ -53,7 +53,6 @@ RUNTIME = [
     "matplotlib >=3.6.3, <3.12",
     "rich >=13.7.1, <16",
     "rosbags >=0.11, <0.12",
-    "ruamel.yaml >=0.17.21, <0.20",
     "mcap >=1.2.1, <2",
     "lz4 >=4.3.2, <5",
     "zstandard >=0.22, <0.26",
@@ -73,12 +72,15 @@ EXTRAS = {
     "cluster": ["distributed >=2024.8, <2027"],
     # What `make benchmark` compares with.
     "benchmark": ["jax >=0.4.30, <1", "scikit-learn >=1.3, <2"],
+    # Guides `make fuzz` by the lines that it reaches; has no wheel for some Pythons.
+    "fuzz": ["atheris >=2.3, <4"],
     "test": [
         "pin >=2.7, <5",
         "distributed >=2024.8, <2027",
         "pytest >=7.4.4, <10",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",
+        "ruamel.yaml >=0.17.21, <0.20",
         "sympy >=1.12, <2",
         "plotly >=5.15, <8",
         "ruff >=0.17.5, <0.18",

@@ -62,22 +62,48 @@ def read(kind: type[Made], record: Json, **how: Callable[[Any], Any]) -> Made:
         kind: of the result; the types of its fields say which parts are results or tuples.
         record: may hold other fields, too.
         how: by name, the readers of fields that JSON holds in another form.
+
+    Raises:
+        TypeError: a field holds what its type does not allow; names field, value and type.
     """
     types = {field.name: field.type for field in fields(kind)}
+    _require(record, Mapping, kind.__name__, "an object")
     held = {name: value for name, value in given(record).items() if name in types}
-    made = {n: how[n](v) if n in how else _made(types[n], v) for n, v in held.items()}
+    made = {n: how[n](v) if n in how else _made(types[n], v, n) for n, v in held.items()}
     return kind(**made)
 
 
-def _made(kind: Any, value: Any) -> Any:
+def _made(kind: Any, value: Any, name: str) -> Any:
     """Return a value of JSON as the type of a field has it."""
     outer, inner = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and is_dataclass(kind):
         return read(kind, value)
     if outer is UnionType:  # X | None
-        return _made(inner[0], value)
+        return _made(inner[0], value, name)
     if outer is tuple:
-        return tuple(_made(inner[0], one) for one in value)
+        _require(value, list | tuple, name, "a list")
+        return tuple(_made(inner[0], one, name) for one in value)
     if outer is Mapping:
-        return {name: _made(inner[1], one) for name, one in value.items()}
+        _require(value, Mapping, name, "an object")
+        return {key: _made(inner[1], one, name) for key, one in value.items()}
+    if kind is float and value is None:  # JSON has no number that is not finite
+        return math.nan
+    if kind in _SIMPLE:
+        expected, words = _SIMPLE[kind]
+        _require(value, expected, name, words)
+        if isinstance(value, bool) and kind is not bool:
+            raise TypeError(f"{name} is {value}, expected {words}")
     return value
+
+
+_SIMPLE: Mapping[Any, tuple[Any, str]] = {
+    float: (int | float, "a number"),
+    int: (int, "a whole number"),
+    bool: (bool, "true or false"),
+    str: (str, "a text"),
+}
+
+
+def _require(value: Any, kind: Any, name: str, words: str) -> None:
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is {str(value)[:40]!r}, expected {words}")

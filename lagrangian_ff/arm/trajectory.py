@@ -9,9 +9,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from lagrangian_ff import budget
 from lagrangian_ff.arm.description import JOINTS, limits
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import ArmError
+from lagrangian_ff.recording.table import read_table
 
 # Coefficients of 1, s, ... s⁵ from the values at s = 0 and 1: (q0, v0, a0, q1, v1, a1) in units of
 # the segment's duration.
@@ -204,16 +206,19 @@ def read_trajectory(path: str | Path) -> Trajectory:
         ArmError: no such file, no time or position, a value that is no number, time that does
             not increase; names file, line and column.
     """
-    header, rows = _table(Path(path))
+    header, rows, lines = _table(Path(path))
     if "time" not in header:
-        raise ArmError(f"{path}: no column 'time'; the header is {', '.join(header)}")
+        raise ArmError(f"{path}: no column 'time'; the header is {', '.join(header)[:200]}")
     joints = tuple(c.removeprefix("position/") for c in header if c.startswith("position/"))
     if not joints:
-        raise ArmError(f"{path}: no column 'position/<joint>'; the header is {', '.join(header)}")
-    time = rows[:, header.index("time")]
+        raise ArmError(
+            f"{path}: no column 'position/<joint>'; the header is {', '.join(header)[:200]}"
+        )
+    time = rows[:, header["time"]]
     late = np.flatnonzero(~(np.diff(time) > 0))
     if late.size:
-        raise ArmError(f"{path}: line {late[0] + 3}: time does not increase at {time[late[0] + 1]}")
+        line, at = lines[late[0] + 1], time[late[0] + 1]
+        raise ArmError(f"{path}: line {line}: time does not increase at {at}")
     fields: dict[str, Floats | None] = {}
     for field, label in COLUMNS.items():
         names = [f"{label}/{joint}" for joint in joints]
@@ -221,38 +226,37 @@ def read_trajectory(path: str | Path) -> Trajectory:
         if given and len(given) < len(names):
             missing = next(name for name in names if name not in header)
             raise ArmError(f"{path}: has {given[0]} but not {missing}: give all joints or none")
-        fields[field] = rows[:, [header.index(name) for name in names]] if given else None
+        fields[field] = rows[:, [header[name] for name in names]] if given else None
     notes = _fill(path, time, fields)
     q, qd, qdd = fields["q"], fields["qd"], fields["qdd"]
     assert q is not None and qd is not None and qdd is not None  # noqa: PT018
-    return Trajectory(time, q, qd, qdd, joints, fields["effort"], notes)
-
-
-def _table(path: Path) -> tuple[list[str], Floats]:
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            lines = list(csv.reader(file))
+        return Trajectory(time, q, qd, qdd, joints, fields["effort"], notes)
+    except ArmError as error:
+        raise ArmError(f"{path}: {error}") from error
+
+
+def _table(path: Path) -> tuple[dict[str, int], Floats, Ints]:
+    """Return the columns' numbers by name, the values, all finite, and the line of each row."""
+    try:
+        table = read_table(path, ArmError)
     except FileNotFoundError:
         raise ArmError(f"{path}: no such file") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ArmError(f"{path}: cannot be read as CSV: {error}") from error
-    if len(lines) < 2:
+    except (OSError, MemoryError) as error:
+        raise ArmError(f"{path}: cannot be read: {error}") from error
+    if not len(table.values):
         raise ArmError(f"{path}: expected a header and at least one point")
-    header = [column.strip() for column in lines[0]]
-    rows = np.empty((len(lines) - 1, len(header)))
-    for number, line in enumerate(lines[1:], start=2):
-        if len(line) != len(header):
-            raise ArmError(f"{path}: line {number}: {len(line)} values, expected {len(header)}")
-        for column, text in enumerate(line):
-            try:
-                rows[number - 2, column] = float(text)
-            except ValueError:
-                rows[number - 2, column] = np.nan
-            if not np.isfinite(rows[number - 2, column]):
-                raise ArmError(
-                    f"{path}: line {number}: {header[column]} is {text!r}, not a finite number"
-                )
-    return header, rows
+    bad = np.argwhere(~(np.abs(table.values) <= budget.LARGEST))
+    if bad.size:
+        row, column = bad[0]
+        raise ArmError(
+            f"{path}: line {table.lines[row]}: {table.names[column]} is "
+            f"{table.values[row, column]:g}, expected a number up to {budget.LARGEST:g}"
+        )
+    header = {name: column for column, name in enumerate(table.names)}
+    if len(header) < len(table.names):
+        raise ArmError(f"{path}: line 1: a column is given twice")
+    return header, table.values, table.lines
 
 
 def _fill(path: str | Path, time: Floats, fields: dict[str, Floats | None]) -> tuple[str, ...]:
@@ -267,9 +271,15 @@ def _fill(path: str | Path, time: Floats, fields: dict[str, Floats | None]) -> t
         return (f"{path}: one point without velocity or acceleration: taken as rest",)
     still = np.zeros(q.shape[1])
     rest = [(1, still), (2, still)]
-    spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
-    for field, order in (("qd", 1), ("qdd", 2)):
-        if field in missing:
-            fields[field] = spline(time, order)
+    try:
+        with np.errstate(all="ignore"):
+            spline = scipy.interpolate.make_interp_spline(time, q, k=5, bc_type=(rest, rest))
+            found = {field: spline(time, order) for field, order in (("qd", 1), ("qdd", 2))}
+    except ValueError as error:
+        raise ArmError(
+            f"{path}: no spline goes through the positions ({error}): check their times, or give "
+            "velocity and acceleration"
+        ) from error
+    fields.update((field, found[field]) for field in missing)
     words = " and ".join(COLUMNS[field] for field in missing)
     return (f"{path}: {words} filled in from the quintic spline through the positions",)

@@ -6,13 +6,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff import budget
+from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.effects import EFFECTS, Effect
-from lagrangian_ff.errors import ModelError
+from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.history import Step
 from lagrangian_ff.identification.predicting import MotionRange, TorqueModel
 from lagrangian_ff.identification.problem import Prior, Scaling
+from lagrangian_ff.identification.records import Identified
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import Family, Kernel, States
 from lagrangian_ff.kernels.constrained import KIND as LINKAGE
@@ -20,9 +23,9 @@ from lagrangian_ff.kernels.constrained import Linkage
 from lagrangian_ff.kernels.rigid.robot import KIND as ROBOT
 from lagrangian_ff.kernels.rigid.robot import Robot
 from lagrangian_ff.record_json import by_name
+from lagrangian_ff.recording.archive import read_archive
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import TEMPERATURE
-from lagrangian_ff.recording.sources.npz_file import DAMAGED
 
 Loaded = TypeVar("Loaded", bound=TorqueModel)
 
@@ -40,8 +43,15 @@ MORE = ("more_q", "more_qd", "more_qdd")
 """Centres that are no samples of the data."""
 GRAVITY = "potential"
 """The hyperparameter that is 0 where the effort holds no gravity."""
+DAMAGED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+"""Errors of contents that do not fit each other."""
+MOST = 1e60
+"""Largest number of a model, in any unit: products of several must not overflow."""
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
+
+HELD = ("header", TEMPERATURE, TRUST, *ARRAYS)
+"""All that is read of a file."""
 
 
 def save(model: TorqueModel, path: Path) -> None:
@@ -110,30 +120,26 @@ def load(kind: type[Loaded], path: Path, linkage: Linkage | None = None) -> Load
             "update lagrangian_ff, or identify the model again"
         )
     try:
-        return _build(kind, header, arrays, path, linkage)
-    except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise ModelError(f"{path} is damaged: {error}; identify the model again") from error
+        model = _build(kind, header, arrays, path, linkage)
+        _require_usable(model)
+    except ModelError as error:
+        raise error if str(path) in str(error) else ModelError(f"{path}: {error}") from error
+    except (*DAMAGED, UserError) as error:
+        what = f"no {error}" if isinstance(error, KeyError) else str(error)
+        raise ModelError(f"{path} is damaged: {what}; identify the model again") from error
+    return model
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return header and arrays of a file, both empty for a file that is no model."""
     try:
-        opened = np.load(path, allow_pickle=False)
-        if not isinstance(opened, np.lib.npyio.NpzFile):
-            return {}, {}
-        with opened as file:
-            header = json.loads(bytes(file["header"]).decode()) if "header" in file else None
-            if not isinstance(header, dict):
-                return {}, {}
-            return header, {name: file[name] for name in file.files if name != "header"}
+        arrays = read_archive(path, HELD, ModelError, "a model of lagrangian_ff").arrays
+        header = json.loads(bytes(arrays.pop("header")).decode()) if "header" in arrays else None
     except FileNotFoundError as error:
         raise ModelError(f"no model file {path}") from error
-    except IsADirectoryError as error:
-        raise ModelError(f"{path} is a folder, expected a model file (.npz)") from error
-    except (OSError, *DAMAGED) as error:
-        # NumPy's message advises to load the file unsafely.
-        reason = "" if "pickle" in str(error) else f": {error}"
-        raise ModelError(f"{path} is damaged or no model file{reason}") from error
+    except (OSError, ValueError, TypeError, RecursionError) as error:
+        raise ModelError(f"{path} is damaged or no model file: {error}") from error
+    return (header, arrays) if isinstance(header, dict) else ({}, {})
 
 
 def _build(
@@ -159,8 +165,10 @@ def _build(
             raise ValueError(f"array {name} has {len(found)} entries, not {len(arrays['q'])}")
         if name in ("unit", "noise", "noise_share") and found.shape != (len(joints),):
             raise ValueError(f"array {name} has shape {found.shape} for {len(joints)} joints")
-        if name in ("unit", "noise", "noise_share") and not (found > 0.0).all():
+        if name in ("unit", "noise", "noise_share") and not _positive(found).all():
             raise ValueError(f"array {name} holds {found.tolist()}, expected above 0")
+        if name in ("weights", "coefficients") and not (np.abs(found) <= MOST).all():
+            raise ValueError(f"array {name} holds values beyond {MOST:g}")
     index, seen = (arrays[name].astype(np.int64) for name in ("index", "seen"))
     more = [arrays[name] for name in MORE]
     if len({one.shape for one in more}) != 1:
@@ -174,7 +182,7 @@ def _build(
         segment=arrays["segment"].astype(np.int64),
         source=str(header["source"]),
         notes=tuple(header["notes"]),
-        conditioning=header["conditioning"],
+        conditioning=dict(header["conditioning"]),
         temperature=arrays.get(TEMPERATURE),
     )
     for chosen in (index, seen):
@@ -223,6 +231,26 @@ def _build(
     )
 
 
+def _require_usable(model: TorqueModel) -> None:
+    """Refuse a model that could not be used: what it says of itself is read, and it predicts."""
+    Identified.from_record(model.record)
+    for step in model.steps:
+        Step.from_record(step)
+    data = model.data
+    if not len(model.seen):
+        raise ValueError("it was learned from no samples")
+    if len(data) > 1 and (np.diff(data.segment) < 0).any():
+        raise ValueError("the segments of its data are not in order")
+    for name in ("q", "qd", "qdd", "tau"):
+        if np.abs(getattr(data, name)).max() > budget.LARGEST:
+            raise ValueError(f"array {name} holds values beyond {budget.LARGEST:g}")
+    first = data.take(model.seen[:1])
+    with np.errstate(all="ignore"):
+        torque = model.torque(model.inputs_of(first))
+    if not np.isfinite(torque).all():
+        raise ValueError("its torques are not finite")
+
+
 def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> Family:
     # Effects at joints come last in a model's name, and a joint's own may hold a +.
     without_joints, _, _ = header["name"].partition("@")
@@ -251,10 +279,15 @@ def _kernel(header: dict[str, Any], family: Family, centres: States) -> Kernel:
         if value.shape not in (usual, (1,), (centres.joints,)):
             raise ValueError(f"hyperparameter {name} has shape {value.shape}, expected {usual}")
         # What is not searched may be 0, as the mark of a joint that turns; so may gravity.
-        least = np.nextafter(0.0, 1.0) if name in searched and name != GRAVITY else 0.0
-        if not (np.isfinite(value).all() and (value >= least).all()):
+        least = 1.0 / MOST if name in searched and name != GRAVITY else 0.0
+        if not ((value <= MOST) & (value >= least)).all():
             raise ValueError(f"hyperparameter {name} is {value.tolist()}, out of range")
     return start.replace(**values)
+
+
+def _positive(values: Floats) -> Flags:
+    """Return where values are above 0, and neither so small nor so large that squares overflow."""
+    return np.asarray((values >= 1.0 / MOST) & (values <= MOST))
 
 
 def _require_weight(weight: Floats, shape: tuple[int, ...]) -> None:

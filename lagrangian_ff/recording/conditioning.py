@@ -11,6 +11,7 @@ from math import ceil
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.bandwidth import (
@@ -300,6 +301,21 @@ def _require_usable(recording: Recording) -> None:
             who = every if whole else ", ".join(lacking)
             rest = "" if whole else ", or leave the joint out by naming the others as joints"
             raise RecordingError(f"{source}: {what.format(who)} {throughout}; {hint}{rest}")
+    _require_physical(recording)
+
+
+def _require_physical(recording: Recording) -> None:
+    """Refuse values that no arm has and with which sums of squares overflow."""
+    for quantity in ("position", "effort"):
+        table = getattr(recording, quantity)
+        bad = np.argwhere(np.abs(table) > budget.LARGEST)
+        if bad.size:
+            row, column = bad[0]
+            raise RecordingError(
+                f"{recording.source}: {quantity} of {recording.joints[column]} is "
+                f"{table[row, column]:.3g} in sample {row + 1} at {recording.time[row]:.3f} s, and "
+                f"beyond {budget.LARGEST:g} in {counted(len(bad), 'value')}; {_POSITION_HINT}"
+            )
 
 
 def _require_known(recording: Recording, settings: Conditioning) -> None:

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Protocol
 
+from lagrangian_ff import budget
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.files import whole
 from lagrangian_ff.progress import Progress, silent
@@ -50,19 +51,24 @@ def load(
         joints: keep these, in this order; None keeps all.
 
     Raises:
-        RecordingError: no such file, not a recording, no samples, or a joint is missing.
+        RecordingError: no such file, not a recording, no samples, a joint is missing, or it costs
+            more memory or disk to read than `budget` allows a file of its size.
     """
     path = Path(path)
-    if not path.exists():
-        raise RecordingError(f"{path}: no such file or directory")
-    source = next((kind for kind in SOURCES if kind.recognises(path)), None)
-    if source is None:
-        kinds = "; ".join(kind.NAME for kind in SOURCES)
-        raise RecordingError(f"{path}: not a recording; expected one of: {kinds}")
     try:
+        if not path.exists():
+            raise RecordingError(f"{path}: no such file or directory")
+        source = next((kind for kind in SOURCES if kind.recognises(path)), None)
+        if source is None:
+            kinds = "; ".join(kind.NAME for kind in SOURCES)
+            raise RecordingError(f"{path}: not a recording; expected one of: {kinds}")
+        if not path.is_dir():
+            budget.file_size(path, RecordingError)
         recording = source.read(path, topic, progress)
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except MemoryError as error:
+        raise RecordingError(f"{path}: does not fit into this machine's memory") from error
     if len(recording) == 0:
         raise RecordingError(f"{recording.source}: holds no samples")
     if joints is not None:

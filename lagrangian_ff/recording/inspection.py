@@ -178,6 +178,7 @@ def _texts(doubts: Sequence[Doubt], clipping: Sequence[Clipping]) -> list[str]:
     return [*(one.text() for one in doubts), *(one.text() for one in clipping)]
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def inspect(recording: Recording) -> Inspection:
     """Return the findings on a recording as it came; it is not changed, nothing is an error."""
     sources = publishers(recording)

@@ -13,7 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Flags, Floats, Ints
+from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.recording.recording import require_joints
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
@@ -128,9 +131,15 @@ class _Block:
 
 
 class JointStateTable:
-    """Collects messages of any joint order or subset into one table."""
+    """Collects messages of any joint order or subset into one table.
 
-    def __init__(self) -> None:
+    Args:
+        source: of the messages, for errors.
+    """
+
+    def __init__(self, source: str = "joint states") -> None:
+        self._source = source
+        self._bytes = self._waiting = 0
         self._malformed = 0
         self._columns: dict[str, int] = {}
         self._blocks: list[_Block] = []
@@ -151,8 +160,10 @@ class JointStateTable:
 
     def add(self, received: int, data: bytes) -> None:
         """Take one serialized message and the time in ns at which it was received."""
-        self._pending.append((min(received, _LATEST), data))
-        if len(self._pending) >= _BATCH:
+        self._pending.append((min(max(received, 0), _LATEST), data))
+        self._bytes += len(data)
+        self._waiting += len(data)
+        if len(self._pending) >= _BATCH or self._waiting > budget.FLOOR:
             self._flush()
 
     def mark(self) -> tuple[int, int, int, int]:
@@ -171,9 +182,19 @@ class JointStateTable:
 
         The arrays are (M, N), in order of arrival, NaN if a message had no value. The table is
         empty afterwards.
+
+        Raises:
+            RecordingError: more joints than any arm has, or most of a huge table would be empty.
         """
         self._flush()
+        require_joints(self._source, len(self._columns))
         shape = (self._rows, len(self._columns))
+        size = 8 * _QUANTITIES * shape[0] * shape[1]
+        if size > budget.FLOOR + budget.TABLE * self._bytes:
+            raise RecordingError(
+                f"{self._source}: {shape[0]} messages name {shape[1]} joints, few of them in each: "
+                f"a table of {budget.in_words(size)}, nearly empty; record fewer publishers"
+            )
         tables = [np.full(shape, np.nan) for _ in range(_QUANTITIES)]
         while self._blocks:
             block = self._blocks.pop()
@@ -185,7 +206,7 @@ class JointStateTable:
         return tuple(self._columns), stamps, received, tables[0], tables[1], tables[2]
 
     def _flush(self) -> None:
-        pending, self._pending = self._pending, []
+        pending, self._pending, self._waiting = self._pending, [], 0
         if not pending:
             return
         stamps = np.zeros(len(pending), dtype=np.int64)

@@ -328,8 +328,8 @@ def _follows(stamp: Floats, time: Floats, position: Floats) -> tuple[float, floa
     pieces = _pieces(time)
     over_ticks, over_stamps = LeastSquares(time, pieces), LeastSquares(stamp, pieces)
     late = stamp - time
-    block = ((time - time[0]) / _JUDGED).astype(np.int64)
-    blocks = int(block[-1]) + 1
+    block = ((time - time.min()) / _JUDGED).astype(np.int64)
+    blocks = int(block.max()) + 1
     position = position[:, np.ptp(position, axis=0) > 0]
     weights = over_ticks.fit(position)
     found = position - over_ticks.values(weights)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import RecordingError
 
@@ -28,6 +29,12 @@ def columns_of(wanted: Sequence[str], held: Sequence[str], source: str) -> list[
     return [held.index(name) for name in wanted]
 
 
+def require_joints(source: str, joints: int) -> None:
+    """Raise RecordingError if a source holds more joints than any arm has."""
+    if joints > budget.JOINTS:
+        raise RecordingError(f"{source}: {joints} joints, expected at most {budget.JOINTS}")
+
+
 def require_tables(source: str, shape: tuple[int, int], tables: Mapping[str, Floats]) -> None:
     """Raise RecordingError if one of the tables, by name, has not the shape (M, N)."""
     for name, table in tables.items():
@@ -39,10 +46,11 @@ def require_tables(source: str, shape: tuple[int, int], tables: Mapping[str, Flo
 
 def require_times(source: str, time: Floats) -> None:
     """Raise RecordingError if a time (M,) is not a number."""
-    bad = ~np.isfinite(time)
+    bad = ~(np.abs(time) <= budget.LATEST)
     if bad.any():
+        wrong = "not a number" if not np.isfinite(time).all() else f"beyond {budget.LATEST:g} s"
         raise RecordingError(
-            f"{source}: time is not a number in {int(bad.sum())} samples, first in sample "
+            f"{source}: time is {wrong} in {int(bad.sum())} samples, first in sample "
             f"{int(np.argmax(bad)) + 1} of {len(time)}"
         )
 
@@ -75,6 +83,7 @@ class Recording:
     temperature: Floats | None = None
 
     def __post_init__(self) -> None:
+        require_joints(self.source, len(self.joints))
         if len(set(self.joints)) != len(self.joints):
             raise RecordingError(f"{self.source}: a joint is named twice: {list(self.joints)}")
         tables = self.tables

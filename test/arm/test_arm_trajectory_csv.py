@@ -1,5 +1,6 @@
 """Trajectories in CSV files."""
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -60,9 +61,9 @@ def test_other_joints_in_other_columns_are_read(tmp_path: Path) -> None:
         ("time,position/a\n", "a header and at least one point"),
         ("t,position/a\n0,1\n", "no column 'time'"),
         ("time,a\n0,1\n", "no column 'position/<joint>'"),
-        ("time,position/a\n0,1\n1,x\n", "line 3: position/a is 'x'"),
-        ("time,position/a\n0,1\n1,nan\n", "line 3: position/a is 'nan'"),
-        ("time,position/a\n0,1\n1\n", "line 3: 1 values, expected 2"),
+        ("time,position/a\n0,1\n1,x\n", "line 3: column position/a holds 'x'"),
+        ("time,position/a\n0,1\n1,nan\n", "line 3: position/a is nan"),
+        ("time,position/a\n0,1\n1\n", "line 3: 1 cells, the header has 2"),
         ("time,position/a\n0,1\n1,2\n1,3\n", "line 4: time does not increase"),
         ("time,position/a,position/b,velocity/a\n0,1,1,1\n", "not velocity/b"),
     ],
@@ -81,5 +82,30 @@ def test_files_that_cannot_be_opened_are_named(tmp_path: Path, trajectory: Traje
     with pytest.raises(ArmError, match="cannot be written"):
         write_trajectory(tmp_path / "no" / "folder.csv", trajectory)
     (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(ArmError, match="cannot be read as CSV"):
+    with pytest.raises(ArmError, match="not a CSV text file"):
         read_trajectory(tmp_path / "bytes.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time,position/a\n0,1\n1e-300,2\n1,3\n2,1\n3,0\n4,1\n", "no spline goes through"),
+        ("time,position/a\n0,1\n1,1e308\n", r"line 3: position/a is 1e\+308"),
+        ("time,position/a,position/a\n0,1,1\n", "line 1: a column is given twice"),
+        ("time,position/a\n0," + "1" * 200_000, "line 2: 200002 characters"),
+        ('time,position/a\n0,"1\n' + "1,1\n" * 50_000, "larger than field limit"),
+        (",".join(f"position/{n}" for n in range(40_000)), "line 1: .* in 40000 columns"),
+    ],
+)
+def test_what_would_overflow_or_exhaust_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(ArmError, match=message) as refused:
+        read_trajectory(path)
+    assert str(path) in str(refused.value)
+
+
+def test_a_trajectory_is_no_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    with pytest.raises(ArmError, match="is a pipe, expected a file"):
+        read_trajectory(tmp_path / "pipe.csv")

@@ -3,6 +3,7 @@
 import io
 import json
 import pickle
+import zipfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -121,6 +122,25 @@ def test_a_newer_version_says_so(saved: Path, tmp_path: Path) -> None:
         lambda c: c.update(trust=np.full_like(c["weights"], 1.5)),
         lambda c: c.update(trust=np.zeros_like(c["weights"])),
         lambda c: c.update(trust=np.ones(3)),
+        lambda c: c.update(noise=c["noise"] * 1e300),
+        lambda c: c.update(weights=c["weights"] + 1e300),
+        lambda c: c.update(q=c["q"] + 1e200),
+        lambda c: c.update(q=c["q"].tobytes()),
+        lambda c: c.update(segment=c["segment"][::-1] - np.arange(len(c["segment"]))),
+        lambda c: c.update(index=c["index"][:0], seen=c["seen"][:0]),
+        lambda c: c["header"].update(record=[]),
+        lambda c: c["header"].update(conditioning="usual"),
+        lambda c: c["header"].update(range=3),
+        lambda c: c["header"].update(name=None),
+        lambda c: c["header"].update(steps=[3]),
+        lambda c: c["header"].update(steps=[{"joints": [1]}]),
+        lambda c: c["header"].update(steps=[{"error_after": "small"}]),
+        lambda c: c["header"].update(mechanism=[]),
+        lambda c: c["header"]["record"].update(uncertainty=[]),
+        lambda c: c["header"]["record"].update(joints=7),
+        lambda c: c["header"]["record"].update(effects=[None]),
+        lambda c: c["header"]["record"]["uncertainty"].update(quick={"elbow": "wide"}),
+        lambda c: c["header"]["hyperparameters"].update(sigma=[1e300]),
     ],
 )
 def test_contents_that_do_not_fit_are_called_damaged(
@@ -134,20 +154,20 @@ def test_contents_that_do_not_fit_are_called_damaged(
     ("settings", "said"),
     [
         ({"luck": 1}, "hold luck, which this version does not know"),
-        ({"train": "all"}, "train is all"),
+        ({"train": "all"}, "train is 'all'"),
         ({"folds": 0}, "folds is 0"),
-        ("usual", "expected them by name"),
+        ("usual", "'usual', expected an object"),
     ],
 )
-def test_settings_of_a_file_that_cannot_be_are_refused_on_refitting(
+def test_settings_of_a_file_that_cannot_be_are_refused(
     saved: Path, tmp_path: Path, settings: object, said: str
 ) -> None:
     def other(content: dict[str, Any]) -> None:
         content["header"]["record"]["settings"] = settings
 
-    model = Model.load(rewrite(saved, tmp_path / "other.npz", other))
+    path = rewrite(saved, tmp_path / "other.npz", other)
     with pytest.raises(ModelError, match=said):
-        extend(model, EFFECTS["stribeck"], "elbow")
+        extend(Model.load(path), EFFECTS["stribeck"], "elbow")
 
 
 def test_an_effect_of_ones_own_is_asked_for(saved: Path, tmp_path: Path) -> None:
@@ -220,3 +240,34 @@ def test_a_failed_save_keeps_the_file_that_was_there(saved: Path, tmp_path: Path
         broken.save(target)
     assert target.read_bytes() == b"precious"
     assert [p.name for p in tmp_path.iterdir()] == ["model.npz"]
+
+
+def test_a_file_that_would_execute_code_is_named_for_what_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "model.npz"
+    path.write_bytes(pickle.dumps({"joints": ["a"]}))
+    with pytest.raises(ModelError, match="is not a model of lagrangian_ff: it is a pickle") as why:
+        Model.load(path)
+    assert "allow_pickle" not in str(why.value)
+    np.savez(path, header=np.array([print], dtype=object))
+    with pytest.raises(ModelError, match="array header holds Python objects") as why:
+        Model.load(path)
+    assert "allow_pickle" not in str(why.value)
+
+
+def test_a_model_that_claims_to_be_huge_is_refused(saved: Path, tmp_path: Path) -> None:
+    path = tmp_path / "huge.npz"
+    with zipfile.ZipFile(saved) as old, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, bytes(160 << 20) if name == "q.npy" else content)
+    with pytest.raises(ModelError, match=r"huge\.npz: claims to unpack to 160"):
+        Model.load(path)
+
+
+def test_a_header_of_depth_is_refused(saved: Path, tmp_path: Path) -> None:
+    with np.load(saved) as file:
+        content: dict[str, Any] = {name: file[name] for name in file.files}
+    content["header"] = np.frombuffer(b"[" * 100_000, dtype=np.uint8)
+    np.savez(tmp_path / "deep.npz", **content)
+    with pytest.raises(ModelError, match=r"deep\.npz is damaged or no model file"):
+        Model.load(tmp_path / "deep.npz")

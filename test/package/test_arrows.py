@@ -38,8 +38,8 @@ ARROWS: dict[str, set[str]] = {
     "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},
 }
 FOR_ALL = {
-    "arrays", "errors", "files", "lazy", "numbers", "progress", "record_json", "sampling", "words",
-    "__version__", "",
+    "arrays", "budget", "errors", "files", "lazy", "numbers", "progress", "record_json",
+    "sampling", "words", "__version__", "",
 }  # fmt: skip
 ROS = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python", "launch"}
 

@@ -152,9 +152,10 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
 def test_setup_lists_the_libraries_that_tests_import() -> None:
     extras = setup_of("EXTRAS")["EXTRAS"]
     assert isinstance(extras, dict)
-    wanted = [*extras["test"], *extras["benchmark"]]
+    wanted = [*extras["test"], *extras["benchmark"], *extras["fuzz"]]
     known = runtime() | {str(requirement).split()[0] for requirement in wanted}
     siblings = {file.stem for part in ("test", "benchmark") for file in (ROOT / part).rglob("*.py")}
+    siblings |= {folder.name for folder in (ROOT / "tools").iterdir()}
     used = (
         imported("test", "benchmark", "tools") - siblings - {"catkin_pkg"}
     )  # colcon-ros brings it

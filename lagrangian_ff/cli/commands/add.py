@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from lagrangian_ff import budget
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
@@ -122,10 +123,11 @@ def _because(file: Path, effect: str, joint: str) -> "SavedFinding":
     from lagrangian_ff.diagnosis.record import saved_findings
 
     try:
-        findings = [one for one in saved_findings(file.read_text(encoding="utf-8")) if not one.once]
+        text = budget.text_of(file, UserError)
+        findings = [one for one in saved_findings(text) if not one.once]
     except OSError as error:
         raise UserError(f"--because {file}: {error.strerror or error}") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise UserError(
             f"--because {file}: expected the file that lagrangian_ff diagnose --json writes"
         ) from None

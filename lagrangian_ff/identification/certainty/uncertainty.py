@@ -32,6 +32,7 @@ from lagrangian_ff.identification.predicting import TorqueModel
 from lagrangian_ff.identification.records import Calibration
 from lagrangian_ff.identification.solving.posterior import Posterior, Variance
 from lagrangian_ff.identification.solving.robust import heavy_tailed
+from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.record_json import read
 
@@ -77,7 +78,10 @@ class Uncertainty:
         ones = np.ones((len(made.seen), len(model.joints)))
         weight = ones if made.weight is None else heavy_tailed(made.weight)
         subset = SubsetOfData(made, _data(model).take(made.seen), weight, QUICK)
-        return cls(model, kept, subset.fit())
+        try:
+            return cls(model, kept, subset.fit())
+        except NotPositiveDefiniteError as error:
+            raise ModelError(f"how sure the model is cannot be computed: {error}") from error
 
     def thinned(self, samples: int) -> "Uncertainty":
         """Return a cheap form, from fewer samples, for one state at a time in a loop.

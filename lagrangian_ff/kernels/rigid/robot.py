@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.kernels.base import Family, Mechanism
@@ -75,13 +76,13 @@ class Robot(Mechanism):
 
     def _moved(self, name: str, joints: tuple[str, ...]) -> tuple[int, float, float]:
         """Return the coordinate that moves a joint, its ratio and its shift."""
-        if name in joints:
-            return joints.index(name), 1.0, 0.0
-        if name not in self.follows:
-            return -1, 1.0, 0.0
-        leader, ratio, shift = self.follows[name]
-        driver, above, zero = self._moved(leader, joints)
-        return driver, ratio * above, ratio * zero + shift
+        ratio, shift = 1.0, 0.0
+        while name not in joints:
+            if name not in self.follows:
+                return -1, 1.0, 0.0
+            name, above, zero = self.follows[name]
+            ratio, shift = ratio * above, ratio * zero + shift
+        return joints.index(name), ratio, shift
 
     def around(self, family: Family) -> KnownFamily:
         own = () if not family.differentiable else ("deviation", "armature")
@@ -159,7 +160,7 @@ def read_urdf(path: "str | Path") -> Robot:
         ModelError: there is no such file, it is no URDF, or has a joint of an unsupported type.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = budget.text_of(Path(path), ModelError)
     except FileNotFoundError as error:
         raise ModelError(f"no URDF file {path}") from error
     except UnicodeDecodeError as error:
@@ -178,17 +179,22 @@ def robot_of(text: str, source: str) -> Robot:
         ModelError: it is no URDF, has no movable joint or one of an unsupported type, or Pinocchio
             is not installed.
     """
-    joints = _joints(text, source)
+    root = _root(text, source)
+    joints = _joints(root, source)
     axes = {name: _axis(joint, source) for name, joint in joints.items()}
     follows = _follows(joints, source)
     build = _pinocchio(source)
     try:
         model = build(text)
-    except ValueError as error:
+    except (ValueError, RuntimeError, LookupError, MemoryError) as error:
         raise ModelError(f"{source}: Pinocchio cannot read the URDF: {error}") from error
     bodies = range(1, model.njoints)
     placements = [model.jointPlacements[n] for n in bodies]
     movable = tuple(str(model.names[n]) for n in bodies)
+    if strange := [name for name in movable if name not in joints]:
+        raise ModelError(
+            f"{source}: the name of the joint {strange[0]!r} holds a line break or tab"
+        )
     sliding = np.array([float(joints[name].get("type") == "prismatic") for name in movable])
     tree = Tree(
         parent=np.array([int(model.parents[n]) - 1 for n in bodies]),
@@ -202,7 +208,11 @@ def robot_of(text: str, source: str) -> Robot:
         inertial=np.array([model.inertias[n].toDynamicParameters() for n in bodies]),
         gravity=np.array(GRAVITY),
     )
-    name = str(ElementTree.fromstring(text).get("name") or Path(source).stem)
+    for what, values in (("inertia", tree.inertial), ("place", tree.offset)):
+        bad = np.flatnonzero(~(np.abs(values) <= budget.LARGEST).all(axis=1))
+        if bad.size:
+            raise ModelError(f"{source}: the {what} of joint {movable[bad[0]]} is not finite")
+    name = str(root.get("name") or Path(source).stem)
     return Robot(name, tree, movable, follows, movable)
 
 
@@ -218,15 +228,45 @@ def _pinocchio(source: str) -> Callable[[str], Any]:
     return buildModelFromXML
 
 
-def _joints(text: str, source: str) -> dict[str, ElementTree.Element]:
-    """Return the joints by name; all are of supported types."""
+class _Shallow(ElementTree.TreeBuilder):
+    """Builds the tree of a text, and refuses one that is too deep while it is read."""
+
+    def __init__(self, source: str) -> None:
+        super().__init__()
+        self._source, self._depth = source, 0
+
+    def start(self, tag: str, attrs: dict[str, str]) -> ElementTree.Element:
+        self._depth += 1
+        if self._depth > budget.DEPTH:
+            raise ModelError(
+                f"{self._source}: <{tag[:40]}> lies inside {budget.DEPTH} others, expected a URDF"
+            )
+        return super().start(tag, attrs)
+
+    def end(self, tag: str) -> ElementTree.Element:
+        self._depth -= 1
+        return super().end(tag)
+
+
+def _root(text: str, source: str) -> ElementTree.Element:
+    """Return a URDF's root, which is not too deep for readers that go down step by step."""
+    builder = _Shallow(source)
     try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+        parser = ElementTree.XMLParser(target=builder)
+        parser.feed(text)
+        root = parser.close()
+    except (ElementTree.ParseError, ValueError) as error:
         hint = "; expand a xacro file first: xacro FILE.xacro > FILE.urdf"
         raise ModelError(f"{source} is no URDF: it is not XML ({error}){hint}") from error
     if root.tag != "robot":
-        raise ModelError(f"{source} is no URDF: its root is <{root.tag}>, expected <robot>")
+        raise ModelError(f"{source} is no URDF: its root is <{root.tag[:40]}>, expected <robot>")
+    return root
+
+
+def _joints(root: ElementTree.Element, source: str) -> dict[str, ElementTree.Element]:
+    """Return the joints by name; all are of supported types."""
+    if len(root.findall("joint")) > budget.JOINTS:
+        raise ModelError(f"{source}: more than {budget.JOINTS} joints")
     joints = {str(joint.get("name")): joint for joint in root.findall("joint")}
     for name, joint in joints.items():
         kind = joint.get("type")
@@ -248,7 +288,7 @@ def _axis(joint: ElementTree.Element, source: str) -> Floats:
         axis = np.array([float(word) for word in words.split()])
     except ValueError:
         axis = np.zeros(0)
-    if axis.shape != (3,) or not np.linalg.norm(axis) > 0.0:
+    if axis.shape != (3,) or not 0.0 < np.linalg.norm(axis) < np.inf:
         raise ModelError(
             f"{source}: the axis of joint {joint.get('name')} is '{words}', expected three "
             "numbers, not all zero"
@@ -275,6 +315,8 @@ def _follows(
             )
         except ValueError as error:
             raise ModelError(f"{source}: how joint {name} mimics {leader}: {error}") from error
+        if not abs(ratio) + abs(shift) <= budget.LARGEST:
+            raise ModelError(f"{source}: joint {name} mimics {leader} by {ratio:g} and {shift:g}")
         found[name] = (leader, ratio, shift)
     for name in found:
         leader = name

@@ -1,89 +1,42 @@
 """rosbag2: a directory, or one of its files, sqlite3 or MCAP, compressed or not, whole or cut off.
 
-Files are read with the library `rosbags`; what it refuses (a recording that was killed, a file
-cut off) is read record by record up to the damage.
+What SQLite refuses (a recording that was killed, a file cut off) is read page by page.
 """
 
 import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
+from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import zstandard
 
+from lagrangian_ff import budget
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.sources import temperature
-from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage, shortfall
+from lagrangian_ff.recording.sources.mcap_file import McapFile
+from lagrangian_ff.recording.sources.sqlite_file import SqliteFile, UnreadableError
+from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage
 from lagrangian_ff.words import counted
-
-if TYPE_CHECKING:
-    from rosbags.rosbag2 import Reader
-
-    from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
 
 NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
 _SUFFIXES = (".db3", ".mcap")
 _DATA = (*_SUFFIXES, ".zstd")
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_LONGEST = 4096  # bytes of a message with a temperature
+_PIECE = 2048  # bytes of zstd that are unpacked at once: each may become 32 KiB
+_LIST = "relative_file_paths:"
 _EPOCH_NS = 10**17  # stamps above are dates (1973 and later), not seconds since start-up
 
 
-class UnreadableError(Exception):
-    """`rosbags` cannot read the file, or not to its end; the text says why."""
-
-
-class IntactFile:
-    """A sqlite3 or MCAP file without damage.
-
-    Raises:
-        UnreadableError: also while messages are read.
-    """
-
-    damage = ""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.topics: dict[str, tuple[str, int]] = {}
-        if path.suffix == ".db3" and (damage := shortfall(path)):
-            raise UnreadableError(damage)
-        with _opened(path) as reader:
-            for one in reader.connections:
-                _, before = self.topics.get(one.topic, ("", 0))
-                self.topics[one.topic] = (one.msgtype, before + one.msgcount)
-
-    def messages(self, topic: str) -> Iterator[tuple[int, bytes]]:
-        """Yield the time received in ns and the serialized message, in order of arrival."""
-        with _opened(self._path) as reader:
-            connections = [c for c in reader.connections if c.topic == topic]
-            if not connections:
-                return
-            for _, received, data in reader.messages(connections):
-                if not isinstance(received, int):  # sqlite does not check types
-                    raise UnreadableError(f"a message was received at {received!r}")
-                yield received, bytes(data)
-
-
-@contextmanager
-def _opened(path: Path) -> "Iterator[Reader]":
-    from rosbags.rosbag2 import Reader  # slow to import, and only bags need it
-
-    # On damaged input the library raises struct, index, type, database and compression errors
-    # as well as its own.
-    try:
-        with Reader(path) as reader:
-            yield reader
-    except Exception as error:
-        raise UnreadableError(str(error) or type(error).__name__) from error
-
-
-StorageFile: TypeAlias = "IntactFile | McapSalvage | SqliteSalvage"
+StorageFile: TypeAlias = "McapFile | SqliteFile | SqliteSalvage"
 """One file of a bag: its topics (message type and number of messages, 0 if unknown), its damage
 in words, complete only after `messages` has ended, and the messages of one topic."""
 
@@ -112,9 +65,9 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     with ExitStack() as stack:
         workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
         local = [_prepare(file, workplace, notes) for file in paths]
-        topics = _topics(local, paths)
+        topics = _topics(path, local, paths)
         chosen = _choose_topic(path, topics, topic, notes)
-        table = JointStateTable()
+        table = JointStateTable(str(path))
         for index, (file, original) in enumerate(zip(local, paths, strict=True)):
             report = part(progress, index / len(local), (index + 1) / len(local))
             _read_file(file, original, chosen, table, notes, report)
@@ -129,13 +82,18 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
 
 def _messages(path: Path, name: Path, topic: str) -> Iterator[tuple[str, int, bytes]]:
     """Yield topic, time received in ns and message of one file, what can be read of it."""
+    allowance = _Allowance(name)
+
+    def read(file: StorageFile) -> list[tuple[str, int, bytes]]:
+        # What is longer than any temperature is cut, and so malformed.
+        found = ((received, allowance.unpacked(data)) for received, data in file.messages(topic))
+        return [(topic, received, data[:_LONGEST]) for received, data in found]
+
     try:
-        found = list(IntactFile(path).messages(topic))
+        found = read(_opened(path, name))
     except UnreadableError:
-        found = list(_salvage(path, name).messages(topic))
-    unpack = zstandard.ZstdDecompressor()
-    for received, data in found:
-        yield topic, received, _unpacked(unpack, data)
+        found = read(SqliteSalvage(path, name))
+    yield from found
 
 
 def _files(path: Path, notes: list[str]) -> list[Path]:
@@ -160,15 +118,14 @@ def _files(path: Path, notes: list[str]) -> list[Path]:
 
 
 def _promised(metadata: Path) -> list[str]:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
+    """Return the names of the bag's files, which rosbag2 lists one a line.
 
-    try:
-        content = YAML(typ="safe").load(metadata.read_text(encoding="utf-8", errors="replace"))
-        names = content["rosbag2_bagfile_information"]["relative_file_paths"]
-        return [Path(str(name)).name for name in names]
-    except (YAMLError, KeyError, TypeError):
-        return []
+    Nothing else is read of the file: a reader of all YAML would follow references and depth.
+    """
+    lines = budget.text_of(metadata, RecordingError, errors="replace").splitlines()
+    listed = next((k for k, line in enumerate(lines) if line.strip() == _LIST), len(lines))
+    items = takewhile(lambda line: line.startswith("-"), map(str.strip, lines[listed + 1 :]))
+    return [Path(item[1:].strip().strip("'\"")).name for item in items]
 
 
 def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
@@ -195,17 +152,31 @@ def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
 
 
 def _decompress(path: Path, target: Path) -> bool:
-    """Unpack up to the damage; return whether that is the end."""
+    """Unpack up to the damage; return whether that is the end.
+
+    Raises:
+        RecordingError: it unpacks to more than a file may.
+    """
+    size = budget.file_size(path, RecordingError)
+    left = budget.unpacked(size)
     frame = zstandard.ZstdDecompressor().decompressobj()
     begun = False
     with path.open("rb") as packed, target.open("wb") as unpacked:
-        while part := packed.read(1 << 20):
+        while part := packed.read(_PIECE):
             while part:
                 begun = True
                 try:
-                    unpacked.write(frame.decompress(part))
+                    content = frame.decompress(part)
                 except zstandard.ZstdError:
                     return False
+                left -= len(content)
+                if left < 0:
+                    raise RecordingError(
+                        f"{path}: unpacks to more than {budget.in_words(budget.unpacked(size))}, "
+                        f"which a recording of {budget.in_words(size)} does not; if it is one, "
+                        "unpack it first: zstd -d FILE"
+                    )
+                unpacked.write(content)
                 part = frame.unused_data if frame.eof else b""
                 if frame.eof:
                     frame = zstandard.ZstdDecompressor().decompressobj()
@@ -213,26 +184,38 @@ def _decompress(path: Path, target: Path) -> bool:
     return not begun
 
 
-def _salvage(path: Path, name: Path) -> StorageFile:
-    if _kind(path) != ".mcap":
-        return SqliteSalvage(path, name)
-    # The library `mcap` is slow to import, and only damaged files need it.
-    from lagrangian_ff.recording.sources.mcap_salvage import McapSalvage
+def _opened(path: Path, name: Path) -> StorageFile:
+    """Return a file of a bag, which the user knows by this name.
 
-    return McapSalvage(path, name)
+    Raises:
+        UnreadableError: SQLite cannot read it, or not to its end; also while messages are read.
+    """
+    return McapFile(path, name) if _kind(path) == ".mcap" else SqliteFile(path)
 
 
-def _topics(paths: list[Path], names: list[Path]) -> dict[str, str]:
-    """Return the type of every topic that has messages, or of all if none has."""
+def _topics(bag: Path, paths: list[Path], names: list[Path]) -> dict[str, str]:
+    """Return the type of every topic that has messages, or of all if none has.
+
+    Raises:
+        RecordingError: there is no topic at all.
+    """
     types: dict[str, str] = {}
     empty: dict[str, str] = {}
+    damage = ""
     for path, original in zip(paths, names, strict=True):
+        file: StorageFile
         try:
-            topics = IntactFile(path).topics
+            file = _opened(path, original)
+            topics = file.topics
         except UnreadableError:
-            topics = _salvage(path, original).topics
+            file = SqliteSalvage(path, original)
+            topics = file.topics
+        damage = damage or file.damage
         for name, (kind, count) in topics.items():
             (types if count else empty)[name] = kind
+    if not (types or empty):
+        why = f" ({damage})" if damage else ""
+        raise RecordingError(f"{bag}: no joint states; it holds no topics{why}")
     return types or empty
 
 
@@ -269,8 +252,6 @@ def _is_kind(kind: str, expected: str) -> bool:
 def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
     if joint_states:
         return f"joint states are on {', '.join(joint_states)}"
-    if not topics:
-        return "it holds no topics"
     found = ", ".join(f"{name} [{kind}]" for name, kind in topics.items())
     return f"expected a topic of type {MESSAGE_TYPE}, found {found}"
 
@@ -284,16 +265,18 @@ def _read_file(
     """
     mark = table.mark()
     before = len(table)
+    reason = ""
     try:
-        _append(IntactFile(path), name, topic, table, progress)
-        return
+        file = _opened(path, name)
+        _append(file, name, topic, table, progress)
     except UnreadableError as error:
         reason = str(error)
-    table.rewind(mark)
-    salvaged = _salvage(path, name)
-    _append(salvaged, name, topic, table, progress)
-    damage = salvaged.damage
-    what = f"cut off or damaged ({damage})" if damage else f"read record by record ({reason})"
+        table.rewind(mark)
+        file = SqliteSalvage(path, name)
+        _append(file, name, topic, table, progress)
+    if not file.damage and not reason:
+        return
+    what = f"cut off or damaged ({file.damage})" if file.damage else f"read by pages ({reason})"
     notes.append(f"{name}: {what}; {counted(len(table) - before, 'message')} could be read")
 
 
@@ -301,21 +284,53 @@ def _append(
     file: StorageFile, name: Path, topic: str, table: JointStateTable, progress: Progress
 ) -> None:
     _, expected = file.topics.get(topic, ("", 0))
-    unpack = zstandard.ZstdDecompressor()
+    allowance = _Allowance(name)
     for number, (received, data) in enumerate(file.messages(topic)):
-        table.add(received, _unpacked(unpack, data))
+        table.add(received, allowance.unpacked(data))
         if number % 8192 == 0:
             progress(min(1.0, number / expected) if expected else 0.0, f"read {name.name}")
 
 
-def _unpacked(unpack: zstandard.ZstdDecompressor, data: bytes) -> bytes:
-    """Return a message without its compression; nothing if that is damaged."""
-    if data[:4] != _ZSTD_MAGIC:
+class _Allowance:
+    """Unpacks the messages of a file until they are more than a file of its size may hold.
+
+    Args:
+        name: the file the user gave, packed or not: what is packed twice has one allowance.
+    """
+
+    def __init__(self, name: Path) -> None:
+        self._size, self._name = name.stat().st_size, name
+        self._left = budget.unpacked(self._size)
+        self._zstd = zstandard.ZstdDecompressor()
+
+    def unpacked(self, data: bytes) -> bytes:
+        """Return a message without its compression; nothing if that is damaged.
+
+        Raises:
+            RecordingError: the messages so far are more than the file may hold.
+        """
+        if data[:4] == _ZSTD_MAGIC:
+            try:
+                # What a frame claims to hold is allocated before it is unpacked.
+                claimed = zstandard.frame_content_size(data)
+                if claimed > budget.MESSAGE:
+                    data = b""
+                elif claimed >= 0:
+                    data = self._zstd.decompress(data)
+                else:
+                    data = self._zstd.stream_reader(data).read(budget.MESSAGE + 1)
+            except (zstandard.ZstdError, MemoryError):
+                data = b""
+        if len(data) > budget.MESSAGE:
+            data = b""
+        self._left -= len(data)
+        if self._left < 0:
+            raise RecordingError(
+                f"{self._name}: its messages hold more than "
+                f"{budget.in_words(budget.unpacked(self._size))}, which a recording of "
+                f"{budget.in_words(self._size)} does not; not read"
+            )
         return data
-    try:
-        return unpack.decompress(data)
-    except zstandard.ZstdError:
-        return b""
 
 
 def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Recording:

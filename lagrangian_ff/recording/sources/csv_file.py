@@ -4,7 +4,7 @@ A column `temperature/<joint>`, °C, may be there for any joint.
 """
 
 import csv
-from itertools import islice
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,14 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import QUANTITIES, TEMPERATURE, Recording, from_arrays
+from lagrangian_ff.recording.recording import (
+    QUANTITIES,
+    TEMPERATURE,
+    Recording,
+    from_arrays,
+    require_joints,
+)
+from lagrangian_ff.recording.table import read_names, read_table
 
 NAME = "a .csv with the header time,position/<joint>,velocity/<joint>,effort/<joint>"
 _BLOCK = 20_000
@@ -25,22 +32,9 @@ def recognises(path: Path) -> bool:
 
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     """Return a table as a recording; empty cells are NaN, `topic` is not used."""
-    size = max(1, path.stat().st_size)
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            names = [name.strip() for name in next(csv.reader([file.readline()]), [])]
-            columns = _columns(path, names)
-            blocks = []
-            line, done = 2, 0
-            while lines := list(islice(file, _BLOCK)):
-                blocks.append(_parse(path, names, lines, line))
-                line += len(lines)
-                done += sum(map(len, lines))
-                progress(min(1.0, done / size), f"read {path.name}")
-    except UnicodeDecodeError as error:
-        raise RecordingError(f"{path}: not a CSV text file: {error.reason}") from error
-    table = np.concatenate([np.empty((0, len(names))), *blocks])
-    blocks.clear()
+    names = read_names(path, RecordingError)
+    columns = _columns(path, names)
+    table = read_table(path, RecordingError, progress).values
     missing: Floats = np.full(len(table), np.nan)
     tables = [
         np.column_stack([table[:, at[name]] if name in at else missing for at in columns.values()])
@@ -75,9 +69,9 @@ def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
             f"{path}, line 1: no column `time`; expected the header "
             f"time,position/<joint>,velocity/<joint>,effort/<joint>, found {','.join(names)[:200]}"
         )
-    repeated = sorted({name for name in names if names.count(name) > 1})
+    repeated = sorted(name for name, times in Counter(names).items() if times > 1)
     if repeated:
-        raise RecordingError(f"{path}, line 1: column given twice: {', '.join(repeated)}")
+        raise RecordingError(f"{path}, line 1: column given twice: {', '.join(repeated)[:200]}")
     columns: dict[str, dict[str, int]] = {}
     for number, name in enumerate(names):
         quantity, _, joint = name.partition("/")
@@ -87,33 +81,5 @@ def _columns(path: Path, names: list[str]) -> dict[str, dict[str, int]]:
     if not columns or without:
         missing = without[0] if without else "<joint>"
         raise RecordingError(f"{path}, line 1: no column position/{missing}")
+    require_joints(f"{path}, line 1", len(columns))
     return columns
-
-
-def _parse(path: Path, names: list[str], lines: list[str], first: int) -> Floats:
-    """Return the numbers of these lines, the first of which is line `first` of the file."""
-    try:
-        fast = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
-        if fast.shape == (len(lines), len(names)):
-            return fast
-    except ValueError:
-        pass  # an empty or a bad cell: the slow way finds it
-    rows = []
-    for number, cells in enumerate(csv.reader(lines), start=first):
-        if not cells:
-            continue
-        if len(cells) != len(names):
-            raise RecordingError(
-                f"{path}, line {number}: {len(cells)} cells, the header has {len(names)}"
-            )
-        rows.append([_number(path, number, *pair) for pair in zip(names, cells, strict=True)])
-    return np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
-
-
-def _number(path: Path, line: int, name: str, cell: str) -> float:
-    try:
-        return float(cell) if cell.strip() else np.nan
-    except ValueError:
-        raise RecordingError(
-            f"{path}, line {line}: column {name} holds {cell!r}, expected a number"
-        ) from None

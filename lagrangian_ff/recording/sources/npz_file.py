@@ -6,9 +6,6 @@ The names used by other collections (`times`, `positions`, `velocities`, `torque
 well; joints without names are called joint_1, joint_2, ...
 """
 
-import tokenize
-import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +14,8 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress
-from lagrangian_ff.recording.recording import TEMPERATURE, Recording, from_arrays
+from lagrangian_ff.recording.archive import read_archive
+from lagrangian_ff.recording.recording import TEMPERATURE, Recording, from_arrays, require_joints
 
 NAME = "an .npz with time, position, velocity, effort, joints"
 _KEYS = {
@@ -27,11 +25,7 @@ _KEYS = {
     "effort": ("effort", "efforts", "torques"),
     TEMPERATURE: ("temperature", "temperatures"),
 }
-_UNPACKING = (EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
-_PARSING = (ValueError, TypeError, KeyError, MemoryError, SyntaxError, tokenize.TokenError)
-DAMAGED = (*_UNPACKING, *_PARSING)
-"""Errors of a damaged archive: a flipped bit can reach the zip's flags (RuntimeError) and the text
-of an array's shape, which cannot be parsed (SyntaxError, TokenError) or is huge (MemoryError)."""
+_NAMES = ("joints", "start", *(key for keys in _KEYS.values() for key in keys))
 
 
 def recognises(path: Path) -> bool:
@@ -41,25 +35,23 @@ def recognises(path: Path) -> bool:
 
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     """Return the arrays as a recording; `topic` is not used."""
+    archive = read_archive(path, _NAMES, RecordingError, NAME)
+    arrays = archive.arrays
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise RecordingError(f"{path}: a single array, expected an .npz archive")
-            found = {
-                name: np.asarray(archive[key], dtype=np.float64)
-                for name, keys in _KEYS.items()
-                if (key := next((key for key in keys if key in archive), None)) is not None
-            }
-            names = [str(name) for name in archive["joints"]] if "joints" in archive else None
-            start = float(archive["start"]) if "start" in archive else 0.0
-            keys = list(archive)
-    except DAMAGED as error:
-        raise RecordingError(f"{path}: not a readable .npz archive: {error}") from error
+        found = {
+            name: np.asarray(arrays[key], dtype=np.float64)
+            for name, keys in _KEYS.items()
+            if (key := next((key for key in keys if key in arrays), None)) is not None
+        }
+        names = [str(name) for name in arrays["joints"]] if "joints" in arrays else None
+        start = float(arrays["start"]) if "start" in arrays else 0.0
+    except (ValueError, TypeError) as error:
+        raise RecordingError(f"{path}: not a recording: {error}") from error
     for required in ("time", "position"):
         if required not in found:
             raise RecordingError(
                 f"{path}: no array `{required}`; expected time, position, velocity, effort and "
-                f"joints, found {', '.join(keys) or 'nothing'}"
+                f"joints, found {', '.join(archive.names)[:200] or 'nothing'}"
             )
     position = found["position"]
     if position.ndim != 2 or found["time"].ndim != 1:
@@ -67,6 +59,9 @@ def read(path: Path, topic: str | None, progress: Progress) -> Recording:
             f"{path}: time has shape {found['time'].shape} and position {position.shape}; "
             "expected (samples,) and (samples, joints)"
         )
+    if not np.isfinite(start):
+        raise RecordingError(f"{path}: start is {start}, expected seconds since 1970, or 0")
+    require_joints(str(path), position.shape[1])
     missing: Floats = np.full(position.shape, np.nan)
     joints = names or [f"joint_{number}" for number in range(1, position.shape[1] + 1)]
     tables = position, found.get("velocity", missing), found.get("effort", missing)

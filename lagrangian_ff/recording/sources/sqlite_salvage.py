@@ -9,11 +9,14 @@ SQLite file format (sqlite.org/fileformat2.html).
 import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
+from lagrangian_ff import budget
 from lagrangian_ff.errors import RecordingError
 
 _MAGIC = b"SQLite format 3\0"
 _LEAF = 0x0D
+_LEAST_CELL = 4  # bytes of a cell with its pointer
 _FILE_HEAD = 100  # the file header, on the first page only
 _SIZES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 7: 8}  # bytes of integers, and of a float
 
@@ -84,50 +87,71 @@ class SqliteSalvage:
             yield found[key]
 
     def _rows(self) -> Iterator[tuple[int, list[Value]]]:
-        """Yield key and columns of every row of every table, on the pages that are whole."""
-        with self._path.open("rb") as file:
-            for number in range(self._size // self._page):
+        """Yield key and columns of every row of every table, on the pages that are whole.
+
+        No byte belongs to two rows: cells that overlap, and overflow pages that are referred to
+        again and again, are damage. So the work is in proportion to the file.
+        """
+        pages = self._size // self._page
+        self._overflow = pages
+        with self._path.open("rb") as file, self._path.open("rb") as beside:
+            for number in range(pages):
                 page = file.read(self._page)
                 start = _FILE_HEAD if number == 0 else 0
-                if page[start] != _LEAF:
+                if len(page) < self._page or page[start] != _LEAF:
                     continue
                 cells = int.from_bytes(page[start + 3 : start + 5], "big")
-                for cell in range(cells):
+                left = self._page
+                for cell in range(min(cells, self._page // _LEAST_CELL)):
                     pointer = start + 8 + 2 * cell
                     offset = int.from_bytes(page[pointer : pointer + 2], "big")
-                    if (row := self._cell(page, offset)) is not None:
+                    row, inside = self._cell(page, offset, beside)
+                    left -= inside
+                    if left < 0:
+                        break
+                    if row is not None:
                         yield row
 
-    def _cell(self, page: bytes, offset: int) -> tuple[int, list[Value]] | None:
+    def _cell(
+        self, page: bytes, offset: int, file: BinaryIO
+    ) -> tuple[tuple[int, list[Value]] | None, int]:
+        """Return key and columns of a row, if it can be read, and its bytes in the page."""
+        used = _LEAST_CELL
         try:
-            length, offset = _varint(page, offset)
-            key, offset = _varint(page, offset)
-            payload = self._payload(page, offset, length)
-            return None if payload is None else (key, _columns(payload))
+            length, first = _varint(page, offset)
+            key, first = _varint(page, first)
+            payload, inside = self._payload(page, first, length, file)
+            used = first - offset + inside
+            return (None if payload is None else (key, _columns(payload))), used
         except (IndexError, ValueError):
-            return None
+            return None, used
 
-    def _payload(self, page: bytes, offset: int, length: int) -> bytes | None:
+    def _payload(
+        self, page: bytes, offset: int, length: int, file: BinaryIO
+    ) -> tuple[bytes | None, int]:
+        """Return the bytes of a row, if they are all there, and how many are in the page."""
         largest = self._usable - 35
         if length <= largest:
             inside = page[offset : offset + length]
-            return inside if len(inside) == length else None
+            return (inside if len(inside) == length else None), len(inside)
         least = (self._usable - 12) * 32 // 255 - 23
         local = least + (length - least) % (self._usable - 4)
         local = local if local <= largest else least
         parts = [page[offset : offset + local]]
         left = length - local
         following = int.from_bytes(page[offset + local : offset + local + 4], "big")
-        with self._path.open("rb") as file:
-            while left > 0:
-                file.seek((following - 1) * self._page)
-                overflow = file.read(self._page)
-                if following < 1 or len(overflow) < self._page:
-                    return None
-                following = int.from_bytes(overflow[:4], "big")
-                parts.append(overflow[4 : 4 + min(left, self._usable - 4)])
-                left -= len(parts[-1])
-        return b"".join(parts)
+        if length > min(self._size, budget.MESSAGE):
+            return None, local
+        while left > 0:
+            self._overflow -= 1
+            if self._overflow < 0 or not 1 <= following <= self._size // self._page:
+                return None, local
+            file.seek((following - 1) * self._page)
+            overflow = file.read(self._page)
+            following = int.from_bytes(overflow[:4], "big")
+            parts.append(overflow[4 : 4 + min(left, self._usable - 4)])
+            left -= len(parts[-1])
+        return b"".join(parts), local
 
 
 def shortfall(path: Path) -> str:

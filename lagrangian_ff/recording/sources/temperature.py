@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.words import counted
 
@@ -36,6 +37,9 @@ def with_temperatures(
             malformed += 1
             continue
         stamp, frame, value = read
+        if (topic, frame) not in found and len(found) >= budget.JOINTS:
+            malformed += 1
+            continue
         time = (stamp or received) / 1e9 - recording.start
         found.setdefault((topic, frame), []).append((time, value))
     if malformed:

@@ -106,7 +106,7 @@ def test_what_is_no_urdf_is_told(text: str, expected: str, tmp_path: Path) -> No
 def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     with pytest.raises(ModelError, match="no URDF file"):
         read_urdf(tmp_path / "none.urdf")
-    with pytest.raises(ModelError, match="cannot read the URDF"):
+    with pytest.raises(ModelError, match="is a folder, expected a file"):
         read_urdf(tmp_path)
     (tmp_path / "binary.urdf").write_bytes(b"\xff\xfe\x00robot")
     with pytest.raises(ModelError, match="it is not text"):
@@ -117,3 +117,51 @@ def test_without_pinocchio_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setitem(sys.modules, "pinocchio", None)
     with pytest.raises(ModelError, match="extra 'urdf' of lagrangian_ff: pip install pin"):
         robot_of(pendulum_urdf(), "test.urdf")
+
+
+def test_what_would_exhaust_a_reader_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "deep.urdf"
+    path.write_text("<robot>" + "<a>" * 100_000)
+    with pytest.raises(ModelError, match=r"deep\.urdf: <a> lies inside 100 others"):
+        read_urdf(path)
+    entities = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 9}">' for k in range(1, 12))
+    path.write_text(f'<!DOCTYPE robot [<!ENTITY e0 "{"x" * 999}">{entities}]><robot>&e11;</robot>')
+    with pytest.raises(ModelError, match=r"deep\.urdf is no URDF: it is not XML .*amplification"):
+        read_urdf(path)
+    joints = '<joint type="fixed"/>' * 1001
+    path.write_text(f"<robot>{joints}</robot>")
+    with pytest.raises(ModelError, match="more than 1000 joints"):
+        read_urdf(path)
+    (tmp_path / "zero.urdf").symlink_to("/dev/zero")
+    with pytest.raises(ModelError, match="is a device, expected a file"):
+        read_urdf(tmp_path / "zero.urdf")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('<mass value="2"/>', '<mass value="1e308"/>', "the inertia of joint turn is not finite"),
+        ('<axis xyz="0 1 1"/>', '<axis xyz="0 inf 1"/>', "the axis of joint turn"),
+    ],
+)
+def test_numbers_that_are_not_finite_are_named(old: str, new: str, message: str) -> None:
+    with pytest.raises(ModelError, match=message):
+        robot_of(GRIPPER.replace(old, new), "odd.urdf")
+
+
+def test_a_long_chain_of_mimic_joints_is_followed() -> None:
+    names = [f"j{k}" for k in range(400)]
+    joints = "".join(
+        f'<link name="{name}"><inertial><mass value="1"/>{INERTIA}</inertial></link>'
+        f'<joint name="{name}" type="continuous"><parent link="base"/><child link="{name}"/>'
+        + (f'<mimic joint="j{k - 1}"/>' if k else "")
+        + "</joint>"
+        for k, name in enumerate(names)
+    )
+    robot = robot_of(f'<robot name="r"><link name="base"/>{joints}</robot>', "chain.urdf")
+    assert (robot.of_joints(("j0",), "test").tree.driver == 0).all()
+
+
+def test_a_line_break_in_the_name_of_a_joint_is_refused() -> None:
+    with pytest.raises(ModelError, match=r"the joint 'tu\\nrn' holds a line break"):
+        robot_of(GRIPPER.replace('name="turn"', 'name="tu\nrn"'), "odd.urdf")
