@@ -23,7 +23,14 @@ from lifecycle_msgs.msg import State as LifecycleStateMessage
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
+from lagrangian_ff.nodes.common.node import (
+    BAD_PARAMETER,
+    ClosingNode,
+    Diagnostics,
+    Parameters,
+    answer_every_transition,
+    run,
+)
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.feedforward_link import FeedforwardLink
 from lagrangian_ff.nodes.streaming.plan import TERMS
@@ -37,6 +44,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
 
     def __init__(self) -> None:
         super().__init__("feedforward")
+        answer_every_transition(self)
         self._settings = Parameters(self)
         _declare(self._settings)
         self._warnings = ThrottledWarnings(self.get_logger().warning)

@@ -9,6 +9,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -23,6 +24,7 @@ from rclpy.exceptions import (
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
@@ -96,6 +98,36 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         executor.shutdown(timeout_sec=0.0)
         rclpy.try_shutdown()
     return code
+
+
+def answer_every_transition(node: LifecycleNode) -> None:
+    """Answer requests for transitions that are impossible now: success false, the reason logged.
+
+    rclpy's `~/change_state` raises on the id of such a transition, and a service that raises never
+    answers: its clients would wait for ever. (A label that is impossible it answers itself.)
+    """
+    topic = node.resolve_service_name("~/change_state")
+    service = next(one for one in node.services if one.srv_name == topic)
+    change_state = service.callback
+
+    def answer(
+        request: ChangeState.Request, response: ChangeState.Response
+    ) -> ChangeState.Response:
+        try:
+            return change_state(request, response)
+        except rclpy_implementation.RCLError:
+            wanted, machine = request.transition, node._state_machine
+            possible = ", ".join(
+                f"{found[1]} ({found[0]})" for found in machine.available_transitions
+            )
+            node.get_logger().warning(
+                f"refused transition {wanted.label or wanted.id}: the node is "
+                f"{machine.current_state[1]}; possible now: {possible or 'none'}"
+            )
+            response.success = False
+            return response
+
+    service.callback = answer
 
 
 class Parameters:
