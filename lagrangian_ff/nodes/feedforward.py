@@ -58,6 +58,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             model=self._model_status,
             stream=self._stream_status,
             certainty=self._certainty_status,
+            joint_states=self._joint_state_status,
         )
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
@@ -127,6 +128,11 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         if self._link is not None:
             self._link.references.ignore()
         return Status(Level.STALE, "not active", dict(self._warnings.counts))
+
+    def _joint_state_status(self) -> Status:
+        if self._link is None or not self._active:
+            return Status(Level.STALE, "not active")
+        return self._link.joint_state_status()
 
     def _certainty_status(self) -> Status:
         if self._link is None or not self._active:

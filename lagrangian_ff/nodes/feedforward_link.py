@@ -20,6 +20,7 @@ from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
 from lagrangian_ff.nodes.feedforward_references import References
+from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
 from lagrangian_ff.nodes.streaming.stream import (
     Settings,
@@ -32,6 +33,8 @@ FAREWELL = 3  # number of zero commands at the end
 LOOKS = 50.0  # Hz at which joint states are read
 LIMITS_PER_SECOND = 20.0
 """Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
+LATE = 3.0  # periods that one tick makes up for at most: after a stall the torque must not jump
+LONGEST_STEP = 0.02  # s of simulated time that one tick makes up for all the same
 REST = 0.002  # s between readings of simulated time while no joint state comes
 
 
@@ -59,9 +62,10 @@ class FeedforwardLink:
         joints = self._model.joints
         _declare_joints(parameters, joints)
         self._described: dict[str, float] = {}
+        self._time, self._rate = NodeTime(node), float(parameters.value("rate"))
         self._stream = TorqueStream(joints, self._settings())
-        self._monitor = StreamMonitor()
-        self._time = NodeTime(node)
+        self._monitor, self._life = StreamMonitor(), SignsOfLife()
+        self._seen = 0
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
         self.references = References(
@@ -88,7 +92,8 @@ class FeedforwardLink:
         self.references.active = True
         self._stream.forget()
         self._monitor = StreamMonitor()
-        rate = self._parameters.value("rate")
+        rate = self._rate = float(self._parameters.value("rate"))
+        self._stream.settings = self._settings()
         self._every = max(1, round(rate / LOOKS))
         pacer: Pacing = Pacer(1.0 / rate)
         if self._time.simulated:
@@ -103,8 +108,8 @@ class FeedforwardLink:
         if self._loop is None:
             return
         self._stream.end("deactivated")
-        deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.1
-        while time.monotonic() < deadline and (last := self._monitor.last) and last.gain > 0.0:
+        deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.5
+        while time.monotonic() < deadline and (last := self._monitor.last) and last.tau.any():
             time.sleep(0.005)
         self._loop.stop()
         self._loop = None
@@ -150,6 +155,8 @@ class FeedforwardLink:
             tracking_tolerance=value("tracking_tolerance"),
             after_end=value("after_end"),
             lead=value("lead_time"),
+            # Simulated time moves in the steps of /clock.
+            longest=max(LATE / self._rate, LONGEST_STEP if self._time.simulated else 0.0),
         )
 
     def _await_joint_states(self) -> None:
@@ -167,9 +174,11 @@ class FeedforwardLink:
             if fault:
                 self._warnings.add("bad joint state", f"ignored {fault}")
             elif columns:
-                at = state.stamp or self._time.now()
-                self._time.stamped(at)
-                self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
+                if state.stamp:
+                    self._time.stamped(state.stamp)
+                at = self._life.news(state.stamp, self._time.now())
+                if at is not None:
+                    self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
 
     def _on_description(self, message: String) -> None:
         try:
@@ -205,7 +214,7 @@ class FeedforwardLink:
             self._warnings.add("faded", f"torque fades to zero: {faded}")
 
     def _tick_failed(self, error: Exception) -> None:
-        self._stream.forget()
+        self._stream.drop()
         self._warnings.add("failed tick", f"reference dropped: {reason(error)}")
 
     def model_status(self) -> Status:
@@ -228,11 +237,36 @@ class FeedforwardLink:
             **self.references.values(),
             **self._warnings.counts,
         }
-        if self._time.simulated and self._time.now() == 0:
-            return Status(Level.WARN, "use_sim_time is set, but nobody publishes /clock", more)
         # Simulated seconds may be longer or shorter than the monitor's.
-        rate = 0.0 if self._time.simulated else self._parameters.value("rate")
-        return self._monitor.status(rate, more)
+        status = self._monitor.status(0.0 if self._time.simulated else self._rate, more)
+        if fault := self._fault():
+            return Status(Level.WARN, fault, status.values)
+        return status
+
+    def _fault(self) -> str:
+        """Return what is wrong around the node and what to do, or ""."""
+        topic = self._commands.topic_name
+        if (senders := self._node.count_publishers(topic)) > 1:
+            return (
+                f"{senders} nodes send torque on {topic} in turn: end all but one, or start them "
+                "in namespaces (a killed one is listed for 20 s more)"
+            )
+        now, before = self._time.now(), self._seen
+        self._seen = now
+        if not self._time.simulated:
+            return ""
+        if now == 0:
+            return "use_sim_time is set, but nobody publishes /clock"
+        if now == before:
+            return (
+                f"simulated time stands at {now / 1e9:.3f} s, and no torque is sent: let the "
+                "simulation go on; for a robot set use_sim_time to false"
+            )
+        return ""
+
+    def joint_state_status(self) -> Status:
+        """Return the state of the joint states."""
+        return self._life.status(self._node.count_publishers(self._states.topic))
 
 
 def _declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:

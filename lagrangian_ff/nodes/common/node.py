@@ -228,6 +228,19 @@ class Parameters:
         return SetParametersResult(successful=True)
 
 
+def _namesake(node: Node) -> str:
+    """Return that another node has the same name and what to do, or ""."""
+    names = [(ns, name) for name, ns in node.get_node_names_and_namespaces()]
+    count = names.count((node.get_namespace(), node.get_name()))
+    if count < 2:
+        return ""
+    return (
+        f"{count} nodes are called {node.get_fully_qualified_name()}: services and parameters "
+        "reach any of them; end one, or start it with -r __node:=NAME or -r __ns:=/NAMESPACE "
+        "(a killed one is listed for 20 s more)"
+    )
+
+
 class Diagnostics:
     """Publishes the status of every part of a node once a second.
 
@@ -268,6 +281,8 @@ class Diagnostics:
                 self._node.get_logger().error(said, throttle_duration_sec=60.0)
                 found = Status(Level.ERROR, f"{type(error).__name__}: {error}")
             statuses |= {part: found} if isinstance(found, Status) else found or {}
+        if namesake := _namesake(self._node):
+            statuses["name"] = Status(Level.WARN, namesake)
         message = DiagnosticArray()
         message.header.stamp = self._node.get_clock().now().to_msg()
         message.status = [self._message(part, status) for part, status in statuses.items()]
