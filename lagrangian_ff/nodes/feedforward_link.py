@@ -15,13 +15,14 @@ from lagrangian_ff.nodes.common.joint_state_bytes import (
     JointStateReader,
     MessageError,
 )
-from lagrangian_ff.nodes.common.models import load_model, load_own_effects
+from lagrangian_ff.nodes.common.models import load_own_effects
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
 from lagrangian_ff.nodes.feedforward_references import References
 from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
+from lagrangian_ff.nodes.streaming.replacing import ModelFile
 from lagrangian_ff.nodes.streaming.stream import (
     Settings,
     StreamMonitor,
@@ -57,9 +58,11 @@ class FeedforwardLink:
     ) -> None:
         self._node, self._parameters, self._warnings = node, parameters, warnings
         load_own_effects(parameters.value("effects_file"))
-        file = parameters.value("model_file")
-        self._model, self._columns = load_model(file, parameters.strings("joints"))
-        joints = self._model.joints
+        self._file = ModelFile(
+            lambda: str(parameters.value("model_file")), parameters.strings("joints")
+        )
+        ready = self._ready = self._file.first
+        joints = self._joints = ready.model.joints
         _declare_joints(parameters, joints)
         self._described: dict[str, float] = {}
         self._time, self._rate = NodeTime(node), float(parameters.value("rate"))
@@ -68,11 +71,11 @@ class FeedforwardLink:
         self._seen = 0
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self.references = References(
-            node, parameters, warnings, self._time, self._model, self._stream
-        )
+        self.references = References(node, parameters, warnings, self._time, ready, self._stream)
         self._make_topics()
-        node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
+        node.get_logger().info(
+            f"{ready.model.name} of {', '.join(joints)} loaded from {ready.file}"
+        )
 
     def _make_topics(self) -> None:
         node = self._node
@@ -115,7 +118,7 @@ class FeedforwardLink:
         self._loop = None
         self._stream.forget()
         for _ in range(FAREWELL):
-            self._commands.publish(topics.command(np.zeros(len(self._columns))))
+            self._commands.publish(topics.command(np.zeros(len(self._joints))))
         self._commands.wait_for_all_acked(Duration(seconds=0.2))
 
     def close(self) -> None:
@@ -135,11 +138,11 @@ class FeedforwardLink:
 
     def _settings(self) -> Settings:
         """Return the stream's settings; limits not given come from the robot or the model."""
-        value, joints = self._parameters.value, self._model.joints
+        value, joints = self._parameters.value, self._joints
         limit = np.array(
             [
                 value(f"limits.{joint}.effort") or self._described.get(joint) or float(largest)
-                for joint, largest in zip(joints, self._model.range.tau_max, strict=True)
+                for joint, largest in zip(joints, self._ready.model.range.tau_max, strict=True)
             ]
         )
         rate = np.array([value(f"limits.{joint}.effort_rate") for joint in joints])
@@ -167,7 +170,7 @@ class FeedforwardLink:
         for data, _ in self._states.take():
             try:
                 state = self._reader.read(data)
-                columns = state.columns(self._model.joints)
+                columns = state.columns(self._joints)
                 fault = state.fault() if columns else ""
             except MessageError as error:
                 fault = str(error)
@@ -200,12 +203,17 @@ class FeedforwardLink:
         return response
 
     def _tick(self, due: range) -> None:
+        if self.references.idle and (ready := self._file.take()):
+            self._ready = ready
+            self.references.use(ready)
+            self._stream.settings = self._settings()
+            self._node.get_logger().info(f"{ready.model.name} loaded from {ready.file} takes over")
         self.references.follow()
         if any(index % self._every == 0 for index in due):
             self._take_joint_states()
         now = self._time.now()
         output = self._stream.tick(now, self._time.steady())
-        self._commands.publish(topics.command(output.tau[self._columns]))
+        self._commands.publish(topics.command(output.tau[self._ready.columns]))
         listened = self._stamped.get_subscription_count() > 0
         if listened and output.q is not None and output.qd is not None:
             at = now + round(self._stream.settings.lead * 1e9)
@@ -218,15 +226,20 @@ class FeedforwardLink:
         self._warnings.add("failed tick", f"reference dropped: {reason(error)}")
 
     def model_status(self) -> Status:
-        """Return the state of the model: its error and its limits."""
-        limits = zip(self._model.joints, self._stream.settings.effort_limit, strict=True)
+        """Return the state of the model: its error and its limits; look whether it is replaced."""
+        self._file.look()
+        model, file = self._ready.model, self._ready.file
+        limits = zip(self._joints, self._stream.settings.effort_limit, strict=True)
         values = {
-            "model file": self._parameters.value("model_file"),
-            "model": self._model.name,
-            **errors_of(self._model.identified.score),
+            "model file": file,
+            "model": model.name,
+            **errors_of(model.identified.score),
             **{f"effort limit {joint} [N·m]": float(limit) for joint, limit in limits},
         }
-        return Status(Level.OK, f"{self._model.name} loaded", values)
+        if refusal := self._file.refusal:
+            said = f"the model loaded before stays in use: {refusal}"
+            return Status(Level.WARN, said, values)
+        return Status(Level.OK, f"{model.name} loaded", values)
 
     def stream_status(self) -> Status:
         """Return the state of the stream."""

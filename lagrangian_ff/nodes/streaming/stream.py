@@ -150,6 +150,7 @@ class TorqueStream:
         self._lock = threading.Lock()
         self._gain = 0.0
         self._sent = np.zeros(len(joints))
+        self._bump, self._share = np.zeros(len(joints)), 0.0
         self._reference_at = -np.inf
         self._joint_state_at = -np.inf
         self._state: tuple[int, Floats] | None = None
@@ -166,6 +167,15 @@ class TorqueStream:
         with self._lock:
             self._next, self._refused = (plan, start), ""
         self._reference_at = steady
+
+    def exchange(self, plan: Plan) -> None:
+        """Use the torques of another model for a reference that is followed or comes next."""
+        with self._lock:
+            present, coming = self._plan, self._next
+            if coming is not None and coming[0].reference is plan.reference:
+                self._next = plan, coming[1]
+            elif coming is None and present is not None and present.reference is plan.reference:
+                self._next = plan, self._start
 
     def withhold(self, reason: str) -> None:
         """Fade out until the next usable reference comes."""
@@ -194,6 +204,7 @@ class TorqueStream:
         self._refused = self._ending = ""
         self._gain = 0.0
         self._sent = np.zeros(len(self.joints))
+        self._share = 0.0
         self._last_tick = None
 
     def tick(self, now: int, steady: float) -> Output:
@@ -211,8 +222,11 @@ class TorqueStream:
         phase = _phase(plan, elapsed)
         withheld, silent = self._withheld(phase, steady)
         withheld = withheld or self._astray(plan)
-        wanted, saturated = clamp(self._torque(plan, elapsed), settings.effort_limit)
-        self._gain = self._ramped(not withheld, dt)
+        self._share = self._moved(self._share, 0.0, dt, settings.ramp_time)
+        wanted = self._torque(plan, elapsed) + self._share * self._bump
+        wanted, saturated = clamp(wanted, settings.effort_limit)
+        seconds = settings.fade_time if withheld else settings.ramp_time
+        self._gain = self._moved(self._gain, 0.0 if withheld else 1.0, dt, seconds)
         most = settings.quickest(bool(withheld))
         self._sent, held_back = slew(self._sent, self._gain * wanted, most, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
@@ -242,11 +256,11 @@ class TorqueStream:
         parts, weight = plan.at(elapsed)
         return np.asarray((self.settings.switches @ parts) * self.settings.scale * weight)
 
-    def _ramped(self, on: bool, dt: float) -> float:
-        """Return the gain, 0 to 1, after dt s in which it rises or falls."""
-        seconds = self.settings.ramp_time if on else self.settings.fade_time
+    @staticmethod
+    def _moved(share: float, goal: float, dt: float, seconds: float) -> float:
+        """Return a share dt s later on its way to the goal, 0 or 1, which takes `seconds`."""
         step = dt / seconds if seconds > 0.0 else 1.0
-        return min(1.0, self._gain + step) if on else max(0.0, self._gain - step)
+        return min(goal, share + step) if goal > share else max(goal, share - step)
 
     def _astray(self, plan: Plan) -> str:
         """Return which joint is away from its reference, where the torque would be wrong, or ""."""
@@ -268,9 +282,19 @@ class TorqueStream:
             if self._next is None:
                 return
             plan, start = self._next
-            moving = self._plan is not None and not self._plan.reference.is_setpoint
-            if not moving or now >= start:
-                self._plan, self._start, self._next = plan, start, None
+            present, began = self._plan, self._start
+            moving = present is not None and not present.reference.is_setpoint
+            if moving and now < start:
+                return
+            self._plan, self._start, self._next = plan, start, None
+        if present is None or self._gain == 0.0:
+            self._share = 0.0
+        elif present.known is not plan.known:
+            # What another model would change at once is taken back over the ramp.
+            lead = self.settings.lead
+            before = self._torque(present, (now - began) / 1e9 + lead) + self._share * self._bump
+            self._bump = before - self._torque(plan, (now - start) / 1e9 + lead)
+            self._share = 1.0
 
     def _withheld(self, phase: Phase, steady: float) -> tuple[str, bool]:
         """Return why the torque must not be sent, or "", and whether messages do not come."""
