@@ -24,18 +24,17 @@ from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
 from lagrangian_ff.nodes.streaming.replacing import ModelFile
 from lagrangian_ff.nodes.streaming.stream import (
+    FAREWELL,
+    LATE,
+    LIMITS_PER_SECOND,
+    LONGEST_STEP,
     Settings,
     StreamMonitor,
     TorqueStream,
     effort_limits,
 )
 
-FAREWELL = 3  # number of zero commands at the end
 LOOKS = 50.0  # Hz at which joint states are read
-LIMITS_PER_SECOND = 20.0
-"""Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
-LATE = 3.0  # periods that one tick makes up for at most: after a stall the torque must not jump
-LONGEST_STEP = 0.02  # s of simulated time that one tick makes up for all the same
 REST = 0.002  # s between readings of simulated time while no joint state comes
 
 

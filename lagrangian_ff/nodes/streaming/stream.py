@@ -16,6 +16,11 @@ from lagrangian_ff.nodes.streaming.plan import TERMS, Plan
 
 JUMP = 0.5
 """s by which the clock of the references may differ from the steady one between two ticks."""
+FAREWELL = 3  # number of zero commands at the end
+LIMITS_PER_SECOND = 20.0
+"""Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
+LATE = 3.0  # periods that one tick makes up for at most: after a stall the torque must not jump
+LONGEST_STEP = 0.02  # s of simulated time that one tick makes up for all the same
 FEW = 0.9  # of the wanted rate
 
 
@@ -28,6 +33,12 @@ def slew(previous: Floats, wanted: Floats, rate: Floats, dt: float) -> tuple[Flo
     """Move from `previous` towards `wanted` by at most rate·dt; also return who was held back."""
     step, flagged = clamp(wanted - previous, rate * dt)
     return previous + step, flagged
+
+
+def moved(share: float, goal: float, dt: float, seconds: float) -> float:
+    """Return a share dt s later on its way to the goal, 0 or 1, which takes `seconds`."""
+    step = dt / seconds if seconds > 0.0 else 1.0
+    return min(goal, share + step) if goal > share else max(goal, share - step)
 
 
 def effort_limits(urdf: str) -> dict[str, float]:
@@ -222,11 +233,11 @@ class TorqueStream:
         phase = _phase(plan, elapsed)
         withheld, silent = self._withheld(phase, steady)
         withheld = withheld or self._astray(plan)
-        self._share = self._moved(self._share, 0.0, dt, settings.ramp_time)
+        self._share = moved(self._share, 0.0, dt, settings.ramp_time)
         wanted = self._torque(plan, elapsed) + self._share * self._bump
         wanted, saturated = clamp(wanted, settings.effort_limit)
         seconds = settings.fade_time if withheld else settings.ramp_time
-        self._gain = self._moved(self._gain, 0.0 if withheld else 1.0, dt, seconds)
+        self._gain = moved(self._gain, 0.0 if withheld else 1.0, dt, seconds)
         most = settings.quickest(bool(withheld))
         self._sent, held_back = slew(self._sent, self._gain * wanted, most, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
@@ -255,12 +266,6 @@ class TorqueStream:
         """Return the torque (N,) N·m that a plan asks for."""
         parts, weight = plan.at(elapsed)
         return np.asarray((self.settings.switches @ parts) * self.settings.scale * weight)
-
-    @staticmethod
-    def _moved(share: float, goal: float, dt: float, seconds: float) -> float:
-        """Return a share dt s later on its way to the goal, 0 or 1, which takes `seconds`."""
-        step = dt / seconds if seconds > 0.0 else 1.0
-        return min(goal, share + step) if goal > share else max(goal, share - step)
 
     def _astray(self, plan: Plan) -> str:
         """Return which joint is away from its reference, where the torque would be wrong, or ""."""
