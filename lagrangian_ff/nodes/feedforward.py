@@ -127,7 +127,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             return self._link.stream_status()
         if self._link is not None:
             self._link.references.ignore()
-        return Status(Level.STALE, "not active", dict(self._warnings.counts))
+        return Status(Level.STALE, "not active", self._warnings.values())
 
     def _joint_state_status(self) -> Status:
         if self._link is None or not self._active:

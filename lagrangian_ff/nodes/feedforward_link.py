@@ -247,12 +247,13 @@ class FeedforwardLink:
             "enabled": self._stream.enabled,
             "receivers of commands": self._commands.get_subscription_count(),
             **self.references.values(),
-            **self._warnings.counts,
+            **self._warnings.values(),
         }
         # Simulated seconds may be longer or shorter than the monitor's.
         status = self._monitor.status(0.0 if self._time.simulated else self._rate, more)
         if fault := self._fault():
-            return Status(Level.WARN, fault, status.values)
+            level = max(status.level, Level.WARN)
+            return Status(level, f"{status.message}; {fault}", status.values)
         return status
 
     def _fault(self) -> str:

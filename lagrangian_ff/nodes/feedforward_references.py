@@ -125,6 +125,8 @@ class References:
         """Let the planner compute a trajectory; a long one is still serialised."""
 
         def read() -> tuple[Reference, JointTrajectory]:
+            if (count := topics.count_points(data)) > self._longest:
+                raise RefusedReference(f"{count} points; expected 1 to {self._longest}")
             whole = message or deserialize_message(data, JointTrajectory)
             return self._read(whole), whole
 

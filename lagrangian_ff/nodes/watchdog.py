@@ -139,7 +139,7 @@ class WatchdogNode(ClosingNode):
             "fades": self._fades,
             "receivers of commands": self._commands.get_subscription_count(),
             **{f"effort limit {joint} [N·m]": limit for joint, limit in known.items()},
-            **self._warnings.counts,
+            **self._warnings.values(),
         }
         if senders > 1:
             said = f"{senders} nodes send torque on {self._input.topic} in turn: end all but one"

@@ -11,14 +11,11 @@ from fake_model import RANGE, FakeModel, Floats
 from small_model import save_small_model
 
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification import Settings as Fit
-from lagrangian_ff.identification import identify
 from lagrangian_ff.identification.predicting import Terms
 from lagrangian_ff.nodes.streaming.plan import Plan, Policy, make_plan
 from lagrangian_ff.nodes.streaming.reference import Reference
 from lagrangian_ff.nodes.streaming.replacing import ModelFile
 from lagrangian_ff.nodes.streaming.stream import Settings, TorqueStream
-from lagrangian_ff.recording import Motion
 
 SECOND = 1_000_000_000
 
@@ -100,11 +97,7 @@ def test_a_new_model_is_loaded_once_it_is_whole(file: ModelFile, tmp_path: Path)
 
 
 def test_a_model_of_other_joints_is_refused(file: ModelFile, tmp_path: Path) -> None:
-    time_ = np.arange(0.0, 5.0, 0.02)
-    q = np.sin(np.outer(time_, [1.0, 2.0]))
-    segment = np.zeros(len(time_), dtype=np.int64)
-    motion = Motion(("a", "c"), time_, q, 0.0 * q, 0.0 * q, 8.0 * np.cos(q), segment)
-    identify(motion, Fit(train=1.0, samples=50, evaluations=5)).model.save(tmp_path / "model.npz")
+    save_small_model(tmp_path / "model.npz", ("a", "c"))
     looked(file, lambda: file.refusal)
     assert "is a model of a, c, in use is one of a, b" in file.refusal
 

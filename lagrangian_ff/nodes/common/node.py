@@ -39,6 +39,9 @@ BAD_PARAMETER = (
     ParameterImmutableException,
 )
 
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+"""The signals that end a node cleanly: Ctrl-C, ROS, a terminal that is closed, Ctrl-\\."""
+
 
 class ClosingNode(Node):
     """A node that can leave the machine in a safe state."""
@@ -48,11 +51,11 @@ class ClosingNode(Node):
 
 
 def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> int:
-    """Run the node until SIGINT or SIGTERM and return the exit code.
+    """Run the node until a signal of `ENDING` comes and return the exit code.
 
     rclpy's own signal handlers invalidate the context before last messages can be sent, and
     `ros2 launch` delivers SIGINT twice. So the handlers are ours: they set a flag and wake the
-    executor, and during the ending both signals are ignored. An exception that escapes a
+    executor, and during the ending the signals are ignored. An exception that escapes a
     callback is logged and the node goes on.
     """
     try:
@@ -72,8 +75,10 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         stop.set()
         executor.wake()
 
-    signal.signal(signal.SIGINT, end)
-    signal.signal(signal.SIGTERM, end)
+    for number in ENDING:
+        # nohup leaves the hang-up ignored; a shell's background leaves Ctrl-C so, but not launch's.
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, end)
     node: ClosingNode | None = None
     code = 0
     try:
@@ -89,8 +94,8 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         print(f"error: {error}", file=sys.stderr, flush=True)
         code = 2
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
         if node is not None:
             node.close()
             executor.remove_node(node)
