@@ -210,6 +210,9 @@ class FeedforwardLink:
         self.references.follow()
         if any(index % self._every == 0 for index in due):
             self._take_joint_states()
+        self._send()
+
+    def _send(self) -> None:
         now = self._time.now()
         output = self._stream.tick(now, self._time.steady())
         self._commands.publish(topics.command(output.tau[self._ready.columns]))
@@ -223,6 +226,7 @@ class FeedforwardLink:
     def _tick_failed(self, error: Exception) -> None:
         self._stream.drop()
         self._warnings.add("failed tick", f"reference dropped: {reason(error)}")
+        self._send()
 
     def model_status(self) -> Status:
         """Return the state of the model: its error and its limits; look whether it is replaced."""

@@ -109,7 +109,11 @@ class References:
         for data, _ in self._subscription.take():
             message = None
             if len(data) <= LONGEST_SETPOINT:
-                message = deserialize_message(data, JointTrajectory)
+                try:
+                    message = deserialize_message(data, JointTrajectory)
+                except Exception as error:  # of rclpy; the bytes are no trajectory
+                    self._refused(error)
+                    continue
             if message is not None and len(message.points) == 1:
                 self._superseded += waiting is not None
                 waiting = message

@@ -7,11 +7,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from fault_world import LIMIT, PERIODS, TIMES, Q, Robot, World, held, reference
+from fault_world import GUARD, LIMIT, MAIN, PERIODS, TIMES, Q, Robot, Shot, World, held, reference
 from lifecycle_msgs.srv import ChangeState
 from node_harness import Process
 from sensor_msgs.msg import JointState
@@ -19,33 +18,11 @@ from small_model import save_small_model
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
-MAIN, GUARD = "/feedforward/commands", "/watchdog/commands"
 ENDINGS = (
     [signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGQUIT],
     [signal.SIGINT] * 2, [signal.SIGTERM] * 2,
 )  # fmt: skip
 NAMESPACES = ("simulated", "lost", "poor", "late", "left", *(f"end{k}" for k in range(6)))
-
-
-@dataclass(frozen=True)
-class Shot:
-    """A fault that was injected.
-
-    Attributes:
-        at: when, s of the monotonic clock; now if not given.
-        topic: of the torques to look at.
-        tau: N·m that joint a comes to; None where the row says enough.
-        restarts: whether the sender is started again, whose first torque is zero.
-        later: whether /diagnostics can speak only after the fault is over.
-        rate: Hz of the stream.
-    """
-
-    topic: str = MAIN
-    tau: float | None = None
-    restarts: bool = False
-    later: bool = False
-    rate: float = 500.0
-    at: float = field(default_factory=time.monotonic)
 
 
 Injection = Generator[Shot, None, None]
@@ -104,6 +81,13 @@ def past(world: World) -> Injection:
     message = reference([0.0, 1.0], [[Q, Q]] * 2)
     message.header.stamp.sec = 1
     world.robot.references.publish(message)
+    yield Shot()
+
+
+@injects
+def junk(world: World) -> Injection:
+    for data in (b"junk", b"\x00\x01\x00\x00" + b"\xff" * 40, b"\x00\x01\x00\x00" + b"\x01" * 99):
+        world.robot.references.publish(data)
     yield Shot()
 
 

@@ -84,6 +84,7 @@ ROWS = (
         "time_from_start must increase"),
     Row("empty", REFERENCE, "no points", GOES_ON, "0 points; expected 1 to"),
     Row("past", REFERENCE, "is over already", GOES_ON, "it ended .* s ago"),
+    Row("junk", REFERENCE, "bytes that are no trajectory", GOES_ON, "refused a reference: .*Error"),
     Row("many", REFERENCE, "100,000 points", GOES_ON, "100000 points; expected 1 to 20000"),
     Row("sparse", REFERENCE, "two points, seconds apart", OTHER, "following",
         more="along a spline between them", when="as the motion goes"),

@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,28 @@ SETTINGS = {
 }
 TIMES = {**SETTINGS, "watchdog timeout": 0.1, "watchdog fade_time": 0.2}
 Q = 0.4  # rad, where the arm is held
+MAIN, GUARD = "/feedforward/commands", "/watchdog/commands"
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A fault that was injected.
+
+    Attributes:
+        at: when, s of the monotonic clock; now if not given.
+        topic: of the torques to look at.
+        tau: N·m that joint a comes to; None where the row says enough.
+        restarts: whether the sender is started again, whose first torque is zero.
+        later: whether /diagnostics can speak only after the fault is over.
+        rate: Hz of the stream.
+    """
+
+    topic: str = MAIN
+    tau: float | None = None
+    restarts: bool = False
+    later: bool = False
+    rate: float = 500.0
+    at: float = field(default_factory=time.monotonic)
 
 
 def held(q: float = Q) -> float:

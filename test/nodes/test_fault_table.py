@@ -11,9 +11,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from fault_injections import GUARD, INJECT, NAMESPACES, Shot
+from fault_injections import INJECT, NAMESPACES
 from fault_rows import ROWS, Row, Torque
-from fault_world import LIMIT, PERIODS, RATE, TIMES, World, held
+from fault_world import GUARD, LIMIT, PERIODS, RATE, TIMES, Shot, World, held
 from node_harness import open_bench
 
 SLACK = 0.5  # s, for a machine under load
