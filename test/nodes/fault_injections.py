@@ -376,6 +376,16 @@ def ended(world: World) -> Injection:
 
 
 @injects
+def guard_ended(world: World) -> Injection:
+    guard, shot = world.guard, Shot(GUARD)
+    guard.signal(signal.SIGINT)
+    guard.signal(signal.SIGINT)
+    assert guard.wait() == 0
+    assert "Traceback" not in guard.output
+    yield shot
+
+
+@injects
 def guard_killed(world: World) -> Injection:
     world.guard.end()
     yield Shot(GUARD)

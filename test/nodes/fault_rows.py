@@ -150,6 +150,8 @@ ROWS = (
         ""),
     Row("ended", PROCESS, "SIGINT, SIGTERM, SIGHUP or SIGQUIT, once or twice", ZERO, "",
         ("fade_time",), "last zeros are sent"),
+    Row("guard_ended", PROCESS, "the watchdog is ended by a signal", ZERO, "",
+        ("watchdog fade_time",), "last zeros are sent"),
     Row("guard_killed", PROCESS, "`kill -9` of the watchdog", STOPS, ""),
 )  # fmt: skip
 

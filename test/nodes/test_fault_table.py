@@ -14,7 +14,7 @@ pytest.importorskip("rclpy")
 from fault_injections import INJECT, NAMESPACES
 from fault_rows import ROWS, Row, Torque
 from fault_world import GUARD, LIMIT, PERIODS, RATE, TIMES, Shot, World, held
-from node_harness import open_bench
+from node_harness import configured, open_bench
 
 SLACK = 0.5  # s, for a machine under load
 
@@ -36,6 +36,11 @@ def measured() -> Iterator[dict[str, float]]:
     found: dict[str, float] = {}
     yield found
     print("\n" + "\n".join(f"{key:40} {value:6.3f}" for key, value in found.items()))
+
+
+def test_every_parameter_of_the_installed_file_is_declared(world: World) -> None:
+    world.usual()
+    assert configured("watchdog") <= world.bench.parameters("/watchdog")
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.key)

@@ -157,10 +157,15 @@ def count_points(data: bytes) -> int:
         at = (at + 3) // 4 * 4 + 4
         return int(struct.unpack_from(f"{order}I", data, at - 4)[0])
 
+    def skip_text() -> None:
+        nonlocal at
+        length = number()
+        at += length
+
     try:
-        at += number()  # frame_id
+        skip_text()  # frame_id
         for _ in range(min(number(), len(data))):  # joint_names
-            at += number()
+            skip_text()
         return number()
     except struct.error:
         return 0
