@@ -118,6 +118,7 @@ setup(
             "identify = lagrangian_ff.nodes.identify:main",
             "feedforward = lagrangian_ff.nodes.feedforward:main",
             "monitor = lagrangian_ff.nodes.monitor:main",
+            "watchdog = lagrangian_ff.nodes.watchdog:main",
             "arm = lagrangian_ff.nodes.arm:main",
         ]
     },

@@ -23,7 +23,14 @@ from lifecycle_msgs.msg import State as LifecycleStateMessage
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
+from lagrangian_ff.nodes.common.node import (
+    BAD_PARAMETER,
+    ClosingNode,
+    Diagnostics,
+    Parameters,
+    answer_every_transition,
+    run,
+)
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.feedforward_link import FeedforwardLink
 from lagrangian_ff.nodes.streaming.plan import TERMS
@@ -37,6 +44,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
 
     def __init__(self) -> None:
         super().__init__("feedforward")
+        answer_every_transition(self)
         self._settings = Parameters(self)
         _declare(self._settings)
         self._warnings = ThrottledWarnings(self.get_logger().warning)
@@ -50,6 +58,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             model=self._model_status,
             stream=self._stream_status,
             certainty=self._certainty_status,
+            joint_states=self._joint_state_status,
         )
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
@@ -118,7 +127,12 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             return self._link.stream_status()
         if self._link is not None:
             self._link.references.ignore()
-        return Status(Level.STALE, "not active", dict(self._warnings.counts))
+        return Status(Level.STALE, "not active", self._warnings.values())
+
+    def _joint_state_status(self) -> Status:
+        if self._link is None or not self._active:
+            return Status(Level.STALE, "not active")
+        return self._link.joint_state_status()
 
     def _certainty_status(self) -> Status:
         if self._link is None or not self._active:

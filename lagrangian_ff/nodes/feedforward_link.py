@@ -15,23 +15,26 @@ from lagrangian_ff.nodes.common.joint_state_bytes import (
     JointStateReader,
     MessageError,
 )
-from lagrangian_ff.nodes.common.models import load_model, load_own_effects
+from lagrangian_ff.nodes.common.models import load_own_effects
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
 from lagrangian_ff.nodes.feedforward_references import References
+from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
+from lagrangian_ff.nodes.streaming.replacing import ModelFile
 from lagrangian_ff.nodes.streaming.stream import (
+    FAREWELL,
+    LATE,
+    LIMITS_PER_SECOND,
+    LONGEST_STEP,
     Settings,
     StreamMonitor,
     TorqueStream,
     effort_limits,
 )
 
-FAREWELL = 3  # number of zero commands at the end
 LOOKS = 50.0  # Hz at which joint states are read
-LIMITS_PER_SECOND = 20.0
-"""Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
 REST = 0.002  # s between readings of simulated time while no joint state comes
 
 
@@ -54,21 +57,24 @@ class FeedforwardLink:
     ) -> None:
         self._node, self._parameters, self._warnings = node, parameters, warnings
         load_own_effects(parameters.value("effects_file"))
-        file = parameters.value("model_file")
-        self._model, self._columns = load_model(file, parameters.strings("joints"))
-        joints = self._model.joints
+        self._file = ModelFile(
+            lambda: str(parameters.value("model_file")), parameters.strings("joints")
+        )
+        ready = self._ready = self._file.first
+        joints = self._joints = ready.model.joints
         _declare_joints(parameters, joints)
         self._described: dict[str, float] = {}
+        self._time, self._rate = NodeTime(node), float(parameters.value("rate"))
         self._stream = TorqueStream(joints, self._settings())
-        self._monitor = StreamMonitor()
-        self._time = NodeTime(node)
+        self._monitor, self._life = StreamMonitor(), SignsOfLife()
+        self._seen = 0
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._loop: PacedThread | None = None
-        self.references = References(
-            node, parameters, warnings, self._time, self._model, self._stream
-        )
+        self.references = References(node, parameters, warnings, self._time, ready, self._stream)
         self._make_topics()
-        node.get_logger().info(f"{self._model.name} of {', '.join(joints)} loaded from {file}")
+        node.get_logger().info(
+            f"{ready.model.name} of {', '.join(joints)} loaded from {ready.file}"
+        )
 
     def _make_topics(self) -> None:
         node = self._node
@@ -88,7 +94,8 @@ class FeedforwardLink:
         self.references.active = True
         self._stream.forget()
         self._monitor = StreamMonitor()
-        rate = self._parameters.value("rate")
+        rate = self._rate = float(self._parameters.value("rate"))
+        self._stream.settings = self._settings()
         self._every = max(1, round(rate / LOOKS))
         pacer: Pacing = Pacer(1.0 / rate)
         if self._time.simulated:
@@ -103,14 +110,14 @@ class FeedforwardLink:
         if self._loop is None:
             return
         self._stream.end("deactivated")
-        deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.1
-        while time.monotonic() < deadline and (last := self._monitor.last) and last.gain > 0.0:
+        deadline = time.monotonic() + 2.0 * self._stream.settings.fade_time + 0.5
+        while time.monotonic() < deadline and (last := self._monitor.last) and last.tau.any():
             time.sleep(0.005)
         self._loop.stop()
         self._loop = None
         self._stream.forget()
         for _ in range(FAREWELL):
-            self._commands.publish(topics.command(np.zeros(len(self._columns))))
+            self._commands.publish(topics.command(np.zeros(len(self._joints))))
         self._commands.wait_for_all_acked(Duration(seconds=0.2))
 
     def close(self) -> None:
@@ -130,11 +137,11 @@ class FeedforwardLink:
 
     def _settings(self) -> Settings:
         """Return the stream's settings; limits not given come from the robot or the model."""
-        value, joints = self._parameters.value, self._model.joints
+        value, joints = self._parameters.value, self._joints
         limit = np.array(
             [
                 value(f"limits.{joint}.effort") or self._described.get(joint) or float(largest)
-                for joint, largest in zip(joints, self._model.range.tau_max, strict=True)
+                for joint, largest in zip(joints, self._ready.model.range.tau_max, strict=True)
             ]
         )
         rate = np.array([value(f"limits.{joint}.effort_rate") for joint in joints])
@@ -150,6 +157,8 @@ class FeedforwardLink:
             tracking_tolerance=value("tracking_tolerance"),
             after_end=value("after_end"),
             lead=value("lead_time"),
+            # Simulated time moves in the steps of /clock.
+            longest=max(LATE / self._rate, LONGEST_STEP if self._time.simulated else 0.0),
         )
 
     def _await_joint_states(self) -> None:
@@ -160,16 +169,18 @@ class FeedforwardLink:
         for data, _ in self._states.take():
             try:
                 state = self._reader.read(data)
-                columns = state.columns(self._model.joints)
+                columns = state.columns(self._joints)
                 fault = state.fault() if columns else ""
             except MessageError as error:
                 fault = str(error)
             if fault:
                 self._warnings.add("bad joint state", f"ignored {fault}")
             elif columns:
-                at = state.stamp or self._time.now()
-                self._time.stamped(at)
-                self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
+                if state.stamp:
+                    self._time.stamped(state.stamp)
+                at = self._life.news(state.stamp, self._time.now())
+                if at is not None:
+                    self._stream.joint_state_came(self._time.steady(), at, state.position[columns])
 
     def _on_description(self, message: String) -> None:
         try:
@@ -191,12 +202,20 @@ class FeedforwardLink:
         return response
 
     def _tick(self, due: range) -> None:
+        if self.references.idle and (ready := self._file.take()):
+            self._ready = ready
+            self.references.use(ready)
+            self._stream.settings = self._settings()
+            self._node.get_logger().info(f"{ready.model.name} loaded from {ready.file} takes over")
         self.references.follow()
         if any(index % self._every == 0 for index in due):
             self._take_joint_states()
+        self._send()
+
+    def _send(self) -> None:
         now = self._time.now()
         output = self._stream.tick(now, self._time.steady())
-        self._commands.publish(topics.command(output.tau[self._columns]))
+        self._commands.publish(topics.command(output.tau[self._ready.columns]))
         listened = self._stamped.get_subscription_count() > 0
         if listened and output.q is not None and output.qd is not None:
             at = now + round(self._stream.settings.lead * 1e9)
@@ -205,19 +224,25 @@ class FeedforwardLink:
             self._warnings.add("faded", f"torque fades to zero: {faded}")
 
     def _tick_failed(self, error: Exception) -> None:
-        self._stream.forget()
+        self._stream.drop()
         self._warnings.add("failed tick", f"reference dropped: {reason(error)}")
+        self._send()
 
     def model_status(self) -> Status:
-        """Return the state of the model: its error and its limits."""
-        limits = zip(self._model.joints, self._stream.settings.effort_limit, strict=True)
+        """Return the state of the model: its error and its limits; look whether it is replaced."""
+        self._file.look()
+        model, file = self._ready.model, self._ready.file
+        limits = zip(self._joints, self._stream.settings.effort_limit, strict=True)
         values = {
-            "model file": self._parameters.value("model_file"),
-            "model": self._model.name,
-            **errors_of(self._model.identified.score),
+            "model file": file,
+            "model": model.name,
+            **errors_of(model.identified.score),
             **{f"effort limit {joint} [N·m]": float(limit) for joint, limit in limits},
         }
-        return Status(Level.OK, f"{self._model.name} loaded", values)
+        if refusal := self._file.refusal:
+            said = f"the model loaded before stays in use: {refusal}"
+            return Status(Level.WARN, said, values)
+        return Status(Level.OK, f"{model.name} loaded", values)
 
     def stream_status(self) -> Status:
         """Return the state of the stream."""
@@ -226,13 +251,39 @@ class FeedforwardLink:
             "enabled": self._stream.enabled,
             "receivers of commands": self._commands.get_subscription_count(),
             **self.references.values(),
-            **self._warnings.counts,
+            **self._warnings.values(),
         }
-        if self._time.simulated and self._time.now() == 0:
-            return Status(Level.WARN, "use_sim_time is set, but nobody publishes /clock", more)
         # Simulated seconds may be longer or shorter than the monitor's.
-        rate = 0.0 if self._time.simulated else self._parameters.value("rate")
-        return self._monitor.status(rate, more)
+        status = self._monitor.status(0.0 if self._time.simulated else self._rate, more)
+        if fault := self._fault():
+            level = max(status.level, Level.WARN)
+            return Status(level, f"{status.message}; {fault}", status.values)
+        return status
+
+    def _fault(self) -> str:
+        """Return what is wrong around the node and what to do, or ""."""
+        topic = self._commands.topic_name
+        if (senders := self._node.count_publishers(topic)) > 1:
+            return (
+                f"{senders} nodes send torque on {topic} in turn: end all but one, or start them "
+                "in namespaces (a killed one is listed for 20 s more)"
+            )
+        now, before = self._time.now(), self._seen
+        self._seen = now
+        if not self._time.simulated:
+            return ""
+        if now == 0:
+            return "use_sim_time is set, but nobody publishes /clock"
+        if now == before:
+            return (
+                f"simulated time stands at {now / 1e9:.3f} s, and no torque is sent: let the "
+                "simulation go on; for a robot set use_sim_time to false"
+            )
+        return ""
+
+    def joint_state_status(self) -> Status:
+        """Return the state of the joint states."""
+        return self._life.status(self._node.count_publishers(self._states.topic))
 
 
 def _declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:

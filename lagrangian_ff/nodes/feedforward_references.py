@@ -5,15 +5,14 @@ from rclpy.serialization import deserialize_message
 from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.identification import Model
 from lagrangian_ff.nodes.common import topics
-from lagrangian_ff.nodes.common.models import OneStateModel
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import NodeTime
 from lagrangian_ff.nodes.common.status import Status, ThrottledWarnings
 from lagrangian_ff.nodes.streaming.plan import Plan, Planner, Policy, make_plan, reason
-from lagrangian_ff.nodes.streaming.ranges import PAUSE, Doubt, doubt_status
+from lagrangian_ff.nodes.streaming.ranges import PAUSE, doubt_status
 from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference, read_reference
+from lagrangian_ff.nodes.streaming.replacing import ReadyModel
 from lagrangian_ff.nodes.streaming.stream import TorqueStream
 
 LOOK_EVERY = 10  # periods between evaluations of the doubt of set-points without a limit
@@ -36,18 +35,16 @@ class References:
         parameters: Parameters,
         warnings: ThrottledWarnings,
         time: NodeTime,
-        model: Model,
+        model: ReadyModel,
         stream: TorqueStream,
     ) -> None:
         self._node, self._parameters, self._warnings = node, parameters, warnings
         self._time = time
-        self._model, self._stream = model, stream
+        self._joints, self._ready, self._stream = model.model.joints, model, stream
         self.active = False
         self._followed = self._superseded = self._looks = 0
-        self._doubt = Doubt.of(model)
-        self._setpoints = OneStateModel(model)
-        self._planner: Planner[JointTrajectory] = Planner(
-            model, self._on_plan, self._refused, self._doubt
+        self._planner: Planner[JointTrajectory | None] = Planner(
+            model.model, self._on_plan, self._refused, model.doubt
         )
         self.refresh()
         self._trajectories = topics.advertise(
@@ -66,6 +63,23 @@ class References:
             value("out_of_range"), value("range_margin"), value("fade_time"), value("doubt_limit")
         )
         self._longest = value("max_points")
+
+    @property
+    def idle(self) -> bool:
+        """Return whether no trajectory is being computed."""
+        return self._planner.idle
+
+    def use(self, model: ReadyModel) -> None:
+        """Use another model from now on, and for the present reference too; in the stream's thread.
+
+        Trajectories that are being computed would be lost: wait until it is `idle`.
+        """
+        self._ready = model
+        self._planner.use(model.model, model.doubt)
+        plan = self._stream.plan
+        if plan is not None:
+            reference = plan.reference
+            self._planner.submit(lambda: (reference, None), self._policy)
 
     def drop(self) -> None:
         """Drop the trajectories that are still being planned."""
@@ -95,7 +109,11 @@ class References:
         for data, _ in self._subscription.take():
             message = None
             if len(data) <= LONGEST_SETPOINT:
-                message = deserialize_message(data, JointTrajectory)
+                try:
+                    message = deserialize_message(data, JointTrajectory)
+                except Exception as error:  # of rclpy; the bytes are no trajectory
+                    self._refused(error)
+                    continue
             if message is not None and len(message.points) == 1:
                 self._superseded += waiting is not None
                 waiting = message
@@ -111,6 +129,8 @@ class References:
         """Let the planner compute a trajectory; a long one is still serialised."""
 
         def read() -> tuple[Reference, JointTrajectory]:
+            if (count := topics.count_points(data)) > self._longest:
+                raise RefusedReference(f"{count} points; expected 1 to {self._longest}")
             whole = message or deserialize_message(data, JointTrajectory)
             return self._read(whole), whole
 
@@ -118,8 +138,10 @@ class References:
 
     def _follow_setpoint(self, message: JointTrajectory) -> None:
         try:
-            doubts = self._doubt.latest if self._doubt else None
-            plan = make_plan(self._setpoints, self._read(message), self._policy, doubts=doubts)
+            doubt = self._ready.doubt
+            doubts = doubt.latest if doubt else None
+            model = self._ready.one_state
+            plan = make_plan(model, self._read(message), self._policy, doubts=doubts)
         except UserError as error:
             self._refused(error)
             return
@@ -136,7 +158,7 @@ class References:
 
     def _read(self, message: JointTrajectory) -> Reference:
         """Return the reference in a message, or raise RefusedReference."""
-        return read_reference(topics.points(message), self._model.joints, self._longest)
+        return read_reference(topics.points(message), self._joints, self._longest)
 
     def _play(self, plan: Plan, start: int) -> None:
         self._stream.play(plan, start, self._time.steady())
@@ -146,13 +168,16 @@ class References:
         self._looks += 1
         if self._policy.doubt_limit == 0.0 and self._looks % LOOK_EVERY:
             return
-        plan = self._stream.plan
-        if self._doubt and plan is not None and plan.reference.is_setpoint:
-            self._doubt.look(plan.reference.q, plan.reference.qd, plan.reference.qdd)
+        plan, doubt = self._stream.plan, self._ready.doubt
+        if doubt and plan is not None and plan.reference.is_setpoint:
+            doubt.look(plan.reference.q, plan.reference.qd, plan.reference.qdd)
 
-    def _on_plan(self, plan: Plan, message: JointTrajectory) -> None:
+    def _on_plan(self, plan: Plan, message: JointTrajectory | None) -> None:
         """Play and republish a planned trajectory; in the planner's thread."""
         if not self.active:
+            return
+        if message is None:
+            self._stream.exchange(plan)
             return
         now, reference = self._time.now(), plan.reference
         delay = round(self._parameters.value("start_delay") * 1e9)
@@ -180,7 +205,7 @@ class References:
     def _publish_annotated(self, plan: Plan, message: JointTrajectory, start: int) -> None:
         now = self._stream.settings
         effort = plan.effort(now.switches, now.scale, now.effort_limit)
-        self._trajectories.publish(topics.annotated(message, self._model.joints, effort, start))
+        self._trajectories.publish(topics.annotated(message, self._joints, effort, start))
 
     def _refused(self, error: Exception) -> None:
         self._warnings.add("refused reference", f"refused a reference: {reason(error)}")
@@ -189,9 +214,8 @@ class References:
         """Return how sure the torques of the present reference are."""
         plan = self._stream.plan
         doubt = None if plan is None else plan.doubt
-        return doubt_status(
-            self._model.joints, self._doubt is not None, doubt, self._policy.doubt_limit
-        )
+        known = self._ready.doubt is not None
+        return doubt_status(self._joints, known, doubt, self._policy.doubt_limit)
 
     def values(self) -> dict[str, object]:
         """Return figures for the diagnostics."""

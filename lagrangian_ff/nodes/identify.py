@@ -7,7 +7,8 @@ Topics
 
 Services (std_srvs/Trigger); the jobs begin at once and answer, progress and end are on
 /diagnostics and in the log
-    ~/start      begin a recording: a bag in `output_directory`, written at once
+    ~/start      begin a recording: a bag in `output_directory`, written at once; says how long the
+                 disk lasts. Also while a job goes on
     ~/stop       end it; start and stop again to add another
     ~/save       copy the last model to `model_file`
     ~/clear      forget recordings and model, cancel the present job; files stay
@@ -34,13 +35,15 @@ from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnost
 from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.common.topics import LATCHED, RECORDING, PolledSubscription
-from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder
+from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder, free_space, lasting
 from lagrangian_ff.nodes.recorder.jobs import JOBS
 from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Session, new_path
 from lagrangian_ff.nodes.recorder.worker import Worker
 from lagrangian_ff.recording.motion import EFFORTS, Conditioning
+
+SHORT = 600.0  # s that the disk lasts, from which on it is a warning
 
 
 class IdentifyNode(ClosingNode):
@@ -123,11 +126,21 @@ class IdentifyNode(ClosingNode):
     def _start(self) -> str:
         topic = self._subscription.topic
         stem = f"{self._settings.value('bag_prefix')}_{datetime.now():%Y%m%d_%H%M%S}"
-        path = new_path(self._situation().directory, stem)
-        self._recorder.open(path, topic)
+        directory = self._situation().directory
+        path, reserve = new_path(directory, stem), self._reserve
+        if (free := free_space(directory)) < reserve:
+            raise UserError(
+                f"{directory} has {free / 1e9:.2f} GB left, and {reserve / 1e9:g} GB are to stay "
+                "free (disk_reserve): delete recordings or set output_directory"
+            )
+        self._recorder.open(path, topic, reserve)
         self._session.current = path
-        said = f"recording {topic} to {path}"
+        said = f"recording {topic} to {path}; {lasting(free, reserve, self._recorder.rate)}"
         return said if self.count_publishers(topic) else f"{said}; nobody publishes there yet"
+
+    @property
+    def _reserve(self) -> int:
+        return round(self._settings.value("disk_reserve") * 1e9)
 
     def _stop(self) -> str:
         path, self._session.current = self._session.current, None
@@ -144,7 +157,8 @@ class IdentifyNode(ClosingNode):
             said += f"; it ended early: {self._recorder.failure}"
         if self._settings.value("identify_on_stop"):
             try:
-                said += f"; {self._begin(Identify)}"
+                refused = Identify.refusal(self._session)
+                said += f"; not identified: {refused}" if refused else f"; {self._begin(Identify)}"
             except (UserError, *BAD_PARAMETER) as error:
                 said += f"; not identified: {error}"
         return said
@@ -199,11 +213,14 @@ class IdentifyNode(ClosingNode):
         received, self._seen = self._recorder.received - self._seen, self._recorder.received
         self._meter.add(received)
         rate, tally = self._meter.take(), self._recorder.tally
+        free, volume = free_space(self._situation().directory), self._recorder.rate
         level, message = Level.OK, self._session.state
         if self._recorder.failure:
             level, message = Level.ERROR, f"recording ended: {self._recorder.failure}"
         elif received == 0:
             level, message = Level.STALE, f"no joint states on {self._subscription.topic}"
+        elif free - self._reserve < SHORT * volume:
+            level, message = Level.WARN, f"{message}; {lasting(free, self._reserve, volume)}"
         values = {
             "state": self._session.state,
             "rate [Hz]": rate,
@@ -211,6 +228,7 @@ class IdentifyNode(ClosingNode):
             "bag": self._session.current or "",
             "samples": tally.samples,
             "seconds": tally.seconds,
+            "disk": lasting(free, self._reserve, volume),
             **self._warnings.counts,
         }
         return Status(level, message, values)
@@ -220,7 +238,7 @@ class IdentifyNode(ClosingNode):
         found: dict[str, Status] = {}
         for job in self._jobs:
             found |= job.statuses(self._session)
-        worker, state = self._worker, self._session.state
+        worker, state = self._worker, self._session.busy
         if worker is not None:
             values = {"state": state, "progress": worker.fraction, "label": worker.label}
             found[worker.job.title] = Status(Level.OK, f"{state}: {worker.label}", values)
@@ -262,6 +280,8 @@ def _declare(parameters: Parameters) -> None:
     add("bag_prefix", "recording", "how the names of bags begin")
     add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "
         "where ~/save puts the last one (empty = model.npz in output_directory)")  # fmt: skip
+    add("disk_reserve", 0.5, "GB of the disk that a recording leaves free; it ends before",
+        low=0.0, high=1e6)  # fmt: skip
     add("identify_on_stop", False, "whether ~/stop begins the identification, too")
     add("add.effect", "", "name of the effect that ~/add adds, see lagrangian_ff effects; empty = "
         "what the last diagnosis confirmed")  # fmt: skip

@@ -29,12 +29,12 @@ def torque_of(q: Floats, qd: Floats, qdd: Floats) -> Floats:
     return np.asarray(8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02))
 
 
-def save_small_model(path: Path) -> Model:
-    """Identify the model, save it, and return it."""
+def save_small_model(path: Path, joints: tuple[str, str] = JOINTS, factor: float = 1.0) -> Model:
+    """Identify the model, save it, and return it; `factor` multiplies its torques."""
     time = np.arange(0.0, 30.0, 0.02)
     q, qd, qdd = motion_at(time)
-    tau = torque_of(q, qd, qdd)
-    motion = Motion(JOINTS, time, q, qd, qdd, tau, np.zeros(len(time), dtype=np.int64))
+    tau = factor * torque_of(q, qd, qdd)
+    motion = Motion(joints, time, q, qd, qdd, tau, np.zeros(len(time), dtype=np.int64))
     model = identify(motion, Settings(train=1.0, samples=60, evaluations=5)).model
     model.save(path)
     return model

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lagrangian_ff.errors import RecordingError
-from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder
+from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder, lasting
 from lagrangian_ff.recording import load
 from lagrangian_ff.recording.joint_state import JointStateEncoder
 
@@ -106,6 +106,33 @@ def test_a_full_disk_ends_the_recording_and_is_reported(
     assert "cannot be written" in recorder.failure
     assert source.warnings == ["recording ended"]
     assert recorder.tally.samples == 0
+
+
+def test_a_recording_ends_whole_before_the_disk_is_full(
+    source: Source, recorder: BagRecorder, tmp_path: Path
+) -> None:
+    recorder.open(tmp_path / "bag", "joint_states", reserve=10**18)
+    source.send(*states(3))
+    deadline = time.monotonic() + 10.0
+    while not recorder.failure and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert "are free beside" in recorder.failure
+    assert source.warnings == ["recording ended"]
+    assert (tmp_path / "bag" / "metadata.yaml").is_file()
+    assert len(load(tmp_path / "bag")) == 3
+
+
+@pytest.mark.parametrize(
+    ("free", "rate", "expected"),
+    [
+        (10_500_000_000, 0.0, "the disk has 10.0 GB for recordings (0.5 GB stay free)"),
+        (10_500_000_000, 1e6, "stay free): 3 h at 1 MB/s"),
+        (100_500_000_000, 2e5, "stay free): 139 h at 0.2 MB/s"),
+        (100, 1e6, "0.0 GB for recordings (0.5 GB stay free): 0 min"),
+    ],
+)
+def test_it_is_said_how_long_the_disk_lasts(free: int, rate: float, expected: str) -> None:
+    assert expected in lasting(free, 500_000_000, rate)
 
 
 def test_it_writes_without_being_asked(

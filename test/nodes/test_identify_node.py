@@ -126,6 +126,13 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
     success, message = ask(bench, "identify")
     assert not success
     assert "wait for the end" in message
+    success, message = ask(bench, "start")
+    assert success, "it records on while it identifies"
+    assert re.search(r"the disk has [\d.]+ GB .* MB/s", message)
+    bench.until(lambda: samples(bench) > 500, "a second of joint states")
+    success, message = ask(bench, "stop")
+    assert success
+    assert float(re.findall(r"([\d.]+) Hz", message)[0]) == pytest.approx(500.0, rel=0.02)
 
     def found() -> dict[str, str]:
         assert "~/identify failed" not in identify.output, identify.output

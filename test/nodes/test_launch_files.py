@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-FILES = ("demo.launch.py", "monitor.launch.py", "record.launch.py")
+FILES = ("demo.launch.py", "feedforward.launch.py", "monitor.launch.py", "record.launch.py")
 
 
 class Given:
@@ -87,7 +87,7 @@ def test_executables_and_parameter_files_exist(
 ) -> None:
     _, nodes = run(root / "launch" / name, monkeypatch, namespace="left")
     known = executables(root)
-    assert known == {"identify", "feedforward", "monitor", "arm"}
+    assert known == {"identify", "feedforward", "monitor", "watchdog", "arm"}
     for node in nodes:
         assert node.named["executable"] in known
         assert node.named["namespace"] == "left"
@@ -108,3 +108,15 @@ def test_arguments_reach_the_nodes(root: Path, monkeypatch: pytest.MonkeyPatch) 
     assert "model_file" not in nodes[1].named["parameters"][1]
     _, nodes = run(root / "launch" / "record.launch.py", monkeypatch, joint_states="/arm/js")
     assert nodes[0].named["remappings"] == [("joint_states", "/arm/js")]
+
+
+def test_the_watchdog_stands_between_feedforward_and_controller(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = root / "launch" / "feedforward.launch.py"
+    _, (feedforward, watchdog) = run(path, monkeypatch, commands="/effort/commands")
+    out = ("~/commands", "/effort/commands")
+    assert out not in feedforward.named["remappings"]
+    assert watchdog.named["remappings"] == [out]
+    _, (alone,) = run(path, monkeypatch, commands="/effort/commands", watchdog="false")
+    assert out in alone.named["remappings"]

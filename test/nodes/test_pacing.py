@@ -134,6 +134,26 @@ def test_the_thread_goes_on_after_a_failure_and_ends_when_stopped() -> None:
     assert [str(error) for error in failures] == ["the first one fails"]
 
 
+def test_the_thread_survives_a_clock_and_a_report_that_fail() -> None:
+    done = threading.Event()
+    waits = 0
+
+    class Failing:
+        def wait(self) -> range:
+            nonlocal waits
+            waits += 1
+            if waits < 3:
+                raise OSError("no clock")
+            return range(1)
+
+    def failed(error: Exception) -> None:
+        raise ValueError("nowhere to report")
+
+    thread = PacedThread(Failing(), lambda due: done.set(), failed, "test")
+    assert done.wait(5.0)
+    thread.stop()
+
+
 def test_rate_meter_starts_again_each_time() -> None:
     times = iter([0.0, 2.0, 3.0])
     meter = RateMeter(lambda: next(times))

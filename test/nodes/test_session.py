@@ -12,6 +12,7 @@ IDLE = Session()
 RECORDED = Session(bags=[BAG])
 RECORDING = Session(current=BAG)
 BUSY = Session(bags=[BAG], busy="diagnosing")
+BOTH = Session(bags=[BAG], current=Path("next"), busy="identifying")
 IDENTIFIED = Session(bags=[BAG], model=MODEL)
 FAILED = Session(bags=[BAG], failures={"identify": "too short"})
 WORK = {"identify", "compare", "diagnose", "add"}
@@ -22,8 +23,9 @@ WORK = {"identify", "compare", "diagnose", "add"}
     [
         (IDLE, "idle", {"start", "clear", "add"}),
         (RECORDED, "idle", {"start", "clear", *WORK}),
-        (RECORDING, "recording", {"stop"}),
-        (BUSY, "diagnosing", {"clear"}),
+        (RECORDING, "recording", {"stop", "add"}),
+        (BUSY, "diagnosing", {"start", "clear"}),
+        (BOTH, "recording", {"stop"}),
         (IDENTIFIED, "idle", {"start", "save", "clear", *WORK}),
         (FAILED, "idle", {"start", "clear", *WORK}),
     ],

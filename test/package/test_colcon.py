@@ -18,7 +18,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 NODES = ("identify", "feedforward", "arm")
 """Those that start without a model."""
-EXECUTABLES = {"lagrangian_ff", "monitor", *NODES}
+EXECUTABLES = {"lagrangian_ff", "monitor", "watchdog", *NODES}
 COLCON = Path(sys.executable).parent / "colcon"
 
 pytestmark = [

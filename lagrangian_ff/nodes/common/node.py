@@ -9,6 +9,7 @@ from typing import Any
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -23,6 +24,7 @@ from rclpy.exceptions import (
 )
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
@@ -37,6 +39,9 @@ BAD_PARAMETER = (
     ParameterImmutableException,
 )
 
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+"""The signals that end a node cleanly: Ctrl-C, ROS, a terminal that is closed, Ctrl-\\."""
+
 
 class ClosingNode(Node):
     """A node that can leave the machine in a safe state."""
@@ -46,11 +51,11 @@ class ClosingNode(Node):
 
 
 def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> int:
-    """Run the node until SIGINT or SIGTERM and return the exit code.
+    """Run the node until a signal of `ENDING` comes and return the exit code.
 
     rclpy's own signal handlers invalidate the context before last messages can be sent, and
     `ros2 launch` delivers SIGINT twice. So the handlers are ours: they set a flag and wake the
-    executor, and during the ending both signals are ignored. An exception that escapes a
+    executor, and during the ending the signals are ignored. An exception that escapes a
     callback is logged and the node goes on.
     """
     try:
@@ -70,8 +75,10 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         stop.set()
         executor.wake()
 
-    signal.signal(signal.SIGINT, end)
-    signal.signal(signal.SIGTERM, end)
+    for number in ENDING:
+        # nohup leaves the hang-up ignored; a shell's background leaves Ctrl-C so, but not launch's.
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, end)
     node: ClosingNode | None = None
     code = 0
     try:
@@ -87,8 +94,8 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         print(f"error: {error}", file=sys.stderr, flush=True)
         code = 2
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
         if node is not None:
             node.close()
             executor.remove_node(node)
@@ -96,6 +103,36 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         executor.shutdown(timeout_sec=0.0)
         rclpy.try_shutdown()
     return code
+
+
+def answer_every_transition(node: LifecycleNode) -> None:
+    """Answer requests for transitions that are impossible now: success false, the reason logged.
+
+    rclpy's `~/change_state` raises on the id of such a transition, and a service that raises never
+    answers: its clients would wait for ever. (A label that is impossible it answers itself.)
+    """
+    topic = node.resolve_service_name("~/change_state")
+    service = next(one for one in node.services if one.srv_name == topic)
+    change_state = service.callback
+
+    def answer(
+        request: ChangeState.Request, response: ChangeState.Response
+    ) -> ChangeState.Response:
+        try:
+            return change_state(request, response)
+        except rclpy_implementation.RCLError:
+            wanted, machine = request.transition, node._state_machine
+            possible = ", ".join(
+                f"{found[1]} ({found[0]})" for found in machine.available_transitions
+            )
+            node.get_logger().warning(
+                f"refused transition {wanted.label or wanted.id}: the node is "
+                f"{machine.current_state[1]}; possible now: {possible or 'none'}"
+            )
+            response.success = False
+            return response
+
+    service.callback = answer
 
 
 class Parameters:
@@ -196,6 +233,19 @@ class Parameters:
         return SetParametersResult(successful=True)
 
 
+def _namesake(node: Node) -> str:
+    """Return that another node has the same name and what to do, or ""."""
+    names = [(ns, name) for name, ns in node.get_node_names_and_namespaces()]
+    count = names.count((node.get_namespace(), node.get_name()))
+    if count < 2:
+        return ""
+    return (
+        f"{count} nodes are called {node.get_fully_qualified_name()}: services and parameters "
+        "reach any of them; end one, or start it with -r __node:=NAME or -r __ns:=/NAMESPACE "
+        "(a killed one is listed for 20 s more)"
+    )
+
+
 class Diagnostics:
     """Publishes the status of every part of a node once a second.
 
@@ -236,6 +286,8 @@ class Diagnostics:
                 self._node.get_logger().error(said, throttle_duration_sec=60.0)
                 found = Status(Level.ERROR, f"{type(error).__name__}: {error}")
             statuses |= {part: found} if isinstance(found, Status) else found or {}
+        if namesake := _namesake(self._node):
+            statuses["name"] = Status(Level.WARN, namesake)
         message = DiagnosticArray()
         message.header.stamp = self._node.get_clock().now().to_msg()
         message.status = [self._message(part, status) for part, status in statuses.items()]

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
@@ -161,12 +162,12 @@ class PacedThread:
 
     def _run(self) -> None:
         while not self._stop.is_set():
-            due = self._pacer.wait()
             try:
-                if due:
+                if due := self._pacer.wait():
                     self._work(due)
             except Exception as error:
-                self._failed(error)
+                with suppress(Exception):  # an end of the thread would be worse
+                    self._failed(error)
 
     def stop(self) -> None:
         """End after the present instant; return when the thread has ended."""

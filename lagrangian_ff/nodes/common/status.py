@@ -58,6 +58,7 @@ class ThrottledWarnings:
 
     Attributes:
         counts: number of warnings of each kind since the start, for the diagnostics.
+        last: the last text of each kind.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class ThrottledWarnings:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.counts: Counter[str] = Counter()
+        self.last: dict[str, str] = {}
         self._warn, self._interval, self._clock = warn, interval, clock
         self._logged_at = -float("inf")
         self._lock = threading.Lock()
@@ -76,8 +78,14 @@ class ThrottledWarnings:
         """Count one warning of this kind; `text` says what happened and what to do."""
         with self._lock:
             self.counts[kind] += 1
+            self.last[kind] = text
             self._pending[kind] = (self._pending.get(kind, (0, ""))[0] + 1, text)
         self.flush()
+
+    def values(self) -> dict[str, object]:
+        """Return count and last text of each kind, for the diagnostics."""
+        with self._lock:
+            return {**self.counts, **{f"last {kind}": text for kind, text in self.last.items()}}
 
     def flush(self) -> None:
         """Log what is pending, unless the last log is less than `interval` ago."""

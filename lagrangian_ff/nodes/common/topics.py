@@ -1,5 +1,6 @@
 """Topics: quality of service, subscriptions for paced loops, messages to and from arrays."""
 
+import struct
 from array import array
 from collections.abc import Iterator
 from typing import Any
@@ -142,6 +143,32 @@ def points(message: JointTrajectory) -> Points:
         acceleration=[p.accelerations for p in message.points],
         effort=[p.effort for p in message.points],
     )
+
+
+def count_points(data: bytes) -> int:
+    """Return the number of points of a serialised trajectory; 0 if it is none.
+
+    Deserialising holds up every thread of the process: 100,000 points for half a second.
+    """
+    order, at = "<" if data[1:2] == b"\x01" else ">", 12  # behind encapsulation and stamp
+
+    def number() -> int:
+        nonlocal at
+        at = (at + 3) // 4 * 4 + 4
+        return int(struct.unpack_from(f"{order}I", data, at - 4)[0])
+
+    def skip_text() -> None:
+        nonlocal at
+        length = number()
+        at += length
+
+    try:
+        skip_text()  # frame_id
+        for _ in range(min(number(), len(data))):  # joint_names
+            skip_text()
+        return number()
+    except struct.error:
+        return 0
 
 
 def annotated(

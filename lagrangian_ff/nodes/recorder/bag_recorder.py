@@ -1,6 +1,8 @@
 """Recording to disk, in a thread that does nothing else."""
 
+import shutil
 import threading
+import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +12,31 @@ from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader, Messa
 from lagrangian_ff.recording import BagWriter
 
 PERIOD = 0.01  # s between writings; a killed process loses no more
+LOOKS = 1.0  # s between looks at the free space
+RECORD = 31  # bytes that MCAP adds to a message
+
+
+def free_space(directory: Path) -> int:
+    """Return the free bytes where this directory is or will be made."""
+    there = next(one for one in (directory, *directory.parents) if one.exists())
+    return shutil.disk_usage(there).free
+
+
+def lasting(free: int, reserve: int, rate: float) -> str:
+    """Return how long a recording may last, in words.
+
+    Args:
+        free: bytes on the disk.
+        reserve: of them those that a recording leaves.
+        rate: bytes a second; 0 = not known yet.
+    """
+    left = max(0, free - reserve)
+    said = f"the disk has {left / 1e9:.1f} GB for recordings ({reserve / 1e9:g} GB stay free)"
+    if rate <= 0.0:
+        return said
+    minutes = left / rate / 60.0
+    lasts = f"{minutes:.0f} min" if minutes < 120.0 else f"{minutes / 60.0:.0f} h"
+    return f"{said}: {lasts} at {rate / 1e6:.2g} MB/s"
 
 
 @dataclass(frozen=True)
@@ -44,6 +71,7 @@ class BagRecorder:
 
     Attributes:
         received: joint states so far, written or not.
+        rate: bytes a second that they take in a bag, over the last second.
         failure: why writing ended early; empty if it did not.
     """
 
@@ -60,20 +88,25 @@ class BagRecorder:
         self._samples = 0
         self.failure = ""
         self._warned_of_effort = False
-        self.received = 0
+        self.received = self._volume = 0
+        self.rate = 0.0
+        self._reserve = 0
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="bag recorder", daemon=True)
         self._thread.start()
 
-    def open(self, path: Path, topic: str) -> None:
+    def open(self, path: Path, topic: str, reserve: int = 0) -> None:
         """Start a new bag, without the messages that came before.
+
+        Args:
+            reserve: bytes of the disk to leave free; the bag ends before.
 
         Raises:
             RecordingError: it cannot be written.
         """
         with self._lock:
             self._drain()
-            self._bag = BagWriter(path, topic=topic)
+            self._bag, self._reserve = BagWriter(path, topic=topic), reserve
             self._first = self._last = self._samples = 0
             self.failure = ""
             self._warned_of_effort = False
@@ -102,9 +135,33 @@ class BagRecorder:
         self.close_bag()
 
     def _run(self) -> None:
+        looked, volume = time.monotonic(), 0
         while not self._stop.wait(PERIOD):
             with self._lock:
                 self._drain()
+                if (passed := time.monotonic() - looked) > LOOKS:
+                    self.rate = (self._volume - volume) / passed
+                    looked, volume = looked + passed, self._volume
+                    self._look_at_space()
+
+    def _look_at_space(self) -> None:
+        """End the bag while there is space to end it properly."""
+        bag = self._bag
+        try:
+            if bag is None or free_space(bag.path) >= self._reserve:
+                return
+        except OSError:
+            return  # writing will say what is wrong
+        full = f"less than {self._reserve / 1e9:g} GB are free beside {bag.path}"
+        self._end(f"{full}: delete recordings or set output_directory")
+        try:
+            bag.close()
+        except UserError as error:
+            self._warn("recording ended", str(error))
+
+    def _end(self, failure: str) -> None:
+        self._bag, self.failure = None, failure
+        self._warn("recording ended", f"recording ended: {failure}")
 
     def _drain(self) -> None:
         for data, received in self._take_new():
@@ -117,6 +174,7 @@ class BagRecorder:
             self._warn("not a joint state", f"ignored {error}")
             return
         self.received += 1
+        self._volume += len(data) + RECORD
         self._names.update(dict.fromkeys(state.names))
         fault = state.fault()
         if fault:
@@ -131,8 +189,7 @@ class BagRecorder:
         try:
             self._bag.append(data, received)
         except UserError as error:
-            self._bag, self.failure = None, str(error)
-            self._warn("recording ended", f"recording ended: {error}")
+            self._end(str(error))
             return
         self._first = self._first if self._samples else state.stamp
         self._last = max(self._last, state.stamp)

@@ -64,14 +64,13 @@ class Session:
 
     def refusal(self, service: str) -> str:
         """Return why this service is impossible now and what to do first, or ""."""
-        if self.current is not None:
-            return "" if service == "stop" else f"recording to {self.current}: call ~/stop first"
-        if service == "clear":
-            return ""
+        recording = f"recording to {self.current}: call ~/stop first"
+        if service == "stop":
+            return "" if self.current else "not recording: call ~/start first"
+        if service in ("start", "clear"):
+            return recording if self.current else ""
         if self.busy:
             return f"{self.busy}: wait for the end (see /diagnostics), or call ~/clear to cancel"
-        if service == "stop":
-            return "not recording: call ~/start first"
         if service == "save" and self.model is None:
             failure = self.failures.get("identify", "")
             reason = f"the last identification failed: {failure}; " if failure else ""

@@ -68,6 +68,7 @@ class Plan:
         before, after: (4, N) N·m at rest at the first and at the last point.
         own: (K,) indices of the reference's own points among the L samples.
         excess: the samples outside the identified range.
+        known: the identified range of the model, by which the stream knows models apart.
         doubt: (N,) the largest of each joint's torque; None if it was not evaluated.
     """
 
@@ -79,6 +80,7 @@ class Plan:
     after: Floats
     own: Ints
     excess: Excess
+    known: MotionRange
     doubt: Floats | None = None
 
     def at(self, elapsed: float) -> tuple[Floats, float]:
@@ -150,7 +152,7 @@ def make_plan(
     before, after = _parts(model, ends, still, still)
     _require_finite(parts, before, after)
     most = None if doubt is None else doubt.max(axis=0)
-    return Plan(reference, time, parts, weight, before, after, own, found, most)
+    return Plan(reference, time, parts, weight, before, after, own, found, model.range, most)
 
 
 def _setpoint_plan(
@@ -169,7 +171,8 @@ def _setpoint_plan(
     if policy.out_of_range == "fade":
         weight[found.outside] = 0.0
     most = None if doubt is None else doubt[0]
-    return Plan(reference, time, parts, weight, parts[0], parts[0], FIRST, found, most)
+    ends = parts[0], parts[0]
+    return Plan(reference, time, parts, weight, *ends, FIRST, found, model.range, most)
 
 
 def _require_inside(found: Excess, policy: Policy) -> None:
@@ -232,7 +235,7 @@ class Planner(Generic[Tag]):
         failed: Callable[[Exception], None],
         doubts: Doubts | None = None,
     ) -> None:
-        self._model, self._doubts = model, doubts
+        self.use(model, doubts)
         self._done = done
         self._failed = failed
         self._wake = threading.Condition()
@@ -241,6 +244,15 @@ class Planner(Generic[Tag]):
         self.fraction = 1.0
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
         self._thread.start()
+
+    def use(self, model: InverseDynamics, doubts: Doubts | None) -> None:
+        """Compute the plans of what is submitted from now on with this model."""
+        self._with = model, doubts
+
+    @property
+    def idle(self) -> bool:
+        """Return whether no plan is being computed."""
+        return self._task is None
 
     def submit(self, read: Callable[[], tuple[Reference, Tag]], policy: Policy) -> None:
         """Compute the plan of this reference next, and nothing older.
@@ -290,7 +302,8 @@ class Planner(Generic[Tag]):
 
         self.fraction = 0.0
         reference, tag = read()
-        plan = make_plan(self._model, reference, policy, report, self._doubts)
+        model, doubts = self._with
+        plan = make_plan(model, reference, policy, report, doubts)
         if self._end(task):
             self._done(plan, tag)
 

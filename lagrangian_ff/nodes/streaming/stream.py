@@ -14,9 +14,13 @@ from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.streaming.plan import TERMS, Plan
 
-LONGEST_STEP = 0.02
-"""s that ramps and rate limits move in one tick at most: after a stall of the machine the torque
-must not jump."""
+JUMP = 0.5
+"""s by which the clock of the references may differ from the steady one between two ticks."""
+FAREWELL = 3  # number of zero commands at the end
+LIMITS_PER_SECOND = 20.0
+"""Default rate limit: a joint goes from zero to its torque limit in a twentieth of a second."""
+LATE = 3.0  # periods that one tick makes up for at most: after a stall the torque must not jump
+LONGEST_STEP = 0.02  # s of simulated time that one tick makes up for all the same
 FEW = 0.9  # of the wanted rate
 
 
@@ -29,6 +33,12 @@ def slew(previous: Floats, wanted: Floats, rate: Floats, dt: float) -> tuple[Flo
     """Move from `previous` towards `wanted` by at most rate·dt; also return who was held back."""
     step, flagged = clamp(wanted - previous, rate * dt)
     return previous + step, flagged
+
+
+def moved(share: float, goal: float, dt: float, seconds: float) -> float:
+    """Return a share dt s later on its way to the goal, 0 or 1, which takes `seconds`."""
+    step = dt / seconds if seconds > 0.0 else 1.0
+    return min(goal, share + step) if goal > share else max(goal, share - step)
 
 
 def effort_limits(urdf: str) -> dict[str, float]:
@@ -74,7 +84,7 @@ class Settings:
     Attributes:
         scale: (N,) factor of each joint, 0 to 1.
         effort_limit: (N,) N·m.
-        effort_rate: (N,) N·m/s.
+        effort_rate: (N,) N·m/s that the torque moves at most; a fade may need more, see `quickest`.
         switches: (4,) 1 or 0 for each of gravity, inertia, coriolis, friction.
         ramp_time: s in which the torque is brought in.
         fade_time: s in which it is faded to zero.
@@ -83,6 +93,7 @@ class Settings:
         tracking_tolerance: rad a joint may be away from its reference before it fades; 0 = any.
         after_end: "hold" the torque of the last point at rest, or "fade".
         lead: s by which the torque is sent ahead of its reference.
+        longest: s that one tick makes up for at most: after a stall the torque must not jump.
     """
 
     scale: Floats
@@ -96,6 +107,13 @@ class Settings:
     tracking_tolerance: float = 0.5
     after_end: str = "hold"
     lead: float = 0.0
+    longest: float = 0.006
+
+    def quickest(self, fading: bool) -> Floats:
+        """Return the N·m/s (N,) of the torque at most: the rate limit, or what the fade needs."""
+        if not fading:
+            return self.effort_rate
+        return np.maximum(self.effort_rate, self.effort_limit / max(self.fade_time, 1e-9))
 
 
 @dataclass(frozen=True)
@@ -128,8 +146,9 @@ class TorqueStream:
     """Plays plans, and fades to zero whenever something is wrong.
 
     Times of the reference are ns of the node's clock, which may be simulated; the watchdogs
-    count in s of a steady clock. The gain multiplies after all limits, so that fading takes
-    `fade_time` whatever the rate limit is. One thread may call `tick` while others call the rest.
+    count in s of a steady clock. Whatever happens, one tick moves a torque by at most
+    `Settings.quickest` times the s since the last tick, or times `Settings.longest` if that is
+    less. One thread may call `tick` while others call the rest.
     """
 
     def __init__(self, joints: tuple[str, ...], settings: Settings) -> None:
@@ -141,12 +160,13 @@ class TorqueStream:
         self._next: tuple[Plan, int] | None = None
         self._lock = threading.Lock()
         self._gain = 0.0
-        self._limited = np.zeros(len(joints))
+        self._sent = np.zeros(len(joints))
+        self._bump, self._share = np.zeros(len(joints)), 0.0
         self._reference_at = -np.inf
         self._joint_state_at = -np.inf
         self._state: tuple[int, Floats] | None = None
         self._refused = self._ending = ""
-        self._last_tick: float | None = None
+        self._last_tick: tuple[int, float] | None = None
 
     @property
     def plan(self) -> Plan | None:
@@ -158,6 +178,15 @@ class TorqueStream:
         with self._lock:
             self._next, self._refused = (plan, start), ""
         self._reference_at = steady
+
+    def exchange(self, plan: Plan) -> None:
+        """Use the torques of another model for a reference that is followed or comes next."""
+        with self._lock:
+            present, coming = self._plan, self._next
+            if coming is not None and coming[0].reference is plan.reference:
+                self._next = plan, coming[1]
+            elif coming is None and present is not None and present.reference is plan.reference:
+                self._next = plan, self._start
 
     def withhold(self, reason: str) -> None:
         """Fade out until the next usable reference comes."""
@@ -175,48 +204,68 @@ class TorqueStream:
         """Return the s since the last reference; infinite before the first."""
         return float(steady - self._reference_at)
 
-    def forget(self) -> None:
-        """Drop the reference and the torque."""
+    def drop(self) -> None:
+        """Drop the reference; the torque goes to zero as quickly as it may."""
         with self._lock:
             self._plan = self._next = None
+
+    def forget(self) -> None:
+        """Drop the reference and the torque, of which nothing is sent any more."""
+        self.drop()
         self._refused = self._ending = ""
         self._gain = 0.0
+        self._sent = np.zeros(len(self.joints))
+        self._share = 0.0
         self._last_tick = None
 
     def tick(self, now: int, steady: float) -> Output:
         """Return the torque to send at `now` (ns, node's clock) and `steady` (s, steady clock)."""
-        dt = 0.0 if self._last_tick is None else min(steady - self._last_tick, LONGEST_STEP)
-        self._last_tick = steady
+        settings, dt = self.settings, self._elapsed(now, steady)
         self._take_over(now)
-        settings, plan = self.settings, self._plan
+        plan = self._plan
         none = np.zeros(len(self.joints), dtype=bool)
         if plan is None:
             self._gain = 0.0
             withheld, silent = self._withheld(Phase.WAITING, steady)
-            zero = np.zeros(len(self.joints))
-            return Output(zero, 0.0, Phase.WAITING, withheld, none, none, silent=silent)
+            self._sent, _ = slew(self._sent, 0.0 * self._sent, settings.quickest(True), dt)
+            return Output(self._sent, 0.0, Phase.WAITING, withheld, none, none, silent=silent)
         elapsed = (now - self._start) / 1e9 + settings.lead
         phase = _phase(plan, elapsed)
         withheld, silent = self._withheld(phase, steady)
         withheld = withheld or self._astray(plan)
-        parts, weight = plan.at(elapsed)
-        wanted = (settings.switches @ parts) * settings.scale * weight
+        self._share = moved(self._share, 0.0, dt, settings.ramp_time)
+        wanted = self._torque(plan, elapsed) + self._share * self._bump
         wanted, saturated = clamp(wanted, settings.effort_limit)
-        if self._gain == 0.0:
-            # Nothing was sent, so there is nothing to move away from gently.
-            self._limited, held_back = wanted, none
-        else:
-            self._limited, held_back = slew(self._limited, wanted, settings.effort_rate, dt)
-        self._gain = self._ramped(not withheld, dt)
+        seconds = settings.fade_time if withheld else settings.ramp_time
+        self._gain = moved(self._gain, 0.0 if withheld else 1.0, dt, seconds)
+        most = settings.quickest(bool(withheld))
+        self._sent, held_back = slew(self._sent, self._gain * wanted, most, dt)
         q, qd, _ = plan.reference.sample(np.asarray(elapsed))
-        tau = self._gain * self._limited
-        return Output(tau, self._gain, phase, withheld, saturated, held_back, q, qd, silent)
+        return Output(self._sent, self._gain, phase, withheld, saturated, held_back, q, qd, silent)
 
-    def _ramped(self, on: bool, dt: float) -> float:
-        """Return the gain, 0 to 1, after dt s in which it rises or falls."""
-        seconds = self.settings.ramp_time if on else self.settings.fade_time
-        step = dt / seconds if seconds > 0.0 else 1.0
-        return min(1.0, self._gain + step) if on else max(0.0, self._gain - step)
+    def _elapsed(self, now: int, steady: float) -> float:
+        """Return the s that this tick makes up for; fade if the clock jumped since the last."""
+        last, self._last_tick = self._last_tick, (now, steady)
+        if last is None:
+            return 0.0
+        dt = max(0.0, steady - last[1])  # simulated seconds may be set back
+        jump = now - last[0] - round(dt * 1e9)
+        if abs(jump) > JUMP * 1e9:
+            with self._lock:
+                # It fades along the motion that goes on, and not at another place of it.
+                self._start, self._next = self._start + jump, None
+            self._reference_at = min(self._reference_at, steady)
+            self._joint_state_at, self._state = min(self._joint_state_at, steady), None
+            way = "forward" if jump > 0 else "back"
+            self._refused = (
+                f"the clock was set {way} by {abs(jump) / 1e9:.1f} s: send a new reference"
+            )
+        return min(dt, self.settings.longest)
+
+    def _torque(self, plan: Plan, elapsed: float) -> Floats:
+        """Return the torque (N,) N·m that a plan asks for."""
+        parts, weight = plan.at(elapsed)
+        return np.asarray((self.settings.switches @ parts) * self.settings.scale * weight)
 
     def _astray(self, plan: Plan) -> str:
         """Return which joint is away from its reference, where the torque would be wrong, or ""."""
@@ -238,9 +287,19 @@ class TorqueStream:
             if self._next is None:
                 return
             plan, start = self._next
-            moving = self._plan is not None and not self._plan.reference.is_setpoint
-            if not moving or now >= start:
-                self._plan, self._start, self._next = plan, start, None
+            present, began = self._plan, self._start
+            moving = present is not None and not present.reference.is_setpoint
+            if moving and now < start:
+                return
+            self._plan, self._start, self._next = plan, start, None
+        if present is None or self._gain == 0.0:
+            self._share = 0.0
+        elif present.known is not plan.known:
+            # What another model would change at once is taken back over the ramp.
+            lead = self.settings.lead
+            before = self._torque(present, (now - began) / 1e9 + lead) + self._share * self._bump
+            self._bump = before - self._torque(plan, (now - start) / 1e9 + lead)
+            self._share = 1.0
 
     def _withheld(self, phase: Phase, steady: float) -> tuple[str, bool]:
         """Return why the torque must not be sent, or "", and whether messages do not come."""
