@@ -29,6 +29,7 @@ from rclpy.signals import SignalHandlerOptions
 from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.common.log_folder import use_writable_log_folder
 from lagrangian_ff.nodes.common.status import Level, Status
 
 BAD_PARAMETER = (
@@ -53,6 +54,7 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     executor, and during the ending both signals are ignored. An exception that escapes a
     callback is logged and the node goes on.
     """
+    use_writable_log_folder()
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except rclpy_implementation.RCLError as error:
