@@ -238,6 +238,10 @@ class Diagnostics:
                 self._node.get_logger().error(said, throttle_duration_sec=60.0)
                 found = Status(Level.ERROR, f"{type(error).__name__}: {error}")
             statuses |= {part: found} if isinstance(found, Status) else found or {}
+        self.send(statuses)
+
+    def send(self, statuses: Mapping[str, Status]) -> None:
+        """Publish these statuses by part now, from any thread: what cannot wait for the timer."""
         message = DiagnosticArray()
         message.header.stamp = self._node.get_clock().now().to_msg()
         message.status = [self._message(part, status) for part, status in statuses.items()]
