@@ -8,6 +8,21 @@ from contextlib import contextmanager
 from pathlib import Path
 
 
+def require_place(path: Path) -> None:
+    """Require that a file can be made where `whole` will make it, by making one and removing it.
+
+    Permissions alone do not say so: a disk may be full or read-only, a name too long.
+
+    Raises:
+        OSError: it cannot; says why.
+    """
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{path.name[:50]}.", dir=path.parent) as aside:
+            (Path(aside) / path.name).write_bytes(b"0")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error
+
+
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
     """Yield where to write a file or a folder; it replaces `path` when the block ends well.
@@ -19,7 +34,7 @@ def whole(path: Path) -> Iterator[Path]:
         OSError: the folder of `path` cannot be written to, or a file would replace a folder.
     """
     try:
-        aside = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
+        aside = Path(tempfile.mkdtemp(prefix=f".{path.name[:50]}.", dir=path.parent))
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
     before = aside / "replaced"

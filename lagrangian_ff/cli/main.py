@@ -11,7 +11,8 @@ from typing import Any, NoReturn
 
 from lagrangian_ff import __version__
 from lagrangian_ff.cli.commands import COMMANDS
-from lagrangian_ff.cli.common.console import WIDEST
+from lagrangian_ff.cli.common.claims import release
+from lagrangian_ff.cli.common.console import WIDEST, silence
 from lagrangian_ff.errors import UserError
 
 OK, USER_ERROR, INTERRUPTED = 0, 2, 130
@@ -126,6 +127,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Else OpenBLAS' second thread spins after each piece of work and takes a processor
     # from what comes next. Read when NumPy is imported, which no module up to here does.
     os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")
+    _open_closed_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that has no middle dot
@@ -134,10 +136,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         code: int = arguments.run(arguments)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:
-        # The reader of a pipe (head, less) has left: not an error, but Python would complain at
-        # exit when it flushes what is left.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # at the last flush
+        silence(sys.stdout)
         return OK
     except (UserError, OSError) as error:
         print(f"error: {_words(error)}", file=sys.stderr)
@@ -145,6 +145,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
+    finally:
+        release()
+
+
+def _open_closed_streams() -> None:
+    """Open standard streams that the caller closed, as `>&-` does, to nowhere.
+
+    A file that is opened later would get the number of a closed one, and what libraries print.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest free number: this one
+            if getattr(sys, name) is None:
+                setattr(sys, name, os.fdopen(number, "r" if number == 0 else "w", closefd=False))
 
 
 def _words(error: UserError | OSError) -> str:

@@ -4,12 +4,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects.inputs import Inputs
+from lagrangian_ff.effects.time_limit import in_time
 from lagrangian_ff.errors import EffectError
 
 Values = Mapping[str, float]
@@ -30,6 +32,23 @@ MOTIONS = (
     "payloads",
 )
 """The motions that show effects or tell them apart."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where an effect that users brought comes from.
+
+    Attributes:
+        name: of the file or package, for messages.
+        file: the Python file; None for a package.
+    """
+
+    name: str
+    file: Path | None = None
+
+
+BROUGHT: dict[str, Origin] = {}
+"""The effects that users brought, by name; also those that were replaced."""
 
 PARTS = ("gravity", "inertia", "coriolis", "friction")
 """The parts of a torque. An effect goes with `friction` if it dissipates energy, else with
@@ -230,9 +249,15 @@ def checked_columns(effect: Effect, x: Inputs, joint: int, shape: Values) -> Flo
     """Return the columns (M, P) of an effect, after a check: a user may have written it.
 
     Raises:
-        EffectError: they have another shape, or a value that is not finite; names the effect.
+        EffectError: they have another shape, or a value that is not finite, or take too long;
+            names the effect.
     """
-    found = np.asarray(effect.columns(x, joint, shape), dtype=np.float64)
+    if effect.name in BROUGHT:
+        what = f"effect '{effect.name}': columns()"
+        found = in_time(what, lambda: effect.columns(x, joint, shape), BROUGHT[effect.name].file)
+    else:
+        found = effect.columns(x, joint, shape)
+    found = np.asarray(found, dtype=np.float64)
     expected = (len(x), len(effect.parameters))
     if found.shape != expected:
         raise EffectError(

@@ -20,17 +20,15 @@ from types import ModuleType
 import numpy as np
 
 from lagrangian_ff.effects import base
-from lagrangian_ff.effects.base import Effect, Inputs
+from lagrangian_ff.effects.base import BROUGHT, Effect, Inputs, Origin
 from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS, effect_classes
+from lagrangian_ff.effects.time_limit import in_time
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import KERNELS, States
 
 ENTRY_POINTS = "lagrangian_ff.effects"
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 WORDS = ("name", "formula", "source", "meaning", "coordinate", "shows_as", "next_motion", "caution")
-
-_origin: dict[str, str] = {}
-"""The file or package of each effect that users brought, by its name; also of those replaced."""
 
 
 def load_effects(path: str | Path) -> list[Effect]:
@@ -53,7 +51,7 @@ def load_effects(path: str | Path) -> list[Effect]:
             "lagrangian_ff.effects.Effect and has name, formula, parameters and "
             "columns(self, x, joint, shape)"
         )
-    _join(found, str(file.resolve()), where)
+    _join(found, Origin(str(file.resolve()), file), where)
     return found
 
 
@@ -67,8 +65,8 @@ def load_installed() -> tuple[Effect, ...]:
     for entry in entry_points(group=ENTRY_POINTS):
         where = f"entry point {entry.name} = {entry.value}"
         try:
-            effect = _made(entry.load(), where)
-            _join([effect], where, where)
+            effect = _made(in_time(where, entry.load), where)
+            _join([effect], Origin(where), where)
         except (Exception, SystemExit) as error:
             said = error if isinstance(error, EffectError) else f"{where}: {_words(error)}"
             warnings.warn(f"an installed effect is left out: {said}", stacklevel=2)
@@ -87,7 +85,11 @@ def _imported(file: Path) -> ModuleType:
     sys.modules[name] = module
     written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
-        spec.loader.exec_module(module)
+        loader = spec.loader
+        in_time(f"{file}: importing it", lambda: loader.exec_module(module), file)
+    except EffectError:
+        del sys.modules[name]
+        raise
     except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise EffectError(
@@ -120,30 +122,30 @@ def _made(found: object, where: str) -> Effect:
     return found
 
 
-def _join(effects: list[Effect], origin: str, where: str) -> None:
+def _join(effects: list[Effect], origin: Origin, where: str) -> None:
     """Check all effects, then add them to the catalogue."""
-    taken = {name: _origin.get(name, "the catalogue") for name in EFFECTS}
-    taken = {name: place for name, place in taken.items() if place != origin}
+    taken = {name: BROUGHT[name].name if name in BROUGHT else "the catalogue" for name in EFFECTS}
+    taken = {name: place for name, place in taken.items() if place != origin.name}
     taken |= dict.fromkeys(GROUPS, "a group of effects")
     taken |= dict.fromkeys(KERNELS, "a kernel")
     for effect in effects:
-        _check(effect, where)
+        _check(effect, where, origin.file)
         if effect.name in taken:
             raise EffectError(
                 f"{where}: effect '{effect.name}': the name is taken by {taken[effect.name]}; "
                 "choose another"
             )
         taken[effect.name] = where
-    for name in [name for name in EFFECTS if _origin.get(name) == origin]:
+    for name in [name for name in EFFECTS if BROUGHT.get(name) == origin]:
         del EFFECTS[name]
     for effect in effects:
         EFFECTS[effect.name] = effect
-        _origin[effect.name] = origin
+        BROUGHT[effect.name] = origin
 
 
-def _check(effect: Effect, where: str) -> None:
+def _check(effect: Effect, where: str, file: Path | None) -> None:
     try:
-        check(effect)
+        in_time(f"effect '{effect.name}' on a trial motion", lambda: check(effect), file)
     except EffectError as error:
         raise EffectError(f"{where}: {error}") from error
     except Exception as error:

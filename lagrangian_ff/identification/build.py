@@ -109,6 +109,8 @@ def build(
     if solved.threshold is not None:
         weight = problem.samples.weights
         reliable = np.where(outliers_of(weight), 0.0, learned.tau)
+    known_range = MotionRange.of(States.of(training.q, training.qd, training.qdd), reliable)
+    known_range, bounded = known_range.without_wild_torque(data.joints, learned.tau, left_out)
     draft = Model(
         joints=data.joints,
         name=blueprint.name,
@@ -117,7 +119,7 @@ def build(
         centres=expansion.states,
         weights=expansion.weights,
         coefficients=expansion.coefficients,
-        range=MotionRange.of(States.of(training.q, training.qd, training.qdd), reliable),
+        range=known_range,
         record={},
         data=data,
         trained=blueprint.trained,
@@ -163,7 +165,7 @@ def build(
         range=draft.range,
         settings=blueprint.settings,
         conditioning=Conditioning.from_record(training.conditioning),
-        notes=(*training.notes, *solved.notes),
+        notes=(*training.notes, *solved.notes, *bounded),
         mechanism=read(KnownMechanism, mechanism.record()) if mechanism else None,
         sources=sources,
         outliers=outliers,

@@ -18,6 +18,10 @@ from lagrangian_ff.recording.motion import Motion
 
 CHUNK_SAMPLES = 20_000
 """States evaluated at once, so that memory stays bounded on long recordings."""
+ROOM = 1.5
+"""Times the largest torque predicted of some samples that the torque between them may reach."""
+WILD = 6.0
+"""Times the error that nine of ten torques stay below: ten standard deviations of normal ones."""
 STILL = 1e-3
 """rad, rad/s, rad/s² within which a joint counts as standing."""
 
@@ -42,6 +46,29 @@ class MotionRange:
         """Return the range of these states and torques."""
         speed, hardness, torque = (np.abs(one).max(axis=0) for one in (x.qd, x.qdd, tau))
         return cls(x.q.min(axis=0), x.q.max(axis=0), speed, hardness, torque)
+
+    def without_wild_torque(
+        self, joints: Sequence[str], tau: Floats, left_out: Floats
+    ) -> tuple["MotionRange", list[str]]:
+        """Return the range whose torques the model itself makes credible, and what it lowered.
+
+        The limit of the feedforward follows `tau_max`, so that a few false efforts, or a blow in
+        the recording, must not raise it. It ends at `ROOM` times the largest torque predicted for
+        blocks left out, and `WILD` times the error that nine of ten torques stay below.
+
+        Args:
+            tau: (S, N) N·m measured.  left_out: (S, N) predicted for them, not learned from them.
+        """
+        error = np.quantile(np.abs(tau - left_out), 0.9, axis=0)
+        most = ROOM * np.abs(left_out).max(axis=0) + WILD * error
+        notes = [
+            f"{joint}: efforts reach {self.tau_max[n]:.4g} N·m, which nothing else in the "
+            f"recording explains; its range, and the limit of its feedforward, end at "
+            f"{most[n]:.4g} N·m"
+            for n, joint in enumerate(joints)
+            if self.tau_max[n] > most[n]
+        ]
+        return replace(self, tau_max=np.minimum(self.tau_max, most)), notes
 
     def excess(self, x: States) -> Floats:
         """Return (M, N) how far outside each joint's state is, in parts of the range; 0 inside.

@@ -47,6 +47,8 @@ DAMAGED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, 
 """Errors of contents that do not fit each other."""
 MOST = 1e60
 """Largest number of a model, in any unit: products of several must not overflow."""
+PROBES = 20
+"""Samples at which a model that was saved must predict as it did before."""
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
@@ -55,10 +57,11 @@ HELD = ("header", TEMPERATURE, TRUST, *ARRAYS)
 
 
 def save(model: TorqueModel, path: Path) -> None:
-    """Write the model; an existing file is replaced only once the new one is whole.
+    """Write the model; an existing file is replaced only once the new one was read back.
 
     Raises:
-        ModelError: the folder does not exist or cannot be written.
+        ModelError: the folder does not exist or cannot be written, or what was written does not
+            read back as a model that predicts the same.
     """
     header = {
         "format": FORMAT,
@@ -98,10 +101,35 @@ def save(model: TorqueModel, path: Path) -> None:
         arrays[TRUST] = model.irls_weight
     text = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
     try:
-        with whole(path) as made, made.open("wb") as file:
-            np.savez_compressed(file, header=text, **arrays)
+        with whole(path) as made:
+            with made.open("wb") as file:
+                np.savez_compressed(file, header=text, **arrays)
+            _require_sound(model, made)
     except OSError as error:
         raise ModelError(f"cannot write the model to {path}: {error.strerror}") from error
+
+
+def _require_sound(model: TorqueModel, path: Path) -> None:
+    """Require that a model's file reads back, and predicts finite torques as the model does."""
+    mechanism = model.kernel.mechanism
+    try:
+        held = load(type(model), path, mechanism if isinstance(mechanism, Linkage) else None)
+    except ModelError as error:
+        raise ModelError(
+            f"the model is not sound, and was not saved: it does not read back: {error}"
+        ) from error
+    data = model.data
+    some = np.linspace(0, len(data) - 1, min(len(data), PROBES)).astype(np.int64)
+    state = data.q[some], data.qd[some], data.qdd[some]
+    expected, found = model.predict(*state), held.predict(*state)
+    if not np.isfinite(expected).all():
+        worst = model.joints[int(np.argmin(np.isfinite(expected).all(axis=0)))]
+        raise ModelError(
+            f"the model is not sound, and was not saved: its torque of {worst} is not finite on "
+            "the motion that it was learned from; look for wild efforts with `lagrangian_ff info`"
+        )
+    if not np.allclose(found, expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max(initial=0.0)):
+        raise ModelError("the model was not saved: read back, it predicts other torques")
 
 
 def load(kind: type[Loaded], path: Path, linkage: Linkage | None = None) -> Loaded:

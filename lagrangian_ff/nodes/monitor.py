@@ -4,7 +4,8 @@ Topics
     joint_states   in   sensor_msgs/JointState; best effort, so that every publisher matches
     ~/residual     out  sensor_msgs/JointState: effort = measured minus predicted, N·m
     ~/predicted    out  sensor_msgs/JointState: effort = predicted, N·m
-    /diagnostics   out  the residual of the last seconds beside the error when identified
+    /diagnostics   out  the residual of the last seconds beside the error when identified; at once,
+                        a touch: a collision or a load that is taken up
 
 Both are reliable, at `rate`, with the position and velocity of the prediction. Position and effort
 pass the low-pass of the model's recordings, twice forward instead of forward and backward. That
@@ -30,8 +31,9 @@ from lagrangian_ff.nodes.common.topics import RECORDING, RELIABLE, PolledSubscri
 from lagrangian_ff.nodes.watching.health import Coverage, Health, Limits
 from lagrangian_ff.nodes.watching.live import Judged, LivePrediction
 from lagrangian_ff.nodes.watching.states import LiveStates
+from lagrangian_ff.nodes.watching.touch import TouchAlarm
 
-PERIOD = 0.02  # s between readings of the topic
+PERIOD = 0.01  # s between readings of the topic
 MOST = 1000
 """Messages taken at one reading; more wait for the next."""
 
@@ -63,6 +65,7 @@ class MonitorNode(ClosingNode):
         self._health = Health(
             joints, self._model.identified.score, self._model.range, Coverage.of(self._model)
         )
+        self._alarm = TouchAlarm(self._model, 1.0 / value("rate"))
         self._lock = threading.Lock()
         self._reader, self._maker = JointStateReader(), JointStateMaker(joints)
         self._warnings = ThrottledWarnings(self.get_logger().warning)
@@ -78,6 +81,7 @@ class MonitorNode(ClosingNode):
             housekeeping=self._warnings.flush,
             input=self._input_status,
             residual=self._residual_status,
+            touch=self._touch_status,
         )
         self._settings.watch(self._refresh)
         self._loop = PacedThread(Pacer(PERIOD), self._look, self._failed, "watch")
@@ -114,6 +118,11 @@ class MonitorNode(ClosingNode):
         state = judged.state
         with self._lock:
             self._health.add(judged, self._limits)
+            touch = self._alarm.add(judged, self._limits.margin)
+            alarm = self._alarm.status() if touch is not None else None
+        if alarm is not None:
+            self._diagnostics.send({"touch": alarm})
+            self._warnings.add("touch", alarm.message)
         now = state.at, state.q, state.qd
         self._residual.publish(self._maker.fill(*now, judged.residual))
         self._predicted.publish(self._maker.fill(*now, judged.predicted))
@@ -134,6 +143,7 @@ class MonitorNode(ClosingNode):
         if rate == 0.0:
             with self._lock:
                 self._health.forget()
+                self._alarm.forget()
             return Status(Level.STALE, f"no joint states on {self._subscription.topic}", values)
         if states.period == 0.0:
             return Status(Level.OK, "measuring the rate of the joint states", values)
@@ -148,6 +158,10 @@ class MonitorNode(ClosingNode):
         }
         with self._lock:
             return self._health.status(self._limits, more)
+
+    def _touch_status(self) -> Status:
+        with self._lock:
+            return self._alarm.status()
 
     def close(self) -> None:
         """End the paced thread before its publishers."""

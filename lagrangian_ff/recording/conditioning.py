@@ -1,8 +1,8 @@
 """From recordings to motion: the chain of the paper's section IV-B.
 
-Stamps are put in order; each signal is resampled onto one uniform clock, piece by piece between
-the gaps; position and torque pass the same Butterworth low-pass, forward and backward, so that
-they stay in step; position is differentiated twice.
+Outliers are left out; stamps are put in order; each signal is resampled onto one uniform clock,
+piece by piece between the gaps; position and torque pass the same Butterworth low-pass, forward and
+backward, so that they stay in step; position is differentiated twice.
 """
 
 from collections.abc import Sequence
@@ -23,8 +23,9 @@ from lagrangian_ff.recording.bandwidth import (
     unchosen,
 )
 from lagrangian_ff.recording.filtering import REACH, Butterworth, derivatives, settling
-from lagrangian_ff.recording.inspection import find_clipping
+from lagrangian_ff.recording.inspection import find_clipping, find_missing
 from lagrangian_ff.recording.motion import SCALINGS, Conditioning, Motion
+from lagrangian_ff.recording.outliers import without_outliers
 from lagrangian_ff.recording.recording import Recording, require_times
 from lagrangian_ff.recording.signals import Signals, read_signals, ticks_of, uninterrupted
 from lagrangian_ff.recording.splines import interpolate
@@ -37,6 +38,7 @@ _TOO_SLOW = 6.0  # Hz; a quarter of the rate below this leaves nothing to choose
 _FASTEST = 1e6  # Hz
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
+_LARGEST = 1e9  # of position and effort in any unit: beyond, squares lose all others
 _POSITION_HINT = "check the joint's driver"
 _EFFORT_HINT = (
     "the driver must offer an effort state interface and joint_state_broadcaster must publish it"
@@ -63,10 +65,11 @@ def condition_alike(
         RecordingError: as `condition`.
     """
     settings, note = conditioning or Conditioning(), ""
+    sound = [_sound(recording, settings) for recording in recordings]
     if settings.bandwidth is None and recordings:
-        found = measured_bandwidth(recordings, settings)
+        found = _measured_bandwidth(sound, settings)
         settings, note = replace(settings, bandwidth=found.hertz), found.reason
-    return [_condition(recording, settings, note) for recording in recordings]
+    return [_condition(recording, settings, note) for recording in sound]
 
 
 def measured_bandwidth(
@@ -78,7 +81,11 @@ def measured_bandwidth(
         RecordingError: as `condition`.
     """
     settings = conditioning or Conditioning()
-    slowest = max(_slowest_period(converted(one, settings.units)) for one in recordings)
+    return _measured_bandwidth([_sound(one, settings) for one in recordings], settings)
+
+
+def _measured_bandwidth(recordings: Sequence[Recording], settings: Conditioning) -> Bandwidth:
+    slowest = max(_slowest_period(one) for one in recordings)
     top = min(USUAL, 0.25 / slowest)
     widest = min(WIDEST, 0.25 / slowest)
     if top < _TOO_SLOW:
@@ -94,6 +101,15 @@ def measured_bandwidth(
     )
 
 
+def _sound(recording: Recording, settings: Conditioning) -> Recording:
+    """Return a recording in this package's units without outliers; its notes say what it lacks."""
+    recording = converted(recording, settings.units)
+    missing = [entry for entry in find_missing(recording) if entry.quantity != "velocity"]
+    sound, outliers = without_outliers(recording)
+    lacking = [f"{entry.text()}; left out" for entry in missing]
+    return replace(sound, notes=(*recording.notes, *lacking, *outliers))
+
+
 def _slowest_period(recording: Recording) -> float:
     """Return the longest period in s of a signal, or that of the slowest recording there may be."""
     _require_usable(recording)
@@ -103,8 +119,7 @@ def _slowest_period(recording: Recording) -> float:
 
 
 def _condition(recording: Recording, settings: Conditioning, note: str = "") -> Motion:
-    """Return the motion with a bandwidth that is given."""
-    recording = converted(recording, settings.units)
+    """Return the motion of a recording that is sound, with a bandwidth that is given."""
     _require_known(recording, settings)
     _require_usable(recording)
     notes = list(recording.notes)
@@ -301,20 +316,30 @@ def _require_usable(recording: Recording) -> None:
             who = every if whole else ", ".join(lacking)
             rest = "" if whole else ", or leave the joint out by naming the others as joints"
             raise RecordingError(f"{source}: {what.format(who)} {throughout}; {hint}{rest}")
+    if (np.nanmax(recording.effort, axis=0) == np.nanmin(recording.effort, axis=0)).all():
+        said = ", ".join(
+            f"{value:.4g} of {joint}"
+            for value, joint in zip(np.nanmax(recording.effort, axis=0), joints, strict=True)
+        )
+        raise RecordingError(
+            f"{source}: the effort of every joint is constant ({said}) {throughout}; an arm that "
+            "moves needs torque that varies: the driver must publish what its drives measure"
+        )
     _require_physical(recording)
 
 
 def _require_physical(recording: Recording) -> None:
-    """Refuse values that no arm has and with which sums of squares overflow."""
+    """Refuse values that no arm has, and beside which all others are lost in a sum of squares."""
     for quantity in ("position", "effort"):
-        table = getattr(recording, quantity)
-        bad = np.argwhere(np.abs(table) > budget.LARGEST)
-        if bad.size:
-            row, column = bad[0]
+        values = getattr(recording, quantity)
+        wild = np.argwhere(np.abs(values) > _LARGEST)  # NaN compares as False
+        if len(wild):
+            row, k = wild[0].tolist()
             raise RecordingError(
-                f"{recording.source}: {quantity} of {recording.joints[column]} is "
-                f"{table[row, column]:.3g} in sample {row + 1} at {recording.time[row]:.3f} s, and "
-                f"beyond {budget.LARGEST:g} in {counted(len(bad), 'value')}; {_POSITION_HINT}"
+                f"{recording.source}: {counted(len(wild), f'{quantity} value')} beyond "
+                f"{_LARGEST:g}, first {values[row, k]:.4g} of {recording.joints[k]} in sample "
+                f"{row + 1} at {recording.time[row]:.3f} s; no joint has that: cut this part out, "
+                "or check the driver"
             )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.record_json import finite
+from lagrangian_ff.recording.outliers import Outlier, find_outliers, outlier_texts, without
 from lagrangian_ff.recording.recording import QUANTITIES, Recording, publishers
 from lagrangian_ff.recording.stamps import clock_resets, order, usual_period
 from lagrangian_ff.recording.units import Doubt, find_doubts
@@ -108,6 +109,7 @@ class Inspection:
         clock_resets: how often the clock was set back.
         joints: by joint, in the order of the recording.
         missing: values that are NaN; velocity only where it is there at times.
+        outliers: single samples that neither their neighbours nor the signal allow.
         clipping: efforts that rest at an extreme.
         doubts: quantities that contradict each other, such as another unit.
         notes: remarks of the reader.
@@ -126,6 +128,7 @@ class Inspection:
     clock_resets: int
     joints: tuple[JointRange, ...]
     missing: tuple[Missing, ...]
+    outliers: tuple[Outlier, ...]
     clipping: tuple[Clipping, ...]
     doubts: tuple[Doubt, ...]
     notes: tuple[str, ...]
@@ -170,6 +173,7 @@ class Inspection:
             if number
         ]
         found += [f"  {entry.text()}" for entry in self.missing]
+        found += [f"  {text}" for text in outlier_texts(self.outliers)]
         found += [f"  {text}" for text in _texts(self.doubts, self.clipping)]
         return found + [f"  note: {note}" for note in self.notes]
 
@@ -181,6 +185,8 @@ def _texts(doubts: Sequence[Doubt], clipping: Sequence[Clipping]) -> list[str]:
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def inspect(recording: Recording) -> Inspection:
     """Return the findings on a recording as it came; it is not changed, nothing is an error."""
+    outliers = find_outliers(recording)
+    sound = without(recording, outliers)
     sources = publishers(recording)
     rows = max((source.rows for source in sources), key=len, default=np.arange(len(recording)))
     time = recording.time[rows if len(rows) else slice(None)]
@@ -208,8 +214,9 @@ def inspect(recording: Recording) -> Inspection:
         clock_resets=len(clock_resets(recording.time)),
         joints=tuple(_joint(recording, column) for column in range(len(recording.joints))),
         missing=find_missing(recording),
-        clipping=find_clipping(recording),
-        doubts=find_doubts(recording),
+        outliers=outliers,
+        clipping=find_clipping(sound),
+        doubts=find_doubts(sound),
         notes=recording.notes,
     )
 

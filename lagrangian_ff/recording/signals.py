@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.recording.clock import retime
-from lagrangian_ff.recording.inspection import find_missing
 from lagrangian_ff.recording.late import ON_THE_TICK
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.recording.splines import interpolate
@@ -143,8 +142,6 @@ def read_signals(recording: Recording, clock: str, notes: list[str]) -> Signals:
                 samplings[key] = len(found)
                 found.append(Sampling(time[index], index, usual_period(np.diff(time[index]))))
             numbers.append(samplings[key])
-    missing = [entry for entry in find_missing(recording) if entry.quantity != "velocity"]
-    notes += [f"{entry.text()}; left out" for entry in missing]
     if moved:
         notes.append(f"{counted(moved, 'sample')} arrived out of order; sorted by their stamps")
     if repeated:

@@ -2,12 +2,16 @@
 
 import json
 import math
+import re
+import shlex
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-from cli_examples import lagrangian_ff
+from cli_examples import arm, command, csv, lagrangian_ff
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -117,3 +121,63 @@ def test_sources_swallowed_by_joints_are_explained(tmp_path: Path) -> None:
     outcome = lagrangian_ff("identify", "--output", tmp_path / "m.npz", "--joints", "a", "bag")
     assert outcome.code == 2
     assert "put SOURCE first: what follows --joints or" in outcome.err
+
+
+def closed(arguments: str, redirection: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command in a shell that closes or pipes its streams."""
+    words = " ".join(map(shlex.quote, command()))
+    text = f"set -o pipefail; {words} {arguments} {redirection}"
+    return subprocess.run(
+        ["bash", "-c", text], cwd=folder, capture_output=True, text=True, timeout=120
+    )
+
+
+@pytest.mark.parametrize("redirection", [">&-", "2>&-", ">&- 2>&-", "| head -1", "| true", "<&-"])
+@pytest.mark.parametrize("arguments", ["effects", "--help", "effects coulomb --json -"])
+def test_closed_streams_are_no_failure(arguments: str, redirection: str, tmp_path: Path) -> None:
+    found = closed(arguments, redirection, tmp_path)
+    assert found.returncode == 0
+    assert not re.search("Traceback|Error:|error:", found.stderr)
+
+
+def test_a_reader_that_leaves_does_not_end_the_work(tmp_path: Path) -> None:
+    csv(tmp_path / "arm.csv", arm(8.0))
+    found = closed("identify arm.csv --samples 40 --output model.npz", "| head -1", tmp_path)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert (tmp_path / "model.npz").is_file()
+
+
+@pytest.mark.parametrize(
+    "place", ["/proc/model.npz", "/dev/null/model.npz", f"{'x' * 260}.npz", "no/model.npz"]
+)
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(
+    place: str, tmp_path: Path
+) -> None:
+    (tmp_path / "arm.csv").write_text("no recording: reading it would fail in other words")
+    found = lagrangian_ff("identify", tmp_path / "arm.csv", "--output", place)
+    assert found.code == 2
+    assert found.err.startswith(("error: --output", "error: xxx"))
+
+
+def test_two_commands_do_not_write_one_output(tmp_path: Path) -> None:
+    csv(tmp_path / "arm.csv", arm(8.0))
+    (tmp_path / "other").symlink_to(tmp_path)
+    held = "import sys, time; from pathlib import Path; "
+    held += "from lagrangian_ff.cli.common.outputs import check_file; "
+    held += "check_file(Path(sys.argv[1]), '--output', force=False); print(flush=True); "
+    held += "time.sleep(60)"
+    target = tmp_path / "other" / "model.npz"
+    arguments = "identify", tmp_path / "arm.csv", "--samples", "40", "--output"
+    with subprocess.Popen(
+        [sys.executable, "-c", held, str(target)], stdout=subprocess.PIPE
+    ) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        for more in ((), ("--force",)):
+            found = lagrangian_ff(*arguments, tmp_path / "model.npz", *more)
+            assert found.code == 2
+            assert "another command that runs now is about to write it" in found.err
+        other.kill()
+    assert lagrangian_ff(*arguments, tmp_path / "model.npz").code == 0
+    assert lagrangian_ff(*arguments, tmp_path / "model.npz", "--force").code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.csv", "model.npz", "other"]

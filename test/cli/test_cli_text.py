@@ -142,6 +142,7 @@ def test_a_model_is_recommended_only_where_it_is_good() -> None:
     assert "most of the tracking error" in usable(score(a=0.02, b=0.03))
     assert "helps" in usable(score(a=0.02, b=0.15))
     assert usable(score(a=0.02, b=0.3)) == "Do not drive b with it."
+    assert usable(score(a=0.02, b=np.nan)) == "Do not drive b with it."
 
 
 def test_a_change_is_told_with_its_intervals_and_rivals(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from lagrangian_ff.effects import EFFECTS, load_effects, user
+from lagrangian_ff.effects import EFFECTS, load_effects
+from lagrangian_ff.effects.base import BROUGHT
 
 
 @pytest.fixture
@@ -40,4 +41,4 @@ def test_the_example_works(page: str, tmp_path: Path) -> None:
     try:
         assert pit.name == "pit"
     finally:
-        del EFFECTS["pit"], user._origin["pit"]
+        del EFFECTS["pit"], BROUGHT["pit"]

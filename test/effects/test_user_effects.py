@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from textwrap import dedent
 
@@ -10,7 +11,13 @@ import pytest
 
 from lagrangian_ff.cli.main import main
 from lagrangian_ff.diagnosis.search.candidates import named
-from lagrangian_ff.effects import EFFECTS, load_effects, load_installed, look_alikes
+from lagrangian_ff.effects import (
+    EFFECTS,
+    checked_columns,
+    load_effects,
+    load_installed,
+    look_alikes,
+)
 from lagrangian_ff.effects.user import check, trial_motion
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.identification.basis import Basis
@@ -216,3 +223,62 @@ def test_the_trial_motion_has_rest_and_reversals() -> None:
     x = trial_motion()
     assert (x.qd == 0.0).any()
     assert (np.diff(np.sign(x.qd), axis=0) != 0).any(axis=0).all()
+
+
+STUBBORN = """\
+while True:
+    try:
+        while True:
+            pass
+    except Exception:
+        pass
+"""
+LOOP = "        while True:\n            pass\n        return"
+
+
+@pytest.mark.parametrize("in_thread", [False, True])
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("while True:\n    pass\n", "line [12]"),
+        (STUBBORN, "line [34]"),
+        (TEN_LINES.replace("        return", LOOP), "line 1[012]"),
+    ],
+)
+def test_an_endless_loop_ends_with_its_line(
+    text: str, line: str, in_thread: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAGRANGIAN_FF_EFFECT_SECONDS", "0.2")
+    file = written(tmp_path, text)
+    expected = rf"took more than 0.2 s, and was in .*mine.py, {line}: is that an endless loop"
+    with ThreadPoolExecutor(1) as pool:
+        runs = {True: lambda: pool.submit(load_effects, file).result(30.0)}
+        with pytest.raises(EffectError, match=expected):
+            runs.get(in_thread, lambda: load_effects(file))()
+    assert "pit" not in EFFECTS
+
+
+def test_a_sleep_is_ended_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGRANGIAN_FF_EFFECT_SECONDS", "0.2")
+    with pytest.raises(EffectError, match=r"importing it took more than 0.2 s.*line 2"):
+        load_effects(written(tmp_path, "import time\ntime.sleep(60.0)\n"))
+
+
+def test_columns_that_loop_on_some_motions_only_are_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = LOOP.replace("True", "len(x) == 7")
+    load_effects(written(tmp_path, TEN_LINES.replace("        return", loop)))
+    monkeypatch.setenv("LAGRANGIAN_FF_EFFECT_SECONDS", "0.2")
+    x = trial_motion()
+    assert len(checked_columns(EFFECTS["pit"], x, 0, {})) == len(x)
+    with pytest.raises(EffectError, match=r"'pit': columns\(\) took more than 0.2 s.*line 1"):
+        checked_columns(EFFECTS["pit"], x.take(np.arange(7)), 0, {})
+
+
+def test_a_limit_that_is_no_number_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAGRANGIAN_FF_EFFECT_SECONDS", "soon")
+    with pytest.raises(EffectError, match="expected seconds"):
+        load_effects(written(tmp_path, TEN_LINES))

@@ -48,6 +48,34 @@ def test_a_model_predicts_the_same_after_a_round_trip(name: str, tmp_path: Path)
     np.testing.assert_array_equal(again.data.tau[again.seen], model.data.tau[model.seen])
 
 
+@pytest.mark.parametrize("spoilt", [np.inf, np.nan, 1e300])
+def test_a_model_that_does_not_read_back_is_not_saved(
+    saved: Path, tmp_path: Path, spoilt: float
+) -> None:
+    model = Model.load(saved)
+    target = tmp_path / "model.npz"
+    target.write_bytes(b"as it was")
+    with np.errstate(all="ignore"), pytest.raises(ModelError, match="not sound, and was not saved"):
+        replace(model, weights=spoilt * model.weights * 1e8).save(target)
+    assert target.read_bytes() == b"as it was"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_burst_of_false_efforts_hardly_raises_the_range_of_torque() -> None:
+    clean, burst = pendulum.motion(20.0), pendulum.motion(20.0)
+    tau = burst.tau.copy()
+    tau[700:704] = 2000.0
+    settings = Settings(samples=150, evaluations=8, train=1.0)
+    expected = identify(clean, settings).model.range.tau_max
+    found = identify(replace(burst, tau=tau), settings).model
+    assert (found.range.tau_max < 500.0).all()
+    assert any("2000 N·m, which nothing else" in note for note in found.identified.notes)
+    assert not any(
+        "which nothing else" in n for n in identify(clean, settings).model.identified.notes
+    )
+    assert (expected > 0.9 * np.abs(clean.tau).max(axis=0)).all()
+
+
 def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any]], None]) -> Path:
     """Return a copy of a model file with its header or arrays changed."""
     with np.load(source) as file:

@@ -4,6 +4,7 @@ from argparse import SUPPRESS, ArgumentParser, Namespace
 from dataclasses import fields
 from pathlib import Path
 
+from lagrangian_ff.cli.common.claims import claim
 from lagrangian_ff.cli.common.options import add_rows
 
 NAME = "demo"
@@ -56,4 +57,6 @@ def run(arguments: Namespace) -> int:
     known = {field.name for field in fields(demo.Options)}
     given = {name: value for name, value in vars(arguments).items() if name in known}
     quick = QUICK if arguments.quick else {}
-    return demo.run(demo.Options(**{**quick, **given}))
+    options = demo.Options(**{**quick, **given})
+    claim(options.output, "--output")
+    return demo.run(options)

@@ -4,6 +4,7 @@ import json
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from lagrangian_ff.cli.common.claims import claim
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.options import add_common, add_rows, check_seed, names
 from lagrangian_ff.cli.common.outputs import check_file, write_record
@@ -101,6 +102,7 @@ def run(arguments: Namespace) -> int:
     if arguments.list:
         console.say(case.name for case in study.cases())
         return 0
+    claim(output / study.name, "--output")
     workers = cluster(arguments.scheduler) if arguments.scheduler else processes(arguments.jobs)
     if arguments.record:
         with progress_bar(f"recording {study.name}") as progress:

@@ -1,11 +1,13 @@
 """Text, tables and progress bars of a command."""
 
+import os
 import shutil
 import sys
 import textwrap
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TextIO
 
 from lagrangian_ff.progress import Progress
 
@@ -30,7 +32,10 @@ class Console:
     def say(self, lines: str | Iterable[str] = "") -> None:
         """Print lines as they are."""
         for line in [lines] if isinstance(lines, str) else lines:
-            print(line, file=self._stream, flush=True)
+            try:
+                print(line, file=self._stream, flush=True)
+            except BrokenPipeError:  # the reader (head, less) has left; the work goes on
+                silence(self._stream)
 
     def paragraph(self, text: str, indent: str = "", hanging: str | None = None) -> None:
         """Print a text wrapped to the terminal; file names stay whole."""
@@ -54,6 +59,13 @@ class Console:
         if text not in self._noted:
             self._noted.add(text)
             self.paragraph(f"note: {text}", indent, f"{indent}      ")
+
+
+def silence(stream: TextIO) -> None:
+    """Let a stream whose reader has left lead nowhere, so that nothing complains at exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff import files
+from lagrangian_ff.cli.common.claims import claim
+from lagrangian_ff.cli.common.console import silence
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.record_json import to_json
 
@@ -103,6 +105,11 @@ def _check_place(path: Path, option: str, *, force: bool, keep: Iterable[Path]) 
         raise UserError(f"{option} {path}: there is no folder {path.parent}; make it first")
     if not os.access(path.parent, os.W_OK | os.X_OK):
         raise UserError(f"{option} {path}: no permission to write in {path.parent}")
+    try:
+        files.require_place(path)
+    except OSError as error:
+        raise UserError(f"{option} {path}: cannot be written: {error.strerror}") from error
+    claim(path, option)
 
 
 @contextmanager
@@ -123,7 +130,11 @@ def write_record(target: str | None, record: Mapping[str, object]) -> None:
         record: numbers that are not finite become null, as JSON has no word for them.
     """
     if target == "-":
-        sys.stdout.write(to_json(record))
+        try:
+            sys.stdout.write(to_json(record))
+            sys.stdout.flush()
+        except BrokenPipeError:
+            silence(sys.stdout)
     elif target is not None:
         with whole(Path(target)) as path:
             path.write_text(to_json(record), encoding="utf-8")

@@ -65,8 +65,8 @@ def prepare(
 
 def say_inspection(inspection: "Inspection", console: Console) -> None:
     """Say what a recording holds; the console shows each of its notes once."""
-    # Conditioning notes clipping and doubts again.
-    console.say(replace(inspection, notes=(), clipping=(), doubts=()).lines())
+    # Conditioning notes outliers, clipping and doubts again.
+    console.say(replace(inspection, notes=(), outliers=(), clipping=(), doubts=()).lines())
     for note in inspection.notes:
         console.note(note, "  ")
 

@@ -61,8 +61,8 @@ def covered(interval: "Interval") -> str:
 
 
 def worse_than(score: "Score", nmse: float) -> list[str]:
-    """Return the joints whose nmse is above this."""
-    return [name for name, one in zip(score.joints, score.nmse, strict=True) if one > nmse]
+    """Return the joints whose nmse is above this, or that were not judged."""
+    return [name for name, one in zip(score.joints, score.nmse, strict=True) if not one <= nmse]
 
 
 def say_errors(score: "Score", console: Console) -> None:

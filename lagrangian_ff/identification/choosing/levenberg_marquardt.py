@@ -115,8 +115,9 @@ class Density(Generic[Found]):
             gradient = own.gradient + prior.gradient
             curvature = own.curvature + prior.curvature
             for _ in range(TRIALS):
-                moved = np.clip(point + _step(gradient, curvature, damping), self.low, self.high)
                 try:
+                    move = _step(gradient, curvature, damping)
+                    moved = np.clip(point + move, self.low, self.high)
                     tried = self.at(moved)
                     density = self.log_evidence(tried) + self.prior.log_density(moved)
                 except (NotPositiveDefiniteError, np.linalg.LinAlgError):
@@ -132,7 +133,14 @@ class Density(Generic[Found]):
 
 
 def _step(gradient: Floats, curvature: Floats, damping: float) -> Floats:
-    """Return the damped Newton step, no logarithm moved by more than `LONGEST`."""
+    """Return the damped Newton step, no logarithm moved by more than `LONGEST`.
+
+    Raises:
+        LinAlgError: the damped curvature is not positive definite, or not finite: the data say
+            nothing of a number.
+    """
+    if not (np.isfinite(curvature).all() and np.isfinite(gradient).all()):
+        raise np.linalg.LinAlgError("the curvature is not finite")
     scale = damping * np.diag(np.diag(curvature))
     step = cho_solve(cho_factor(curvature + scale), gradient)
     return np.asarray(np.clip(step, -LONGEST, LONGEST))

@@ -31,6 +31,7 @@ from rclpy.signals import SignalHandlerOptions
 from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.common.log_folder import use_writable_log_folder
 from lagrangian_ff.nodes.common.status import Level, Status
 
 BAD_PARAMETER = (
@@ -58,6 +59,7 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     executor, and during the ending the signals are ignored. An exception that escapes a
     callback is logged and the node goes on.
     """
+    use_writable_log_folder()
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except rclpy_implementation.RCLError as error:
@@ -288,6 +290,10 @@ class Diagnostics:
             statuses |= {part: found} if isinstance(found, Status) else found or {}
         if namesake := _namesake(self._node):
             statuses["name"] = Status(Level.WARN, namesake)
+        self.send(statuses)
+
+    def send(self, statuses: Mapping[str, Status]) -> None:
+        """Publish these statuses by part now, from any thread: what cannot wait for the timer."""
         message = DiagnosticArray()
         message.header.stamp = self._node.get_clock().now().to_msg()
         message.status = [self._message(part, status) for part, status in statuses.items()]
