@@ -11,7 +11,6 @@ from math import ceil
 
 import numpy as np
 
-from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.bandwidth import (
