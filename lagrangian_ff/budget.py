@@ -33,9 +33,8 @@ TEXT = 64 * MIB
 """Bytes of a text that is parsed as a whole, such as a URDF."""
 DEPTH = 100
 """Elements of XML inside each other."""
-LARGEST = 1e12
-"""Largest position, rad or m, and effort, N·m, of a joint: with more, squares of sums overflow."""
-
+LARGEST = 1e9
+"""Largest position and effort of a joint, in any unit: squares of more hide all others."""
 LATEST = 1e20
 """Latest stamp, in any unit: dates in ns are about 2e18."""
 

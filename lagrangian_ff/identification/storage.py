@@ -163,6 +163,7 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         arrays = read_archive(path, HELD, ModelError, "a model of lagrangian_ff").arrays
         header = json.loads(bytes(arrays.pop("header")).decode()) if "header" in arrays else None
+        json.dumps(header, ensure_ascii=False).encode()  # half a character could not be printed
     except FileNotFoundError as error:
         raise ModelError(f"no model file {path}") from error
     except (OSError, ValueError, TypeError, RecursionError) as error:

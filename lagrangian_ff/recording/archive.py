@@ -137,4 +137,8 @@ def _array(
                 raise EOFError("ends inside an array")
             view[at : at + len(part)] = part
             at += len(part)
+    if kind.kind == "U":  # Python makes texts of any numbers, and fails when they are printed
+        point = np.frombuffer(held, dtype=np.dtype(np.uint32).newbyteorder(kind.byteorder))
+        if ((point > 0x10FFFF) | ((point >= 0xD800) & (point < 0xE000))).any():
+            raise error(f"{place} holds what is no text")
     return np.frombuffer(held, dtype=kind).reshape(shape, order="F" if by_column else "C")

@@ -292,10 +292,13 @@ def test_a_model_that_claims_to_be_huge_is_refused(saved: Path, tmp_path: Path) 
         Model.load(path)
 
 
-def test_a_header_of_depth_is_refused(saved: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("text", [b"[" * 100_000, b'{"joints": ["\\ud800"]}'])
+def test_a_header_that_cannot_be_read_or_said_is_refused(
+    saved: Path, tmp_path: Path, text: bytes
+) -> None:
     with np.load(saved) as file:
         content: dict[str, Any] = {name: file[name] for name in file.files}
-    content["header"] = np.frombuffer(b"[" * 100_000, dtype=np.uint8)
+    content["header"] = np.frombuffer(text, dtype=np.uint8)
     np.savez(tmp_path / "deep.npz", **content)
     with pytest.raises(ModelError, match=r"deep\.npz is damaged or no model file"):
         Model.load(tmp_path / "deep.npz")

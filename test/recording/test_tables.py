@@ -168,3 +168,12 @@ def test_a_damaged_archive_is_never_a_crash(tmp_path: Path, byte: int) -> None:
             refused += 1
             assert str(path) in str(error)  # noqa: PT017
     assert refused > 50
+
+
+@pytest.mark.parametrize("point", [0x110000, 0xFF000000, 0xD800])
+def test_a_name_that_is_no_text_is_refused(tmp_path: Path, point: int) -> None:
+    names = np.array([ord("a"), point, ord("b"), 0], dtype=np.uint32).view("U2")
+    path = tmp_path / "named.npz"
+    np.savez(path, time=np.arange(3.0), position=np.zeros((3, 2)), joints=names)
+    with pytest.raises(RecordingError, match=r"named\.npz: array joints holds what is no text"):
+        load(path)

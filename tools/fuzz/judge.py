@@ -113,6 +113,11 @@ def _serve(target: Target, pipe: Connection) -> None:
         begin = time.process_time()
         kind, text = judged(target, path)
         seconds = time.process_time() - begin
+        # A text that cannot be sent could not be shown to a user either.
+        try:
+            text.encode()
+        except UnicodeError as error:
+            kind, text = "raised", f"the error's text cannot be shown: {error}"
         pipe.send(Verdict(kind, seconds, _memory("VmHWM") - before, text))
 
 

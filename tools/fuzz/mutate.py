@@ -2,6 +2,7 @@
 
 import re
 import struct
+from contextlib import suppress
 from random import Random
 
 from fuzz.target import Target, members, packed
@@ -29,7 +30,8 @@ def mutated(data: bytes, other: bytes, target: Target, random: Random) -> bytes:
         random: decides.
     """
     if target.deeper is not None and random.random() < 0.4:
-        return target.deeper(data, random)
+        with suppress(Exception):  # a search damages what is damaged already
+            return target.deeper(data, random)
     files = members(data) if target.archive and random.random() < 0.7 else None
     if not files:
         return _damaged(data, other, target, random)

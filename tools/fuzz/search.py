@@ -1,6 +1,5 @@
 """Search for files that break a reader: guided by coverage where atheris is, else by hypothesis."""
 
-import os
 import re
 import subprocess
 import sys
@@ -110,7 +109,8 @@ def _atheris(target: Target, clean: Path, arguments: list[str]) -> None:
     """Fuzz in this process, until the time is up or something breaks."""
     import atheris
 
-    place = Path(tempfile.mkdtemp(prefix="fuzz-", dir=_memory())) / clean.name
+    # Beside the corpus, in a folder that the caller removes: libFuzzer ends without cleaning up.
+    place = Path(tempfile.mkdtemp(dir=Path(arguments[0]).parent)) / clean.name
     content = clean.read_bytes()
 
     def once(data: bytes) -> None:
@@ -124,10 +124,6 @@ def _atheris(target: Target, clean: Path, arguments: list[str]) -> None:
 
     atheris.Setup([sys.argv[0], *arguments], once, custom_mutator=custom)
     atheris.Fuzz()
-
-
-def _memory() -> str | None:
-    return "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
 
 def _main(name: str, clean: str, *arguments: str) -> None:
