@@ -81,7 +81,7 @@ def read_archive(
                     for name, one in chosen.items()
                 }
         except (OSError, *_DAMAGED) as why:  # a damaged place in the zip's index cannot be sought
-            raise error(f"{path}: not a readable .npz archive: {_reason(why)}") from why
+            raise error(f"{path}: damaged, or no .npz archive: {_reason(why)}") from why
     return Archive(arrays, tuple(members))
 
 
