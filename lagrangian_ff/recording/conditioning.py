@@ -37,7 +37,6 @@ _TOO_SLOW = 6.0  # Hz; a quarter of the rate below this leaves nothing to choose
 _FASTEST = 1e6  # Hz
 _LEAST = 10  # samples that must be left of a segment
 _STILL = 1e-3  # rad; a joint that moves less over the whole recording stands still
-_LARGEST = 1e9  # of position and effort in any unit: beyond, squares lose all others
 _POSITION_HINT = "check the joint's driver"
 _EFFORT_HINT = (
     "the driver must offer an effort state interface and joint_state_broadcaster must publish it"
@@ -331,12 +330,12 @@ def _require_physical(recording: Recording) -> None:
     """Refuse values that no arm has, and beside which all others are lost in a sum of squares."""
     for quantity in ("position", "effort"):
         values = getattr(recording, quantity)
-        wild = np.argwhere(np.abs(values) > _LARGEST)  # NaN compares as False
+        wild = np.argwhere(np.abs(values) > budget.LARGEST)  # NaN compares as False
         if len(wild):
             row, k = wild[0].tolist()
             raise RecordingError(
                 f"{recording.source}: {counted(len(wild), f'{quantity} value')} beyond "
-                f"{_LARGEST:g}, first {values[row, k]:.4g} of {recording.joints[k]} in sample "
+                f"{budget.LARGEST:g}, first {values[row, k]:.4g} of {recording.joints[k]} in sample "
                 f"{row + 1} at {recording.time[row]:.3f} s; no joint has that: cut this part out, "
                 "or check the driver"
             )

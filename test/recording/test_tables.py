@@ -146,7 +146,7 @@ def test_bad_archives_are_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="position holds Python objects"):
         load(path)
     path.write_bytes(path.read_bytes()[:200])
-    with pytest.raises(RecordingError, match="not a readable"):
+    with pytest.raises(RecordingError, match="damaged, or no"):
         load(path)
 
 
