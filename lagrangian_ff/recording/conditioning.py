@@ -11,6 +11,7 @@ from math import ceil
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.bandwidth import (
@@ -335,9 +336,9 @@ def _require_physical(recording: Recording) -> None:
             row, k = wild[0].tolist()
             raise RecordingError(
                 f"{recording.source}: {counted(len(wild), f'{quantity} value')} beyond "
-                f"{budget.LARGEST:g}, first {values[row, k]:.4g} of {recording.joints[k]} in sample "
-                f"{row + 1} at {recording.time[row]:.3f} s; no joint has that: cut this part out, "
-                "or check the driver"
+                f"{budget.LARGEST:g}, first {values[row, k]:.4g} of {recording.joints[k]} in "
+                f"sample {row + 1} at {recording.time[row]:.3f} s; no joint has that: cut this "
+                "part out, or check the driver"
             )
 
 
