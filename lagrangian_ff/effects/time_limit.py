@@ -64,7 +64,11 @@ def in_time(what: str, call: Callable[[], Result], file: Path | None = None) -> 
 
 
 def _place(error: BaseException, file: Path | None) -> str:
-    frames = traceback.extract_tb(error.__traceback__)
+    frames: list[traceback.FrameSummary] = []
+    cause: BaseException | None = error
+    while cause is not None:  # the first interruption last: a later one may hit who handles it
+        frames = [*frames, *traceback.extract_tb(cause.__traceback__)]
+        cause = cause.__context__
     own = [f for f in frames if file is not None and Path(f.filename).resolve() == file.resolve()]
     outside = [f for f in frames if f.filename != __file__]
     known = own or outside
