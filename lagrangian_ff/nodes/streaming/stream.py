@@ -369,6 +369,9 @@ class StreamMonitor:
             level, message = (Level.STALE if output.silent else Level.WARN), output.withheld
         elif saturated:
             level, message = Level.WARN, f"torque limit reached in {saturated} ticks"
-        elif rate < FEW * wanted_rate:
-            level, message = Level.WARN, f"{rate:.0f} Hz instead of {wanted_rate:g} Hz"
+        if rate < FEW * wanted_rate:
+            slow = f"{rate:.0f} Hz instead of {wanted_rate:g} Hz"
+            # A stall is often the cause of what is said besides.
+            message = slow if level is Level.OK else f"{message}; {slow}"
+            level = max(level, Level.WARN)
         return Status(level, message, values)
