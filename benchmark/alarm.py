@@ -1,4 +1,4 @@
-"""How soon the monitor notices a touch of the simulated arm, and how often it is wrong.
+"""The delay of the monitor's alarm when the simulated arm is touched, and its false alarms.
 
     python benchmark/alarm.py [--arms 4] [--minutes 5] [--cycle 60] [--new-motion] [--plain]
 
@@ -94,7 +94,7 @@ class SimulatedArm:
         return simulate(path, parameters=self.parameters, seed=seed, **together(parts))
 
     def recording(self, run: Run, noise: int) -> Recording:
-        """Return what its driver reports of a run, with noise of its own."""
+        """Return what its driver reports of a run, with other noise each time."""
         seed = 1000 * self.seed + noise
         return reported(run, self.driver, self.parameters, seed)
 

@@ -1,4 +1,4 @@
-"""What reading a file may cost: limits in proportion to its size, for every reader.
+"""Limits of what reading a file may cost, in proportion to its size, for every reader.
 
 No file, damaged or made to do harm, may exhaust memory, disk or patience: what is larger than here
 is refused with the package's own error before it is unpacked, parsed or computed with.

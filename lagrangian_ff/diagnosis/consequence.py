@@ -23,7 +23,7 @@ class Consequence:
             blocks.
         joints_before, joints_after: N·m, over the whole motion, by joint name.
         beside: the consequence of adding it to all others, those after it too, where that decides
-            whether it is worth it; None where the order does not matter.
+            whether it is worth it; else None.
     """
 
     model: Model

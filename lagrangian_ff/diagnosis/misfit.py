@@ -20,7 +20,7 @@ BLOCK = 2.0  # s, longer than errors of neighbouring samples are alike
 DEVIATIONS = 3.0
 """Standard deviations by which chance hardly moves an error, on any joint."""
 FEWEST = 4
-"""Blocks below which an error says nothing of its own spread."""
+"""Fewest blocks from which the spread of an error is known."""
 
 
 @dataclass(frozen=True)
