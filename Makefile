@@ -14,6 +14,8 @@ ARGS ?=
 PROCESSES = test/nodes
 # The whole demo, which keeps both processors busy: beside it, tests of processes come too late.
 WHOLE = test/demo
+# Without the last option a worker that crashed can leave pytest waiting for ever.
+SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools setup.py
@@ -50,9 +52,9 @@ ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
 	@# What takes longest comes first, so that both workers end together.
-	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile test/studies test \
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test \
 		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
-	@$(BIN)/python -m pytest --numprocesses 2 --dist loadfile $(PROCESSES)
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES)
 	@$(BIN)/python -m pytest $(WHOLE)
 endif
 

@@ -174,7 +174,7 @@ def clock_stands(world: World) -> Injection:
     world.robot.speed = 0
     yield Shot("/simulated/feedforward/commands", rate=150.0)
     world.robot.simulated = None
-    SIMULATED.pop().end()
+    SIMULATED.pop().kill()
 
 
 @injects
@@ -312,19 +312,19 @@ def stopped_guarded(world: World) -> Injection:
 
 @injects
 def killed(world: World) -> Injection:
-    world.main.end()
+    world.main.kill()
     yield Shot()
 
 
 @injects
 def killed_guarded(world: World) -> Injection:
-    world.main.end()
+    world.main.kill()
     yield Shot(GUARD)
 
 
 @injects
 def restarted(world: World) -> Injection:
-    world.main.end()
+    world.main.kill()
     message = reference([0.0, 8.0], [[Q, Q], [0.6, 0.6]])
     message.header.stamp = world.bench.node.get_clock().now().to_msg()
     assert world.main.alive
@@ -355,7 +355,7 @@ def neighbour(world: World) -> Injection:
     left = world.start("left", joint_state_timeout=0.0)
     world.settle("/left/feedforward/commands")
     world.hold("/left")
-    left.end()
+    left.kill()
     yield Shot()
 
 
@@ -389,5 +389,5 @@ def guard_ended(world: World) -> Injection:
 
 @injects
 def guard_killed(world: World) -> Injection:
-    world.guard.end()
+    world.guard.kill()
     yield Shot(GUARD)

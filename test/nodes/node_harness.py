@@ -25,6 +25,7 @@ from ruamel.yaml import YAML
 from lagrangian_ff.nodes.common.topics import PolledSubscription
 
 PATIENCE = 60.0  # s, far more than anything takes on a loaded machine
+GRACE = 5.0  # s in which a node ends by itself
 RELIABLE = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 BEST_EFFORT = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(
@@ -93,7 +94,21 @@ class Process:
         except subprocess.TimeoutExpired:
             raise AssertionError(f"still running:\n{self.output}") from None
 
+    def ask_to_end(self) -> None:
+        """Send SIGTERM, also to a process that is stopped."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            self.signal(signal.SIGTERM)
+            self.signal(signal.SIGCONT)
+
     def end(self) -> None:
+        """Ask it to end and wait for that; kill it if that takes too long."""
+        self.ask_to_end()
+        try:
+            self._process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            self.kill()
+
+    def kill(self) -> None:
         """Kill it if it still runs."""
         with contextlib.suppress(ProcessLookupError, PermissionError):
             self.signal(signal.SIGKILL)
@@ -147,6 +162,10 @@ class Bench:
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
 
     def close(self) -> None:
+        # A killed process leaves broken shared memory, in which Fast DDS crashes when it next writes
+        # to that process (eProsima/Fast-DDS issue 6501).
+        for process in self._processes:
+            process.ask_to_end()
         for process in self._processes:
             process.end()
         self._executor.shutdown(timeout_sec=1.0)

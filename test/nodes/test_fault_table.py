@@ -22,12 +22,15 @@ SLACK = 0.5  # s, for a machine under load
 @pytest.fixture(scope="module")
 def world(ros_environment: dict[str, str], tmp_path_factory: Any) -> Iterator[World]:
     folder: Path = tmp_path_factory.mktemp("faults")
-    with open_bench(folder) as bench:
-        world = World(bench, folder, [f"/{name}" for name in NAMESPACES])
-        try:
-            yield world
-        finally:
-            world.close()
+    with pytest.MonkeyPatch.context() as patch:
+        # Rows kill processes, and the next write to shared memory with one may crash the writer.
+        patch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
+        with open_bench(folder) as bench:
+            world = World(bench, folder, [f"/{name}" for name in NAMESPACES])
+            try:
+                yield world
+            finally:
+                world.close()
 
 
 @pytest.fixture(scope="module")
