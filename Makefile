@@ -76,12 +76,15 @@ format: install  ## put the sources into the one format
 	@$(BIN)/ruff check --fix $(SOURCES)
 	@$(BIN)/ruff format $(SOURCES)
 
-fuzz:  ## damage files and see what their readers do; ARGS="--seconds 900", ARGS="csv model"
+fuzz:  ## damaged files for readers, random messages for nodes; ARGS="--seconds 900", ARGS="csv model"
 	$(environment) ros,test
 	@$(BIN)/python -c 'import atheris' 2>/dev/null || $(BIN)/python -m pip install --quiet \
 		--only-binary :all: 'atheris >=2.3, <4' 2>/dev/null || \
 		echo "There is no wheel of atheris for this Python: hypothesis searches without coverage."
 	@PYTHONPATH=tools $(BIN)/python -m fuzz $(ARGS)
+ifndef ARGS
+	@RANDOM_MESSAGES=10000 $(BIN)/python -m pytest -q test/nodes/test_random_messages.py
+endif
 
 benchmark:  ## measure speed against named yardsticks
 	$(environment) ros,benchmark

@@ -152,7 +152,7 @@ class IdentifyNode(ClosingNode):
                 f"no joint states came on {self._subscription.topic}; {path} is empty and not used"
             )
         self._session.bags.append(path)
-        said = f"recorded {tally} of {', '.join(tally.joints)} to {path}"
+        said = f"recorded {tally} of {', '.join(tally.joints)[:200]} to {path}"
         if self._recorder.failure:
             said += f"; it ended early: {self._recorder.failure}"
         if self._settings.value("identify_on_stop"):

@@ -162,8 +162,8 @@ class Bench:
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
 
     def close(self) -> None:
-        # A killed process leaves broken shared memory, in which Fast DDS crashes when it next writes
-        # to that process (eProsima/Fast-DDS issue 6501).
+        # A killed process leaves broken shared memory, in which Fast DDS crashes when it next
+        # writes to that process (eProsima/Fast-DDS issue 6501).
         for process in self._processes:
             process.ask_to_end()
         for process in self._processes:

@@ -140,8 +140,9 @@ def test_another_part_of_the_robot_is_not_a_mistake() -> None:
         (("a",), [0.0], [0.0], "joint states without b"),
         (("a", "b"), [0.0, 0.0], [], "without effort"),
         (("a", "b"), [], [0.0, 0.0], "without positions"),
-        (("a", "b"), [0.0, np.nan], [0.0, 0.0], "the position of b is not finite"),
-        (("a", "b"), [0.0, 0.0], [np.inf, 0.0], "the effort of a is not finite"),
+        (("a", "b"), [0.0, np.nan], [0.0, 0.0], "the position of b is nan"),
+        (("a", "b"), [0.0, 0.0], [np.inf, 0.0], "the effort of a is inf"),
+        (("a", "b"), [1e308, 0.0], [0.0, 0.0], r"the position of a is 1e\+308"),
     ],
 )
 def test_what_cannot_be_used_is_said(
@@ -157,6 +158,15 @@ def test_nothing_comes_until_the_rate_is_known_and_the_filter_has_settled() -> N
     states = taken(live := LiveStates(JOINTS, Conditioning(), 100.0), views(time))
     first = (states[0].at - START) / 1e9 + live.delay
     assert MEASURED * 0.002 + 0.1 < first < 0.4
+
+
+def test_a_rate_that_was_measured_wrongly_is_measured_anew() -> None:
+    live = LiveStates(JOINTS, Conditioning(), 100.0)
+    random = np.random.default_rng(0)
+    taken(live, views(np.cumsum(random.choice([0.3, 1e4, -1e4], 200))))
+    assert live.period != pytest.approx(0.002)
+    assert len(taken(live, views(np.arange(0.0, 2.0, 0.002)))) > 100
+    assert live.period == pytest.approx(0.002)
 
 
 def test_an_interruption_begins_a_new_segment() -> None:

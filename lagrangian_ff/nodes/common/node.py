@@ -5,6 +5,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import rclpy
@@ -30,6 +31,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from threadpoolctl import threadpool_limits
 
+import lagrangian_ff
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.common.log_folder import use_writable_log_folder
 from lagrangian_ff.nodes.common.status import Level, Status
@@ -39,6 +41,8 @@ BAD_PARAMETER = (
     InvalidParameterValueException,
     ParameterImmutableException,
 )
+
+PACKAGE = Path(lagrangian_ff.__file__).parent
 
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 """The signals that end a node cleanly: Ctrl-C, ROS, a terminal that is closed, Ctrl-\\."""
@@ -89,8 +93,8 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         while not stop.is_set():
             try:
                 executor.spin_once(timeout_sec=0.1)
-            except Exception:
-                said = f"a callback failed and was skipped:\n{traceback.format_exc()}"
+            except Exception as error:
+                said = f"a callback failed and was skipped: {_reason(error)}"
                 node.get_logger().error(said, throttle_duration_sec=1.0)
     except (UserError, *BAD_PARAMETER) as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
@@ -105,6 +109,14 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         executor.shutdown(timeout_sec=0.0)
         rclpy.try_shutdown()
     return code
+
+
+def _reason(error: Exception) -> str:
+    """Return the traceback of an error in this package; a line for a message rclpy cannot take."""
+    frames = traceback.extract_tb(error.__traceback__)[1:]  # the first is that of `run`
+    if any(Path(frame.filename).is_relative_to(PACKAGE) for frame in frames):
+        return "\n" + "".join(traceback.format_exception(error))
+    return f"{type(error).__name__}: {error}"
 
 
 def answer_every_transition(node: LifecycleNode) -> None:

@@ -173,13 +173,13 @@ def read_effort(points: Points, joints: Sequence[str]) -> Floats | None:
 
 def _columns(names: Sequence[str], joints: Sequence[str]) -> list[int]:
     if len(set(names)) != len(names):
-        raise RefusedReference(f"it names a joint twice: {', '.join(names)}")
+        raise RefusedReference(f"it names a joint twice: {', '.join(names)[:200]}")
     if list(names) == list(joints):
         return list(range(len(joints)))
     missing = [joint for joint in joints if joint not in names]
     if missing:
         raise RefusedReference(
-            f"no joint {', '.join(missing)}; it moves {', '.join(names) or 'no joints'}"
+            f"no joint {', '.join(missing)}; it moves {', '.join(names)[:200] or 'no joints'}"
         )
     return [list(names).index(joint) for joint in joints]
 

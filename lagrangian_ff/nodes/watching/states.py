@@ -6,13 +6,13 @@ has the same gain at every frequency, so that residuals keep their size, and del
 alike.
 """
 
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateView, MessageError
 from lagrangian_ff.recording import Conditioning
@@ -25,7 +25,9 @@ STEP = 0.5
 TERMS = 12
 MEASURED = 50
 """Number of periods that the sampling rate is measured from."""
-JUMP = 1.0  # s; stamps that go back farther are of another clock, not of a late message
+OTHER = 2.0
+"""Factor from which on a period is another one, and the filter is designed anew."""
+JUMP = 1.0  # s; stamps that go farther, or back as far, are of another clock or after a pause
 
 
 class CausalFilter:
@@ -138,7 +140,7 @@ class LiveStates:
         self._filter: CausalFilter | None = None
         self._names: tuple[str, ...] = ()
         self._columns: list[int] = []
-        self._steps: deque[int] = deque(maxlen=MEASURED)
+        self._steps: list[int] = []
         self._last = 0
         self._began = 0
         self._segment = 0
@@ -163,12 +165,16 @@ class LiveStates:
         if last and -JUMP < passed <= 0.0:
             raise MessageError("a joint state that is not newer than the one before")
         self._last = at
-        if self._filter is None:
-            if last and passed > 0.0:
-                self._steps.append(at - last)
-            if len(self._steps) == MEASURED:
-                self._filter = self._designed()
+        if last and 0.0 < passed < JUMP:
+            self._steps.append(at - last)
+        if len(self._steps) == MEASURED:
+            period = float(np.median(self._steps)) / 1e9
+            self._steps.clear()
+            if self._filter is None or not 1.0 / OTHER < period / self.period < OTHER:
+                self._filter = self._designed(period)
                 self._start(self._filter, values, at)
+                return None
+        if self._filter is None:
             return None
         if passed <= 0.0 or passed > self._longest:
             self.gaps += 1
@@ -199,17 +205,19 @@ class LiveStates:
                 view.effort[self._columns] * self._scale + self._offset,
             ]
         )
-        if not np.isfinite(values).all():
-            kind, joint = divmod(int(np.isfinite(values).argmin()), len(self._joints))
+        sound = np.abs(values) <= budget.LARGEST
+        if not sound.all():
+            index = int(sound.argmin())
+            kind, joint = divmod(index, len(self._joints))
             raise MessageError(
                 f"a joint state where the {('position', 'effort')[kind]} of {self._joints[joint]} "
-                "is not finite"
+                f"is {values[index]:g}"
             )
         return values
 
-    def _designed(self) -> CausalFilter:
-        """Return the filter that recordings of this sampling rate would get."""
-        self.period = float(np.median(self._steps)) / 1e9
+    def _designed(self, period: float) -> CausalFilter:
+        """Return the filter that recordings with this period, s, would get."""
+        self.period = period
         # As long as the gaps that are bridged in recordings.
         self.bandwidth = min(self._conditioning.bandwidth or USUAL, 0.25 / self.period)
         usual = max(0.5 / self.bandwidth, 2.5 * self.period)
