@@ -36,7 +36,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-oldest lint types format fuzz benchmark install clean
+.PHONY: help demo test test-oldest lint types format fuzz soak benchmark install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -85,6 +85,10 @@ fuzz:  ## damaged files for readers, random messages for nodes; ARGS="--seconds 
 ifndef ARGS
 	@RANDOM_MESSAGES=10000 $(BIN)/python -m pytest -q test/nodes/test_random_messages.py
 endif
+
+soak:  ## all nodes for half an hour: memory, files, lateness and what was lost, in out/soak
+	$(environment) ros
+	@$(BIN)/python tools/soak.py $(ARGS)
 
 benchmark:  ## measure speed against named yardsticks
 	$(environment) ros,benchmark

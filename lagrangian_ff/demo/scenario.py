@@ -94,7 +94,7 @@ class Scenario:
         Raises:
             DemoError: a node failed.
         """
-        environment = {**os.environ, **_surroundings(domain)}
+        environment = {**os.environ, **surroundings(domain)}
         with Nodes(self._folder.logs, environment) as self._nodes:
             self._start_arm_and_recorder()
             with closing(Conductor(context, self._nodes)) as self._conductor:
@@ -274,7 +274,7 @@ def _show(drive: arm_link.Drive, report: Progress) -> None:
     report(drive.fraction, "")
 
 
-def _surroundings(domain: int) -> dict[str, str]:
+def surroundings(domain: int) -> dict[str, str]:
     """Return what the nodes' environment has besides that of the demo."""
     prefixes = [path for path in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if path]
     if sys.prefix not in prefixes and (Path(sys.prefix) / "share/ament_index").is_dir():
