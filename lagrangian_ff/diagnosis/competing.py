@@ -16,7 +16,7 @@ from lagrangian_ff.diagnosis.causes import Friction, Gain, gain, gain_half, gain
 from lagrangian_ff.diagnosis.intervals import GAIN
 from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.run import Changed
-from lagrangian_ff.diagnosis.search.change import FINE, SAMPLES, joints_of, of_shuffled
+from lagrangian_ff.diagnosis.search.change import FINE, beyond_chance, joints_of
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, refit, whiten
 from lagrangian_ff.diagnosis.whitening.whitened import rigid_torque
 from lagrangian_ff.effects.base import Floats
@@ -173,18 +173,14 @@ def _bodies(whitened: Whitened, model: Model, boundary: float) -> _Bodies | None
     changing = Changing.of(whitened, len(whitened.index))
     log_bf, share = max((changing.log_bayes_factor((boundary, np.inf, one)), one) for one in FINE)
     second = ((boundary, np.inf, share), log_bf) if log_bf >= floor else None
-    if not _beyond_chance(whitened, Change(boundary, np.inf, share, log_bf)):
+    # More than with the blocks of both recordings mixed.
+    change = Change(boundary, np.inf, share, log_bf)
+    if beyond_chance(whitened, change) < thresholds.USED.change_beyond_chance:
         return None
     if named is None and second is None:
         return None
     evidence = max(named.evidence if named else -np.inf, log_bf if second else -np.inf)
     return _Bodies(evidence, second, named, model)
-
-
-def _beyond_chance(whitened: Whitened, change: Change) -> bool:
-    """Return whether a change gains far more than with the blocks of both recordings mixed."""
-    few = Changing.of(whitened, SAMPLES).log_bayes_factor(change.prior)
-    return few > thresholds.USED.change_beyond_chance * max(0.0, *of_shuffled(whitened, change))
 
 
 def _named(change: BodyChange, whitened: Whitened, model: Model) -> Changed:

@@ -155,7 +155,7 @@ def test_setup_lists_the_libraries_that_tests_import() -> None:
     wanted = [*extras["test"], *extras["benchmark"], *extras["fuzz"]]
     known = runtime() | {str(requirement).split()[0] for requirement in wanted}
     siblings = {file.stem for part in ("test", "benchmark") for file in (ROOT / part).rglob("*.py")}
-    siblings |= {folder.name for folder in (ROOT / "tools").iterdir()}
+    siblings |= {path.stem for path in (ROOT / "tools").iterdir()}
     used = (
         imported("test", "benchmark", "tools") - siblings - {"catkin_pkg"}
     )  # colcon-ros brings it

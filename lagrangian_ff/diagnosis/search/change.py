@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.search.bayes_factor import expected, tempered_log_bf
@@ -28,7 +28,7 @@ found lies a torque that would be taken for another effect."""
 LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
-SHUFFLES = 5
+SHUFFLES = 15
 OFFSETS = 0.15 * 1.5 ** np.arange(11)
 """Shifts of a moment in s, either way, for its interval."""
 HALF_CHI_SQUARE = 1.353
@@ -43,8 +43,7 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
 
     Args:
         whitened: the motion.
-        beyond: the least ratio to the log Bayes factors of shuffled blocks; None takes that of the
-            thresholds.
+        beyond: the least of `beyond_chance`; None takes that of the thresholds.
     """
     limits = thresholds.USED
     beyond = limits.change_beyond_chance if beyond is None else beyond
@@ -66,7 +65,7 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
-    if best.log_bayes_factor < beyond * max(of_shuffled(whitened, best)):
+    if beyond_chance(whitened, best) < beyond:
         return None
     every = _log_bayes_factors(whitened, len(whitened.index))
     best = replace(best, log_bayes_factor=every(best))
@@ -153,24 +152,40 @@ def _with_ranges(
     return replace(best, since_range=since, until_range=until)
 
 
-def of_shuffled(whitened: Whitened, change: Change) -> list[float]:
-    """Return the log Bayes factors of a change with the blocks of time in random order.
+def beyond_chance(whitened: Whitened, change: Change) -> float:
+    """Return by how many standard deviations a change gains more than as many blocks from anywhere.
 
-    A rigid-body part that fits badly gains from any freedom. A real change gains more in its
-    interval than in as many blocks from anywhere.
+    A rigid-body part that fits badly gains from any freedom; a real change gains more in its own
+    interval. Few samples decide.
     """
     numbers = np.unique(whitened.block)
     starts = np.array([whitened.x.time[whitened.block == number][0] for number in numbers])
     place = np.searchsorted(numbers, whitened.block)
+    inside = (starts >= change.since) & (starts < change.until)
     found = []
     for seed in range(SHUFFLES):
-        order = np.random.default_rng(seed).permutation(len(numbers))
+        order = _mixed(inside, np.random.default_rng(seed))
         time = whitened.x.time - starts[place] + starts[order][place]
         x = replace(whitened.x, time=time)
         samples = replace(whitened.problem.samples, x=x)
         shuffled = replace(whitened, problem=whitened.problem.of(samples))
         found.append(_log_bayes_factors(shuffled, SAMPLES)(change))
-    return found
+    gain = _log_bayes_factors(whitened, SAMPLES)(change)
+    return (gain - float(np.mean(found))) / max(float(np.std(found, ddof=1)), 1.0)
+
+
+def _mixed(inside: Flags, random: np.random.Generator) -> Ints:
+    """Return an order of blocks in which as large a share inside comes from inside as of all.
+
+    Of few blocks a free order leaves many where they were, and gains by the change itself.
+    """
+    within, beyond = (random.permutation(np.flatnonzero(one)) for one in (inside, ~inside))
+    stay = round(len(within) ** 2 / len(inside))
+    move = len(within) - stay
+    order = np.empty(len(inside), dtype=np.int64)
+    order[inside] = random.permutation(np.concatenate([within[:stay], beyond[:move]]))
+    order[~inside] = random.permutation(np.concatenate([within[stay:], beyond[move:]]))
+    return order
 
 
 def joints_of(whitened: Whitened) -> tuple[tuple[int, ...], Floats]:
