@@ -9,10 +9,11 @@ from lagrangian_ff.effects.gear import OF, Gear
 from lagrangian_ff.effects.memory import loose
 
 BLOW = 0.02  # s, in which teeth that hit pass on what the motor has gained
-CROSSINGS = np.geomspace(0.006, 0.2, 9)
+CROSSINGS = np.geomspace(BLOW, 0.2, 7)
 """s that the load, at its root mean square, takes to cross the gaps that are tried.
 
-A servo's play of two degrees takes 0.2 s where the load accelerates its link by 1.7 rad/s²."""
+A servo's play of two degrees takes 0.2 s where the load accelerates its link by 1.7 rad/s². A gap
+that is crossed before the blow is over shows nothing that a soft gear does not."""
 
 
 class Backlash(Gear):

@@ -18,8 +18,8 @@ def page(root: Path) -> str:
     return (root / "docs" / "effects.md").read_text()
 
 
-def test_the_table_is_that_of_the_list(root: Path) -> None:
-    tool = root / "tools" / "effects_table.py"
+def test_tables_are_those_of_their_lists(root: Path) -> None:
+    tool = root / "tools" / "doc_tables.py"
     command = [sys.executable, str(tool), "--check"]
     here = {**os.environ, "PYTHONPATH": str(root)}
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=here)

@@ -1,6 +1,6 @@
 """The table of faults: what the torque does at each, within which time, what /diagnostics says.
 
-The table in docs/feedforward.md is written from this list (`python tools/fault_table.py`), and
+The table in docs/feedforward.md is written from this list (`python tools/doc_tables.py`), and
 test_fault_table.py injects each row.
 """
 

@@ -1,7 +1,5 @@
 """Each row of the fault table, injected for real while another process watches the torque."""
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -120,7 +118,5 @@ def test_no_command_was_over_its_limit_or_not_finite(world: World) -> None:
     print(f"\n{len(found)} torques of each joint watched")
 
 
-def test_every_row_is_injected_and_written_down(root: Path) -> None:
+def test_every_row_is_injected() -> None:
     assert list(INJECT) == [row.key for row in ROWS]
-    tool = [sys.executable, str(root / "tools" / "fault_table.py"), "--check"]
-    subprocess.run(tool, check=True)
