@@ -35,6 +35,7 @@ class Reason(Enum):
     OTHER_SIZE = "it has another size on the motion held out"
     LARGE_REST = "a curve explains nearly as much on the joint"
     ABSORBED = "the model may have this torque already"
+    AT_END = "a shape ends where its range ends"
     IMPOSSIBLE = "no hardware surely has these parameters"
     ONCE = "it happens once in a recording, and there is no second one"
     NEAR_REVERSALS = "it shows near reversals only, where hysteresis leaves as much"

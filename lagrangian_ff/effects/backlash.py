@@ -32,7 +32,10 @@ class Backlash(Gear):
         Parameter("c", "1", "share of the load that is let go, about 1", positive=True),
         Parameter("J", "kg·m²", "inertia beyond the gap that was not counted into the load"),
     )
-    shapes = (OF, Shape("P", "kg·m²·rad", "the link's inertia times the play", 1e-9, 1e3, 1e-3))
+    shapes = (
+        OF,
+        Shape("P", "kg·m²·rad", "the link's inertia times the play", 1e-9, 1e3, 1e-3, bounds=True),
+    )
     kind = "transmission"
     part = "inertia"
     coordinate = "load"

@@ -84,6 +84,8 @@ class Shape:
         joint: whether it is a joint, counted from 0.
         of_model: whether it makes up for what one model believes, so that it does not carry over
             to another.
+        bounds: whether nature keeps within the range, so that data which ask for more, and end
+            there, show something else.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Shape:
     whole: bool = False
     joint: bool = False
     of_model: bool = False
+    bounds: bool = False
 
     def grid(self) -> list[float]:
         """Return the values tried first."""

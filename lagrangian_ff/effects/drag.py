@@ -14,7 +14,9 @@ class PowerLaw(Effect):
     source = "the shear law of Ostwald and de Waele for lubricants that thin under shear"
     meaning = "friction that grows ever slower with speed"
     parameters = (Parameter("K", "N·m·(s/rad)^p", "friction at 1 rad/s", positive=True),)
-    shapes = (Shape("p", "1", "power of speed; near 0 Coulomb's, near 1 viscous", 0.2, 0.8, 0.5),)
+    shapes = (
+        Shape("p", "1", "power; near 0 Coulomb's, near 1 viscous", 0.2, 0.8, 0.5, bounds=True),
+    )
     shows_as = "rises steeply from zero speed and ever slower then"
     look_alikes = {
         "stribeck": (

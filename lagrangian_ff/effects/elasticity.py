@@ -32,7 +32,7 @@ class Elasticity(Gear):
     )
     shapes = (
         OF,
-        Shape("f", "Hz", "resonance of the link on its spring, motor held", 1.5, 20.0, 6.0, 9),
+        Shape("f", "Hz", "resonance of the link on its spring", 1.5, 20.0, 6.0, 9, bounds=True),
         Shape("z", "1", "its damping, in parts of critical", 0.08, 0.3, 0.1, 2),
     )
     kind = "transmission"

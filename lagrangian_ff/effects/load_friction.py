@@ -86,7 +86,10 @@ class LoadStribeck(_GearLoss):
     parameters = (
         Parameter("mu_s", "1", "static friction above Coulomb's over load torque", positive=True),
     )
-    shapes = (Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1, steps=4), ROTOR)
+    shapes = (
+        Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1, steps=4, bounds=True),
+        ROTOR,
+    )
     coordinate = "velocity"
     shows_as = "a bump on both sides of zero speed whose height follows the load"
     look_alikes = {

@@ -8,7 +8,7 @@ from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
 from lagrangian_ff.effects.gear import ROTOR, link_load, rotors
 from lagrangian_ff.effects.inputs import Inputs
 
-ORDER = Shape("order", "1", "periods in one turn of the joint", 2, 60, 6, whole=True)
+ORDER = Shape("order", "1", "periods in one turn of the joint", 2, 60, 6, whole=True, bounds=True)
 
 
 class Ripple(Effect):

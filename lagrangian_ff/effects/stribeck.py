@@ -27,7 +27,7 @@ class Stribeck(Effect):
     )
     meaning = "dry friction that is higher while creeping"
     parameters = (Parameter("F_s", "N·m", "static friction above Coulomb's", positive=True),)
-    shapes = (Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1),)
+    shapes = (Shape("v_s", "rad/s", "Stribeck velocity", 0.01, 1.0, 0.1, bounds=True),)
     shows_as = "a bump on both sides of zero speed, falling over the first tenths of rad/s"
     look_alikes = {
         "coulomb": "Stribeck friction is gone at higher speed; Coulomb's never changes with it"

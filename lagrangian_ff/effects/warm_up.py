@@ -27,7 +27,7 @@ class WarmUp(Effect):
             positive=True,
         ),
     )
-    shapes = (Shape("T", "s", "time constant of the warming", 5.0, 300.0, 60.0),)
+    shapes = (Shape("T", "s", "time constant of the warming", 5.0, 300.0, 60.0, bounds=True),)
     coordinate = "time"
     shows_as = "friction that dies away over the recording, while gravity stays"
     look_alikes = {

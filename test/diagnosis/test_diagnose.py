@@ -140,6 +140,21 @@ def test_a_spring_is_missing_only_where_gravity_is_not_free(
     assert "has this torque already" in doubt.words
 
 
+def test_a_shape_that_ends_where_nature_ends_it_is_in_doubt() -> None:
+    first, model = two_rods.motion(1, hidden=two_rods.stick), model_of(None)
+    found = search(fit(first, model.inputs_of(first), model.basis))
+    (step,) = [step for step in found.steps if step.score.candidate.key == ("stribeck", 1)]
+    assert doubt_of(found, step, model) is None
+    candidate = step.score.candidate
+    tried = candidate.effect.candidates(found.whitened.x, 1)
+    for end in (min(one["v_s"] for one in tried), max(one["v_s"] for one in tried)):
+        score = replace(step.score, candidate=replace(candidate, shape={"v_s": end}))
+        doubt = doubt_of(found, replace(step, score=score), model)
+        assert doubt is not None
+        assert doubt.reason is Reason.AT_END
+        assert f"its v_s (Stribeck velocity) is {end:.3g} rad/s" in doubt.words
+
+
 def stick_and_swing(
     t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
 ) -> two_rods.Floats:
