@@ -25,6 +25,8 @@ STEP, MARGIN = 5.0, 6.0
 COARSE, EXACT = (2.5, 1.25, 0.625), (0.3, 0.15, 0.075, 0.04)
 """Shifts of the moments in s, on few samples and on all. Between the true moment and the one
 found lies a torque that would be taken for another effect."""
+EDGE = 0.3
+"""s from the ends of the search within which a moment is none."""
 LENGTHS = (np.inf, 5.0, 10.0)
 SHARE = 0.05
 FINE = (0.005, 0.02, 0.08, 0.3, 1.0)
@@ -72,6 +74,9 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     if best.log_bayes_factor <= limits.change_floor:
         return None
     best = _Better(every, start, end).moved(best, EXACT)
+    # A moment at the end of the search would be earlier or later still: the motion has no moment.
+    if not start + limits.change_margin + EDGE < best.since < end - limits.change_margin - EDGE:
+        return None
     if best.log_bayes_factor - _of_friction(whitened, best) <= limits.change_floor:
         return None
     return _with_ranges(best, coarse, (start, end))
