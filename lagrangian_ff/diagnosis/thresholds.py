@@ -52,8 +52,8 @@ class Thresholds:
         change_floor: least log BF of a change of the arm: a second Lagrangian is a large freedom.
         change_promising: log BF on few samples above which a change is examined on all.
         change_beyond_chance, change_again: standard deviations by which the log BF of a change
-            must exceed those with shuffled blocks, in the search and on hold-out motion. Seven
-            arms without a load reached 5.8 at most, loads of 10 % and 20 % 9 and 14.
+            must exceed those with shuffled blocks, in the search and on hold-out motion. Nine
+            arms without a load reached 6.4 at most, loads of 10 % and 20 % 9 and 14.
         change_helps: largest share of a model's error on a recording that a change since its
             identification may leave.
         change_motion: s of motion below which no change is searched.
