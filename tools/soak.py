@@ -51,7 +51,7 @@ MEMORY, FILES = 0, 1
 
 @dataclass(frozen=True)
 class Soak:
-    """What was seen of S seconds.
+    """The measurements of a run of S seconds.
 
     Attributes:
         held: (S, nodes, 2) memory in MB and open files.

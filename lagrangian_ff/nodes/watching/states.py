@@ -26,7 +26,7 @@ TERMS = 12
 MEASURED = 50
 """Number of periods that the sampling rate is measured from."""
 OTHER = 2.0
-"""Factor from which on a period is another one, and the filter is designed anew."""
+"""Ratio of the measured period to the filter's, either way, at which the filter is replaced."""
 JUMP = 1.0  # s; stamps that go farther, or back as far, are of another clock or after a pause
 
 
