@@ -8,7 +8,14 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.diagnosis.consequence import Consequence
-from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Finding, Reason, sorted_findings
+from lagrangian_ff.diagnosis.results import (
+    Diagnosis,
+    Doubt,
+    Finding,
+    Reason,
+    Verdict,
+    sorted_findings,
+)
 from lagrangian_ff.diagnosis.sentences import no_help, reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError
@@ -75,7 +82,9 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
     The confirmed ones are added one after the other. While much is still missing, the model makes
     up for it, and a true effect may raise the error of another joint: such a one is judged again
     beside all others. One that does not lower the error then is left out, and no more than
-    suggested. Findings that are not confirmed are tried beside those that are kept.
+    suggested; the rest is judged again without it. Findings that are not confirmed are tried
+    beside those that are kept; an ambiguous one that does not help is no more than suggested
+    either.
     """
     kept = [one for one in diagnosis.findings if one.confirmed and not one.once]
     others = [one for one in diagnosis.findings if not one.confirmed][: max(0, MOST - len(kept))]
@@ -97,26 +106,28 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         """Add findings one after the other, those that began an earlier chain not again."""
         alike = [_key(a) == _key(b) for a, b in zip(findings, before, strict=False)]
         same = alike.index(False) if False in alike else len(alike)
-        model, made = diagnosis.model, list(findings[:same])
+        model, made = diagnosis.model, [_alone(finding) for finding in findings[:same]]
         model = next((f.consequence.model for f in reversed(made) if f.consequence), model)
         error = _errors(model, motion)
         for finding in findings[same:]:
             larger = extended(model, finding)
             if larger is None:
-                made.append(finding)
+                made.append(replace(finding, consequence=None))
                 continue
             new = _errors(larger, motion)
-            beside = finding.consequence.beside if finding.consequence else None
             consequence = _between(larger, motion, finding.joint, error, new)
-            made.append(replace(finding, consequence=replace(consequence, beside=beside)))
+            made.append(replace(finding, consequence=consequence))
             model, error = larger, new
         return made, model
 
     motion = diagnosis.held_out
     tried, model = chain(kept)
     useful, useless, model = _worth(tried, model, motion)
-    if useless:
-        useful, model = chain(useful, tried)
+    dropped = useless
+    while useless:
+        tried, model = chain(useful, tried)
+        useful, useless, model = _worth(tried, model, motion)
+        dropped += useless
     error = _errors(model, motion)
     suggested = []
     for finding in others:
@@ -125,11 +136,27 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
             new = _errors(larger, motion)
             made = _between(larger, motion, finding.joint, error, new)
             finding = replace(finding, consequence=made)
+            if finding.verdict is Verdict.AMBIGUOUS and not made.worth:
+                finding = _useless(finding)
         suggested.append(finding)
-    by_name = {_key(one): one for one in (*useful, *useless, *suggested)}
+    by_name = {_key(one): one for one in (*useful, *dropped, *suggested)}
     findings = [by_name.get(_key(one), one) for one in diagnosis.findings]
     progress(1.0, "adding what was found")
     return replace(diagnosis, findings=sorted_findings(findings))
+
+
+def _alone(finding: Finding) -> Finding:
+    """Return a finding whose consequence is not judged beside others."""
+    made = finding.consequence
+    return replace(finding, consequence=replace(made, beside=None)) if made else finding
+
+
+def _useless(finding: Finding) -> Finding:
+    """Return a finding that was tried as no more than suggested, since it does not help."""
+    made = finding.consequence
+    assert made is not None
+    words = no_help(made.beside or made, finding.joint)
+    return replace(finding, doubt=Doubt(Reason.NO_HELP, words))
 
 
 def _key(finding: Finding) -> tuple[str, tuple[str, ...]]:
@@ -156,11 +183,11 @@ def _worth(
             before = _errors(less, motion)
             made = replace(made, beside=_between(model, motion, finding.joint, before, error))
         place = useful.index(finding)
+        finding = replace(finding, consequence=made)
         if made.worth:
-            useful[place] = replace(finding, consequence=made)
+            useful[place] = finding
             continue
-        doubt = Doubt(Reason.NO_HELP, no_help(made.beside or made, finding.joint))
-        useless.append(replace(finding, consequence=made, doubt=doubt))
+        useless.append(_useless(finding))
         if len(useful) > 1:
             model, error = less, before
         del useful[place]

@@ -260,6 +260,27 @@ def test_what_does_not_lower_the_error_is_not_added() -> None:
     assert apply(tried) is found.model
 
 
+@pytest.mark.parametrize("rivals", [(), ("delay",)], ids=["confirmed", "ambiguous"])
+@pytest.mark.parametrize(
+    "names", [("hysteresis", "asymmetric_coulomb"), ("offset", "asymmetric_viscous", "spring")]
+)
+def test_whatever_is_still_claimed_lowers_the_error(
+    stuck: Diagnosis, names: tuple[str, ...], rivals: tuple[str, ...]
+) -> None:
+    """Claims of what is not there go, in company of one that is, and so does what leans on them."""
+    (true,) = stuck.confirmed
+    false = [
+        replace(true, effect=EFFECTS[name], joints=(joint,), shape={}, rivals=rivals)
+        for name in names
+        for joint in stuck.model.joints
+    ]
+    tried = with_consequences(replace(stuck, findings=(*false, true)))
+    claimed = [one for one in tried.findings if one.doubt is None and one.consequence]
+    assert true.name in [one.name for one in claimed]
+    assert all(one.consequence is not None and one.consequence.worth for one in claimed)
+    assert len(claimed) < len(tried.findings)
+
+
 @pytest.mark.parametrize(
     ("worth", "change"),
     [
