@@ -26,9 +26,10 @@ from lagrangian_ff.arm.joint_effect import JointEffect, JointMoment
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateView, MessageError
 from lagrangian_ff.nodes.common.models import conditioning_for
+from lagrangian_ff.nodes.watching.chance import LEARNING
 from lagrangian_ff.nodes.watching.live import LivePrediction
 from lagrangian_ff.nodes.watching.states import LiveStates
-from lagrangian_ff.nodes.watching.touch import LEARNING, SETTLING, Touch, TouchAlarm
+from lagrangian_ff.nodes.watching.touch import SETTLING, Touch, TouchAlarm
 from lagrangian_ff.recording import Recording, condition
 from lagrangian_ff.studies.nuisances.drawn import Nuisances
 

@@ -11,9 +11,10 @@ from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateView
 from lagrangian_ff.nodes.common.models import conditioning_for
 from lagrangian_ff.nodes.common.status import Level
+from lagrangian_ff.nodes.watching.chance import LEARNING
 from lagrangian_ff.nodes.watching.live import LivePrediction
 from lagrangian_ff.nodes.watching.states import LiveStates
-from lagrangian_ff.nodes.watching.touch import LEARNING, Touch, TouchAlarm, once_in
+from lagrangian_ff.nodes.watching.touch import Touch, TouchAlarm
 from lagrangian_ff.recording import Recording, condition
 
 RATE = 100.0  # Hz of messages and states
@@ -117,9 +118,3 @@ def test_outside_the_known_range_nothing_is_judged(stream: Stream) -> None:
         for one in stream.prediction.take([state] if state else []):
             assert stream.alarm.add(one, 0.25) is None or one.state.q[0] < 3.0
     assert stream.alarm.judged - judged < 0.5
-
-
-def test_once_in_an_hour_is_what_a_known_tail_gives() -> None:
-    random = np.random.default_rng(0)
-    blocks = (1.0 - random.random((2000, 1))) ** (-1.0 / 6.0)  # P(z > x) = x^-6
-    assert once_in(3600.0, blocks)[0] == pytest.approx(3600.0 ** (1.0 / 6.0), rel=0.15)

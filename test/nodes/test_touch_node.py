@@ -15,7 +15,8 @@ from small_model import JOINTS, motion_at, torque_of
 
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.nodes.common.topics import stamp
-from lagrangian_ff.nodes.watching.touch import LEARNING, SETTLING
+from lagrangian_ff.nodes.watching.chance import LEARNING
+from lagrangian_ff.nodes.watching.touch import SETTLING
 from lagrangian_ff.recording import Recording, condition
 
 START = 1_700_000_000_000_000_000  # ns
