@@ -2,7 +2,6 @@
 
 import signal
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -74,11 +73,13 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     sys.setswitchinterval(0.0005)
     # Threads of the linear algebra spin while they wait, and would take the core of a paced loop.
     threadpool_limits(1)
-    stop = threading.Event()
+    stop = False
     executor = SingleThreadedExecutor()
 
     def end(signal_number: int, frame: object) -> None:
-        stop.set()
+        # No lock here: a second signal may interrupt this one in the same thread.
+        nonlocal stop
+        stop = True
         executor.wake()
 
     for number in ENDING:
@@ -90,7 +91,7 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     try:
         node = make_node()
         executor.add_node(node)
-        while not stop.is_set():
+        while not stop:
             try:
                 executor.spin_once(timeout_sec=0.1)
             except Exception as error:
