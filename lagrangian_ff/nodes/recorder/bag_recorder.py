@@ -152,16 +152,20 @@ class BagRecorder:
                 return
         except OSError:
             return  # writing will say what is wrong
-        full = f"less than {self._reserve / 1e9:g} GB are free beside {bag.path}"
-        self._end(f"{full}: delete recordings or set output_directory")
+        failure = (
+            f"less than {self._reserve / 1e9:g} GB are free beside {bag.path}: delete recordings "
+            "or set output_directory"
+        )
         try:
             bag.close()
         except UserError as error:
-            self._warn("recording ended", str(error))
+            failure = f"{failure}; {error}"
+        self._end(failure)
 
     def _end(self, failure: str) -> None:
-        self._bag, self.failure = None, failure
+        self._bag = None
         self._warn("recording ended", f"recording ended: {failure}")
+        self.failure = failure  # last: who sees it finds the bag ended and the warning given
 
     def _drain(self) -> None:
         for data, received in self._take_new():
