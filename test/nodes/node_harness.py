@@ -61,7 +61,7 @@ class Process:
             arguments += ["-p", f"{name}:={_yaml(value)}"]
         self.log = log
         self._may_end = False
-        with log.open("w") as output:
+        with log.open("w") as output, _hang_up_ends():
             self._process = subprocess.Popen(
                 [sys.executable, "-m", f"lagrangian_ff.nodes.{executable}", *arguments],
                 stdout=output,
@@ -117,6 +117,16 @@ class Process:
     @property
     def output(self) -> str:
         return self.log.read_text(errors="replace")
+
+
+@contextlib.contextmanager
+def _hang_up_ends() -> Iterator[None]:
+    """Let a process that starts now end on SIGHUP: below nohup it would inherit to ignore it."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def _yaml(value: Any) -> str:
