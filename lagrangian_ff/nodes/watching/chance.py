@@ -21,8 +21,8 @@ HEAVIER = 0.1
 AFTERMATH = 3
 """Blocks after one with an alarm that may still be of what raised it."""
 APART = 30
-"""Of blocks with an alarm or after one, one in so many is learned from, as no more than the largest
-before: touches do not make the alarm deaf, and where the arm has changed, the threshold follows."""
+"""Of so many blocks with or after an alarm one is learned from, cut to the largest block before it.
+So touches do not raise the threshold by much, but it follows an arm that has changed for good."""
 LIGHTEST, HEAVIEST = 1e-6, 0.5
 """Shapes of a tail: from that of an exponential to one whose variance is infinite."""
 

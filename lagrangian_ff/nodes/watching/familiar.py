@@ -1,7 +1,7 @@
-"""What the filters saw when the arm was in the same state before.
+"""Compares outputs of the filters with earlier ones of the same position and speed.
 
-An arm that repeats its work repeats what its model errs with. Outputs of the filters are compared
-with those of earlier visits of a state: what is left is noise, often a tenth of the model's error.
+An arm that repeats its work repeats its model's errors, too. The difference from earlier visits of
+a state is only noise, often a tenth of the model's error.
 """
 
 from collections import deque
@@ -11,6 +11,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification import Model
+from lagrangian_ff.nodes.watching.jumps import Usual
 
 MEMORY = 600.0
 """s of motion that are remembered."""
@@ -55,23 +56,15 @@ class Familiar:
     """
 
     def __init__(self, model: Model, filters: int) -> None:
-        known, joints = model.data, len(model.joints)
-        self._middle = known.q.mean(axis=0)
-        self._scale = np.maximum(
-            np.concatenate(
-                [
-                    np.sqrt(np.mean((known.q - self._middle) ** 2, axis=0)),
-                    np.sqrt(np.mean(known.qd**2, axis=0)),
-                ]
-            ),
-            1e-9,
-        )
+        joints, usual = len(model.joints), Usual.of(model)
+        self._middle = usual.middle
+        self._scale = np.concatenate([usual.width, usual.speed])
         # Ones, so that the memory is taken at once and not in the course of minutes.
         self._rows = round(MEMORY / PACE)
         self._where = np.ones((self._rows, 2 * joints), dtype=np.float32)
         self._square = np.ones(self._rows, dtype=np.float32)
         self._output = np.ones((self._rows, filters, joints), dtype=np.float32)
-        self._least = (SMALLEST * np.sqrt(np.mean(known.tau**2, axis=0))) ** 2 + 1e-18
+        self._least = (SMALLEST * np.sqrt(np.mean(model.data.tau**2, axis=0))) ** 2 + 1e-18
         self._usual = np.zeros((filters, joints))
         self._compared = self._count = 0
         self._waiting: deque[_Row] = deque()
@@ -80,7 +73,8 @@ class Familiar:
     def take(self, at: int, q: Floats, qd: Floats, output: Floats) -> Floats | None:
         """Return (F, N) how far the output is from earlier ones, over what is usual.
 
-        None where the arm was not often enough, or if the last state was just now.
+        Return None if there are fewer than `VISITS` earlier visits, while the usual deviation is
+        not `SETTLED`, or less than `PACE` after the last state.
 
         Args:
             at: ns.  q, qd: (N,) rad, rad/s.  output: (F, N) N·m.

@@ -1,8 +1,8 @@
-"""What a model errs with from one moment to the next, as filters of the residual see it.
+"""Filters that show sudden changes of the residual, and how large the model's own errors make them.
 
-Filters of several lengths take the mean residual of the last states less that shortly before. What
-a model errs with changes it: about reversals, in creeping, with speed and position, and with noise.
-How much is learned from the model's training motion, as components of a variance
+Filters of several lengths take the mean residual of the last states less that shortly before. The
+model's own errors change it, too: about reversals, in creeping, with speed and position, by noise.
+How much they do is learned from the model's training motion, as components of a variance
 (`diagnosis.bursts` does it for whole recordings, with windows to both sides). A touch accelerates
 the arm, so that acceleration excuses an output only if it was there before.
 """
@@ -34,25 +34,44 @@ STEPS = 30
 """Of the climb to the likeliest components of the variance."""
 
 
-class _Sources:
-    """What a model errs with, state by state.
+@dataclass(frozen=True)
+class Usual:
+    """The usual motion of a model's data, to measure states by.
 
-    Args:
-        model: of N joints; its data say what is much.
+    Attributes:
+        middle: (N,) rad, the mean position.
+        width, speed, hardness: (N,) rad, rad/s, rad/s², the rms from there, never 0.
     """
 
-    def __init__(self, model: Model) -> None:
+    middle: Floats
+    width: Floats
+    speed: Floats
+    hardness: Floats
+
+    @classmethod
+    def of(cls, model: Model) -> "Usual":
+        """Return that of the data of a model."""
         known = model.data
-        self._speed, self._hard, self._width = (
-            np.maximum(np.sqrt(np.mean(one**2, axis=0)), 1e-9)
-            for one in (known.qd, known.qdd, known.q - known.q.mean(axis=0))
-        )
+        middle = known.q.mean(axis=0)
+        each = known.q - middle, known.qd, known.qdd
+        return cls(middle, *(np.maximum(np.sqrt(np.mean(one**2, axis=0)), 1e-9) for one in each))
+
+
+class _Sources:
+    """Turns states into the causes of a model's errors, each as a number that grows with it.
+
+    Args:
+        usual: motion of the model's data.
+    """
+
+    def __init__(self, usual: Usual) -> None:
+        self._usual = usual
         self.restart()
 
     def restart(self) -> None:
         """Forget the last state."""
         self._last: tuple[float, Floats, Floats] | None = None
-        self._settling = np.zeros_like(self._speed)
+        self._settling = np.zeros_like(self._usual.speed)
 
     def take(self, time: float, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """Return (CHANGES + NOW + EARLIER, N): what counts as it changes, as it is, as it was.
@@ -60,9 +79,9 @@ class _Sources:
         Args:
             time: s.  q, qd, qdd: (N,) rad, rad/s, rad/s².
         """
-        hard, fast = qdd / self._hard, (qd / self._speed) ** 2
+        hard, fast = qdd / self._usual.hardness, (qd / self._usual.speed) ** 2
         creep = np.exp(-fast / CREEP**2)
-        way = np.tanh(qd / (0.5 * CREEP * self._speed))
+        way = np.tanh(qd / (0.5 * CREEP * self._usual.speed))
         jerk = np.zeros_like(q)
         if self._last is not None:
             before, speed, earlier = self._last
@@ -71,13 +90,18 @@ class _Sources:
             turned = np.signbit(qd) != np.signbit(speed)
             self._settling = np.where(turned, 1.0, self._settling * np.exp(-passed / AFTER))
         self._last = time, qd, hard
-        changes = fast, q / self._width, way, way * creep
+        changes = fast, q / self._usual.width, way, way * creep
         return np.stack([*changes, fast, self._settling, creep, hard**2, jerk**2])
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What the filters see at one state: `output` (F, N) N·m, `shares` (F, K, N)."""
+    """The output of the filters at one state, and what may have caused it.
+
+    Attributes:
+        output: (F, N) N·m, of F filters.
+        shares: (F, K, N) the size of each of K causes, as a share of the output's variance.
+    """
 
     output: Floats
     shares: Floats
@@ -94,7 +118,7 @@ class Filters:
     """
 
     def __init__(self, model: Model, step: float) -> None:
-        self._sources, self._joints = _Sources(model), len(model.joints)
+        self._sources, self._joints = _Sources(Usual.of(model)), len(model.joints)
         lengths = [max(1, round(length / step)) for length in LENGTHS]
         gap, before = (max(1, round(length / step)) for length in (GAP, BEFORE))
         self._spans = [(now, now + gap, now + gap + before) for now in lengths]
@@ -139,7 +163,7 @@ class Filters:
 
 @dataclass(frozen=True)
 class Errors:
-    """What a model's errors give in the filters.
+    """How large a model's own errors make the outputs of the filters.
 
     Attributes:
         parts: (F, K, N) the variances of K components.
