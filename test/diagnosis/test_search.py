@@ -184,6 +184,14 @@ def test_a_tie_with_the_null_does_not_exceed_it() -> None:
     assert null.p_value(226.0) == 1.0 / 401.0
 
 
+def test_the_threshold_is_where_the_p_value_reaches_the_level() -> None:
+    null = MaximumNull(np.arange(400.0))
+    over = null.threshold + 0.5
+    assert null.p_value(over) <= thresholds.USED.level < null.p_value(null.threshold)
+    assert null.exceeded_by(over)
+    assert not null.exceeded_by(null.threshold)
+
+
 def test_what_is_needed_too_little_is_taken_out_again() -> None:
     gear, ripple = Needed(0, 1, 1800.0), Needed(1, 1, 40.0)
     assert superfluous([gear, Needed(1, 1, thresholds.USED.floor - 1.0)]) == 1

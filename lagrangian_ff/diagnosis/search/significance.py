@@ -54,12 +54,12 @@ class MaximumNull:
 
     @property
     def threshold(self) -> float:
-        """Return the nats that the maximum exceeds by chance with probability `level`."""
-        return float(np.quantile(self.largest, 1.0 - thresholds.USED.level))
+        """Return the nats above which the p-value is at most `level`."""
+        return float(self.largest[-int(thresholds.USED.level * (1 + len(self.largest)))])
 
     def exceeded_by(self, log_bf: float) -> bool:
-        """Return whether a log Bayes factor exceeds the threshold."""
-        return log_bf > (1.0 + TIE) * self.threshold
+        """Return whether the p-value of a log Bayes factor is at most `level`."""
+        return self.p_value(log_bf) <= thresholds.USED.level
 
     def p_value(self, log_bf: float) -> float:
         """Return how often the null reaches a log Bayes factor."""
