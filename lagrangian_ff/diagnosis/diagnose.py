@@ -314,10 +314,13 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
 def _remainders(
     whitened: Whitened, once: Sequence[Step], joints: Sequence[str]
 ) -> tuple[Remainder, ...]:
-    """Return what is left and is more than noise, with the curves that did not come again."""
+    """Return what is left and is more than noise, with the curves that did not come again.
+
+    Of a curve only that counts which the model's own effects cannot stand in for.
+    """
     squares = more_than_noise(whitened) ** 2
     for step in once:
-        squares[step.score.candidate.joint] += step.score.size**2
+        squares[step.score.candidate.joint] += (step.score.size * step.score.survival) ** 2
     every = zip(joints, np.sqrt(squares).tolist(), whitened.spread.tolist(), strict=True)
     return tuple(Remainder(name, size, size / spread) for name, size, spread in every if size > 0.0)
 

@@ -12,7 +12,7 @@ from scipy.linalg import blas, lapack, solve_triangular
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.whitening.hyperparameters import FAILED, LEAST_NOISE
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened
-from lagrangian_ff.identification.choosing.evidence import quiet
+from lagrangian_ff.identification.choosing.evidence import loud
 from lagrangian_ff.identification.problem import Problem, within
 from lagrangian_ff.identification.samples import evenly
 from lagrangian_ff.identification.solving.posterior import exact
@@ -39,9 +39,7 @@ class Changing:
         """Return the function for some samples of a whitened motion."""
         every = samples == len(whitened.index) and whitened.problem.change is None
         plain = replace(whitened.problem, change=None)
-        problem = plain.take(evenly(len(whitened.index), samples))
-        if quiet(problem, LEAST_NOISE):
-            return cls(problem, None)
+        problem = loud(plain.take(evenly(len(whitened.index), samples)), LEAST_NOISE)
         try:
             like = whitened.system if every else None
             return cls(problem, exact(problem, like=like).system)

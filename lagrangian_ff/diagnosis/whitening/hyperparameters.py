@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.identification.choosing.evidence import Logarithms, maximise_evidence, quiet
+from lagrangian_ff.identification.choosing.evidence import Logarithms, loud, maximise_evidence
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
 from lagrangian_ff.identification.problem import Nuisance, Prior, Problem, Scaling
@@ -184,10 +184,8 @@ def _maximised(problem: Problem, prior: HyperPrior, steps: int, progress: Progre
 
 def _with_gains(problem: Problem) -> Problem:
     """Return the problem with units of effort that differ between joints, if strongly evident."""
-    if quiet(problem, LEAST_NOISE):
-        return problem
     try:
-        gains = likeliest_gains(problem)
+        gains = likeliest_gains(loud(problem, LEAST_NOISE))
     except NotPositiveDefiniteError:
         return problem
     return problem if gains.nats <= thresholds.USED.unit_floor else gains.of(problem)

@@ -31,7 +31,7 @@ from lagrangian_ff.identification.choosing.levenberg_marquardt import (
 )
 from lagrangian_ff.identification.problem import Problem
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
-from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError, with_least_noise
+from lagrangian_ff.identification.solving.solution import with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import DifferentiableKernel
 from lagrangian_ff.progress import Progress, silent
@@ -132,34 +132,37 @@ def maximise_evidence(
         shapes: whether the effects' shapes are chosen as well.
         enough: nats that a step must bring for another to be tried.
         damping: of the first step, see `FAR`.
-        least_noise: of the kernel's variance; with less a problem counts as not solvable.
+        least_noise: of each joint, as a share of the kernel's mean variance.
 
     Raises:
         NotPositiveDefiniteError: the Gram matrix is not positive definite to begin with.
     """
     logarithms = Logarithms(problem, shapes)
-    begin = logarithms.of(problem)
 
     def at(point: Floats) -> Posterior[System]:
-        tried = logarithms.at(point)
-        if least_noise and quiet(tried, least_noise):
-            raise NotPositiveDefiniteError("too little noise for a problem of many samples")
-        return exact(tried)
+        return exact(logarithms.at(point))
+
+    def inside(point: Floats) -> Floats:
+        point = np.clip(point, *logarithms.ends)
+        if least_noise:
+            # To refuse a step for one joint's noise would hold up all other numbers.
+            point[logarithms.noise] = np.log(loud(logarithms.at(point), least_noise).noise)
+        return point
 
     def report(step: int) -> None:
         progress(step / steps, "maximising the evidence")
 
     evidence, by_logarithm = attrgetter("log_evidence"), partial(derivatives, shapes=shapes)
-    density = Density(prior, at, evidence, by_logarithm, *logarithms.ends)
+    density = Density(prior, at, evidence, by_logarithm, inside)
     # Threads cost more than they bring on matrices as small as these.
     with threadpool_limits(1):
-        return density.maximised(begin, steps, report, enough, damping)[1]
+        return density.maximised(logarithms.of(problem), steps, report, enough, damping)[1]
 
 
-def quiet(problem: Problem, least: float) -> bool:
-    """Return whether a joint's noise is less than a share of the kernel's mean variance."""
+def loud(problem: Problem, least: float) -> Problem:
+    """Return the problem with at least this share of the kernel's mean variance as noise."""
     variance = problem.kernel.variance(problem.samples.states).mean()
-    return bool(np.any(problem.noise < least * variance))
+    return problem.having(noise=np.maximum(problem.noise, least * variance))
 
 
 def solvable(problem: Problem) -> Problem:

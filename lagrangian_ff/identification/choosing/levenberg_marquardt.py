@@ -77,15 +77,14 @@ class Density(Generic[Found]):
         at: solves the problem at a point; raises NotPositiveDefiniteError where the Gram matrix is
             not positive definite.
         log_evidence, derivatives: of the solution at a point.
-        low, high: (K,) the ends of the range.
+        inside: returns the nearest point of the range.
     """
 
     prior: HyperPrior
     at: Callable[[Floats], Found]
     log_evidence: Callable[[Found], float]
     derivatives: Callable[[Found], Derivatives]
-    low: Floats | float = -np.inf
-    high: Floats | float = np.inf
+    inside: Callable[[Floats], Floats] = np.asarray
 
     def maximised(
         self,
@@ -106,6 +105,7 @@ class Density(Generic[Found]):
         Raises:
             NotPositiveDefiniteError: the Gram matrix is not positive definite at the first point.
         """
+        point = self.inside(point)
         found = self.at(point)
         best = self.log_evidence(found) + self.prior.log_density(point)
         for step in range(steps):
@@ -117,7 +117,7 @@ class Density(Generic[Found]):
             for _ in range(TRIALS):
                 try:
                     move = _step(gradient, curvature, damping)
-                    moved = np.clip(point + move, self.low, self.high)
+                    moved = self.inside(point + move)
                     tried = self.at(moved)
                     density = self.log_evidence(tried) + self.prior.log_density(moved)
                 except (NotPositiveDefiniteError, np.linalg.LinAlgError):

@@ -144,6 +144,17 @@ def test_a_start_with_too_little_noise_gets_more() -> None:
     assert (found.problem.noise > hardly.noise).all()
 
 
+def test_a_joint_at_the_least_noise_does_not_hold_up_the_others() -> None:
+    problem = solvable(started(training(120)))
+    prior = Logarithms(problem).prior
+    usual = maximise_evidence(problem, 30, prior, least_noise=1e-7)
+    silent = problem.having(noise=problem.noise * np.array([1.0, 1e-12]))
+    found = maximise_evidence(silent, 30, prior, least_noise=1e-7)
+    assert found.log_evidence > usual.log_evidence - 1.0
+    variance = found.problem.kernel.variance(found.problem.samples.states).mean()
+    assert (found.problem.noise >= 0.999e-7 * variance).all()
+
+
 def test_a_motion_no_start_has_a_factor_for_is_refused_in_words() -> None:
     data = training(30)
     wild = replace(data, x=replace(data.x, qdd=1e170 * data.x.qdd))

@@ -53,7 +53,7 @@ def test_the_prior_holds_what_the_evidence_leaves_open() -> None:
 
 def test_it_ends_where_its_range_does() -> None:
     quadratic = replace(
-        parabola(np.array([3.0, 1.0]), np.ones(2)), low=-np.inf, high=np.array([2, 9])
+        parabola(np.array([3.0, 1.0]), np.ones(2)), inside=lambda x: np.minimum(x, [2.0, 9.0])
     )
     found, _ = quadratic.maximised(np.zeros(2), 20)
     assert found[0] == 2.0
