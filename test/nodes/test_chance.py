@@ -1,4 +1,4 @@
-"""The threshold that chance passes once in an hour."""
+"""The threshold that chance passes once in hours."""
 
 from collections.abc import Callable
 
@@ -55,7 +55,7 @@ def test_touches_one_after_the_other_do_not_make_it_deaf() -> None:
 
 def test_where_the_arm_changed_for_good_the_threshold_follows() -> None:
     """Alarms that never end are learned from at last, if slowly."""
-    alarms = [learned(400 + many * APART, lambda s: s >= 400).threshold for many in (0, 10, 40)]
+    alarms = [learned(400 + many * APART, lambda s: s >= 400).threshold for many in (0, 10, 60)]
     assert np.all(alarms[0] < alarms[1])
     assert np.all(alarms[1] < alarms[2])
 

@@ -1,4 +1,4 @@
-"""The threshold that chance passes once in an hour, from the largest output of each second."""
+"""The threshold that chance passes once in hours, from the largest output of each second."""
 
 from collections import deque
 
@@ -9,7 +9,9 @@ from lagrangian_ff.arrays import Flags, Floats
 BLOCK = 1.0
 """s, of which the largest output counts."""
 HOUR = 3600.0
-"""s in which one false alarm may come, and of which the largest outputs are kept."""
+"""s of which the largest outputs are kept."""
+RARE = 3.0 * HOUR
+"""s in which chance may raise one alarm. One an hour is allowed; a tail known from minutes errs."""
 LEARNING = 120
 """Blocks before the first alarm: live, a model errs more than on what it learned."""
 ENOUGH = 300
@@ -86,7 +88,7 @@ class Chance:
             # With enough of them, the live ones alone say what is usual.
             if len(seen) < ENOUGH:
                 seen = np.concatenate([self._known, seen])
-            self.threshold = once_in(HOUR * self._joints / self._share, seen)
+            self.threshold = once_in(RARE * self._joints / self._share, seen)
 
 
 def starts_of_blocks(time: Floats) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

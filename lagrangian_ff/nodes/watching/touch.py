@@ -3,7 +3,7 @@
 Filters of several lengths take the mean residual of the last states less that shortly before. A
 touch changes it at once. What counts is that change in parts of what is usual, in two ways: of what
 the model errs with by itself (`jumps`), and, where the arm was before, of what came then
-(`familiar`). The alarm is raised where chance would raise it once in an hour (`chance`).
+(`familiar`). The alarm is raised where chance would hardly raise it in an hour (`chance`).
 """
 
 from dataclasses import dataclass
@@ -149,7 +149,7 @@ class TouchAlarm:
         return Status(
             Level.WARN,
             f"touched at {last.at / 1e9:.3f} s: {last.joint} gives {last.torque:+.3g} N·m beyond "
-            f"what the motion takes, {last.strength:.2g} times what chance gives once in an hour",
+            f"what the motion takes, {last.strength:.2g} times the threshold of chance",
             values,
         )
 
