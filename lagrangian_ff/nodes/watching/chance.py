@@ -23,8 +23,8 @@ HEAVIER = 0.1
 AFTERMATH = 3
 """Blocks after one with an alarm that may still be of what raised it."""
 APART = 30
-"""Of so many blocks with or after an alarm one is learned from, cut to the largest block before it.
-So touches do not raise the threshold by much, but it follows an arm that has changed for good."""
+"""While alarms last, one block in so many is learned from, as no larger than those before it. So a
+touch hardly raises the threshold, but an arm that has changed for good does, slowly."""
 LIGHTEST, HEAVIEST = 1e-6, 0.5
 """Shapes of a tail: from that of an exponential to one whose variance is infinite."""
 
@@ -43,7 +43,7 @@ class Chance:
     """
 
     def __init__(self, joints: int, share: float, known: Floats | None = None) -> None:
-        self._joints, self._share = joints, share
+        self._share = share
         self._known = np.zeros((0, joints)) if known is None else known
         self._blocks: deque[Floats] = deque(maxlen=round(HOUR / BLOCK))
         self._number, self._largest, self._count, self._most = -1, np.zeros(joints), 0, 0
@@ -68,7 +68,7 @@ class Chance:
             self._most = max(self._most, self._count)
             if 2 * self._count > self._most:
                 self._learn(self._largest)
-            self._number, self._largest, self._count = number, np.zeros(self._joints), 0
+            self._number, self._largest, self._count = number, np.zeros_like(z), 0
             self._quiet += 1
         self._largest = np.maximum(self._largest, np.where(counts, z, 0.0))
         self._count += int(counts.any())
@@ -88,7 +88,7 @@ class Chance:
             # With enough of them, the live ones alone say what is usual.
             if len(seen) < ENOUGH:
                 seen = np.concatenate([self._known, seen])
-            self.threshold = once_in(RARE * self._joints / self._share, seen)
+            self.threshold = once_in(RARE * len(block) / self._share, seen)
 
 
 def starts_of_blocks(time: Floats) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

@@ -163,7 +163,7 @@ class Filters:
 
 @dataclass(frozen=True)
 class Errors:
-    """How large a model's own errors make the outputs of the filters.
+    """The spread of the filters' outputs that comes from a model's own errors.
 
     Attributes:
         parts: (F, K, N) the variances of K components.
