@@ -23,7 +23,7 @@ def judged(
 ) -> Judged:
     tau = np.array(error)
     where = np.full(2, q)
-    state = State(round(seconds * 1e9), 1, where, np.full(2, speed), np.zeros(2), tau)
+    state = State(round(seconds * 1e9), 1, False, where, np.full(2, speed), np.zeros(2), tau)
     return Judged(state, np.zeros(2))
 
 
@@ -121,7 +121,7 @@ def watch(
     if still:
         qd[:, 1] = 0.0
     for k, at in enumerate(time):
-        state = State(round(at * 1e9), 1, q[k], qd[k], qdd[k], tau[k])
+        state = State(round(at * 1e9), 1, False, q[k], qd[k], qdd[k], tau[k])
         cover.add(Judged(state, predicted[k]), LIMITS)
 
 

@@ -25,7 +25,7 @@ def states(count: int, segment: int = 1) -> list[State]:
     time = np.linspace(2.0 * segment, 2.0 * segment + 0.01 * (count - 1), count)
     q, qd, qdd = motion_at(time)
     at = np.round(time * 1e9).astype(int).tolist()
-    return [State(at[k], segment, q[k], qd[k], qdd[k], np.zeros(2)) for k in range(count)]
+    return [State(at[k], segment, False, q[k], qd[k], qdd[k], np.zeros(2)) for k in range(count)]
 
 
 def batches(whole: list[State], size: int) -> Iterator[list[State]]:

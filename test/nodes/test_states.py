@@ -181,6 +181,24 @@ def test_an_interruption_begins_a_new_segment() -> None:
     assert min(after) > START + 1_200_000_000
 
 
+def test_states_that_bridge_a_hole_say_so_until_the_filter_has_settled() -> None:
+    time = np.arange(0.0, 3.0, 0.002)
+    hole = (time > 1.5) & (time < 1.514)
+    live = LiveStates(JOINTS, Conditioning(bandwidth=25.0), 100.0)
+    states = taken(live, views(time[~hole]))
+    bridged = [state.at / 1e9 - START / 1e9 for state in states if state.bridged]
+    assert live.gaps == 0
+    assert min(bridged) == pytest.approx(1.514 - live.delay, abs=0.011)
+    assert max(bridged) - min(bridged) == pytest.approx(CausalFilter(3, 25.0).settled, abs=0.011)
+    one = ~np.isin(np.arange(len(time)), [700, 800, 900])  # a lost sample is no hole
+    assert not any(
+        state.bridged
+        for state in taken(
+            LiveStates(JOINTS, Conditioning(bandwidth=25.0), 100.0), views(time[one])
+        )
+    )
+
+
 def test_late_and_repeated_messages_are_left_out_and_a_clock_set_back_begins_again() -> None:
     messages = views(np.arange(0.0, 1.0, 0.002))
     live = LiveStates(JOINTS, Conditioning(), 100.0)

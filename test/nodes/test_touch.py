@@ -1,7 +1,7 @@
 """The alarm: touches are noticed within a tenth of a second, and usual motion raises none."""
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 
 import numpy as np
 import pytest
@@ -39,13 +39,17 @@ class Stream:
         self.states = LiveStates(model.joints, conditioning_for(model, {}, {}), RATE)
         self.prediction, self.alarm = LivePrediction(model), TouchAlarm(model, 1.0 / RATE)
 
-    def take(self, begin: float, seconds: float, added: Floats) -> Iterator[tuple[float, Touch]]:
+    def take(
+        self, begin: float, seconds: float, added: Floats, lost: Container[int] = ()
+    ) -> Iterator[tuple[float, Touch]]:
         """Yield touches with the stamp (s) of the message that showed them."""
         time = begin + np.arange(round(seconds * RATE)) / RATE
         q, qd, qdd = motion_at(time)
         random = np.random.default_rng(round(begin))
         tau = torque_of(q, qd, qdd) + NOISE * random.normal(size=q.shape) + added
         for k, now in enumerate(time):
+            if k in lost:
+                continue
             at = round(now * 1e9)
             view = JointStateView(at, JOINTS, q[k], qd[k], tau[k])
             state = self.states.take(view, at)
@@ -118,3 +122,11 @@ def test_outside_the_known_range_nothing_is_judged(stream: Stream) -> None:
         for one in stream.prediction.take([state] if state else []):
             assert stream.alarm.add(one, 0.25) is None or one.state.q[0] < 3.0
     assert stream.alarm.judged - judged < 0.5
+
+
+def test_a_straight_line_over_a_hole_is_not_judged(model: Model, stream: Stream) -> None:
+    judged = stream.alarm.judged
+    added = quiet(10.0)
+    added[500:520] = 20.0
+    assert list(stream.take(BEGUN, 10.0, added, lost=range(300, 600, 10))) == []
+    assert 6.0 < stream.alarm.judged - judged < 8.0

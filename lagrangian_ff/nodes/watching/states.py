@@ -100,11 +100,13 @@ class State:
     Attributes:
         at: ns, the instant of the filtered values.
         segment: changes at each interruption of the stream.
+        bridged: whether a straight line over a hole in the stream is part of it.
         q: (N,) rad.  qd: (N,) rad/s.  qdd: (N,) rad/s².  tau: (N,) N·m.
     """
 
     at: int
     segment: int
+    bridged: bool
     q: Floats
     qd: Floats
     qdd: Floats
@@ -115,7 +117,8 @@ class LiveStates:
     """Filters position and effort alike and returns states at a lower rate.
 
     A pause longer than recordings may have, or stamps that jump back, begin a new segment: the
-    filter restarts and returns nothing until it has settled.
+    filter restarts and returns nothing until it has settled. A straight line bridges a shorter
+    hole, and the states that it is part of say so.
 
     Args:
         joints: N names of the model.
@@ -144,7 +147,8 @@ class LiveStates:
         self._last = 0
         self._began = 0
         self._segment = 0
-        self._longest = 0.0
+        self._longest = self._even = 0.0
+        self._bridged = 0
         self.gaps = 0
         self.period = self.bandwidth = self.delay = 0.0
 
@@ -180,6 +184,8 @@ class LiveStates:
             self.gaps += 1
             self._start(self._filter, values, at)
             return None
+        if passed > self._even:
+            self._bridged = at
         self._filter.take(passed, values)
         due = at // self._every != last // self._every
         if not due or (at - self._began) / 1e9 < self._filter.settled:
@@ -187,7 +193,8 @@ class LiveStates:
         y, yd, ydd = self._filter.output()
         count = len(self._joints)
         behind = at - round(self._filter.delay * 1e9)
-        return State(behind, self._segment, y[:count], yd[:count], ydd[:count], y[count:])
+        bridged = (at - self._bridged) / 1e9 < self._filter.settled
+        return State(behind, self._segment, bridged, y[:count], yd[:count], ydd[:count], y[count:])
 
     def _values(self, view: JointStateView) -> Floats | None:
         """Return positions and torques (2N,), or None for another part of the robot."""
@@ -222,6 +229,7 @@ class LiveStates:
         self.bandwidth = min(self._conditioning.bandwidth or USUAL, 0.25 / self.period)
         usual = max(0.5 / self.bandwidth, 2.5 * self.period)
         self._longest = self._conditioning.max_gap or usual
+        self._even = max(0.25 / self.bandwidth, 1.5 * self.period)
         filter_ = CausalFilter(self._conditioning.order, self.bandwidth)
         self.delay = filter_.delay
         return filter_

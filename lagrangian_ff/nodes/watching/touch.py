@@ -52,9 +52,9 @@ class Touch:
 class TouchAlarm:
     """Raises the alarm, state by state.
 
-    A joint is not judged where its position or speed lies outside the range that the model knows,
-    and none is until `LEARNING` seconds of motion were seen. States that the arm was in before are
-    judged by what came then, too, after as many seconds of such.
+    A joint is not judged where its position or speed lies outside the range that the model knows.
+    None is in states that bridge a hole, nor until `LEARNING` seconds of motion were seen. States
+    that the arm was in before are judged by what came then, too, after as many seconds of such.
 
     Args:
         model: of the states' joints.
@@ -95,7 +95,7 @@ class TouchAlarm:
         # A touch itself takes the acceleration out of the range.
         away = self._range.excess(States(state.q[None], state.qd[None], 0.0 * state.qdd[None]))[0]
         self._outside = np.where(away > margin, self._filters.size, self._outside - 1)
-        if seen is None or not self._errors.parts.size:
+        if seen is None or state.bridged or not self._errors.parts.size:
             return None
         inside = self._outside <= 0
         self.judged += self._step * float(inside.any())
