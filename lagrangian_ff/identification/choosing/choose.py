@@ -27,7 +27,12 @@ from lagrangian_ff.identification.choosing.evidence import (
 )
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.shapes import refit_shapes
-from lagrangian_ff.identification.choosing.simplex import require_folds, search, validation_score
+from lagrangian_ff.identification.choosing.simplex import (
+    log_error,
+    require_folds,
+    search,
+    validation_score,
+)
 from lagrangian_ff.identification.predicting import CHUNK_SAMPLES
 from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.records import Tried
@@ -63,8 +68,6 @@ SURE = 0.95
 """Confidence with which folds left out must find a candidate better."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
-LEAST_ERROR = 1e-12
-"""Of a joint's error relative to its variance: rounding is no difference."""
 ENOUGH = 0.5
 """Nats that a step must bring for another to be tried; less hardly changes the error."""
 SHAPED_TORQUES = 4000
@@ -275,7 +278,7 @@ def _least_error(problem: Problem, first: int) -> tuple[int, Problem, Floats]:
             try:
                 found = exact(problem.noisier(NOISE_FACTORS[factor]))
                 scores = [validation_score(found, [group]) for group in groups]
-                errors[factor] = np.array([_log_error(score) for score in scores])
+                errors[factor] = np.array([log_error(score) for score in scores])
             except (NotPositiveDefiniteError, np.linalg.LinAlgError):
                 errors[factor] = np.full(len(groups), np.inf)
         return _typical(errors[factor])
@@ -288,17 +291,6 @@ def _least_error(problem: Problem, first: int) -> tuple[int, Problem, Floats]:
             best += step
     error(best)
     return best, problem.noisier(NOISE_FACTORS[best]), errors[best]
-
-
-def _log_error(score: Floats) -> float:
-    """Return the mean log of the joints' errors (N,), NaN left out.
-
-    It is, up to a factor, minus the predictive log likelihood of torques whose joints have noise of
-    unknown size each: a joint whose torque is mostly noise counts no more than one predicted to a
-    thousandth. In the mean of the errors it would decide alone.
-    """
-    known = score[np.isfinite(score)]
-    return float(np.mean(np.log(np.maximum(known, LEAST_ERROR)))) if len(known) else np.inf
 
 
 def _typical(folds: Floats) -> float:
