@@ -199,6 +199,15 @@ def test_states_that_bridge_a_hole_say_so_until_the_filter_has_settled() -> None
     )
 
 
+def test_a_hole_is_forgotten_when_the_clock_is_set_back() -> None:
+    time = np.arange(0.0, 3.0, 0.002)
+    live = LiveStates(JOINTS, Conditioning(bandwidth=25.0), 100.0)
+    taken(live, views(time[(time < 2.8) | (time > 2.814)]))
+    again = taken(live, views(time))
+    assert len(again) > 200
+    assert not any(state.bridged for state in again)
+
+
 def test_late_and_repeated_messages_are_left_out_and_a_clock_set_back_begins_again() -> None:
     messages = views(np.arange(0.0, 1.0, 0.002))
     live = LiveStates(JOINTS, Conditioning(), 100.0)

@@ -147,7 +147,7 @@ class LiveStates:
         self._last = 0
         self._began = 0
         self._segment = 0
-        self._longest = self._even = 0.0
+        self._longest = self._hole = 0.0
         self._bridged = 0
         self.gaps = 0
         self.period = self.bandwidth = self.delay = 0.0
@@ -184,7 +184,7 @@ class LiveStates:
             self.gaps += 1
             self._start(self._filter, values, at)
             return None
-        if passed > self._even:
+        if passed > self._hole:
             self._bridged = at
         self._filter.take(passed, values)
         due = at // self._every != last // self._every
@@ -229,14 +229,15 @@ class LiveStates:
         self.bandwidth = min(self._conditioning.bandwidth or USUAL, 0.25 / self.period)
         usual = max(0.5 / self.bandwidth, 2.5 * self.period)
         self._longest = self._conditioning.max_gap or usual
-        self._even = max(0.25 / self.bandwidth, 1.5 * self.period)
+        # Over a longer step a straight line is not the motion any more.
+        self._hole = max(0.25 / self.bandwidth, 1.5 * self.period)
         filter_ = CausalFilter(self._conditioning.order, self.bandwidth)
         self.delay = filter_.delay
         return filter_
 
     def _start(self, filter_: CausalFilter, values: Floats, at: int) -> None:
         filter_.start(values)
-        self._began = at
+        self._began, self._bridged = at, 0
         self._segment += 1
 
 
