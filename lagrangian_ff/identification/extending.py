@@ -38,9 +38,9 @@ def extend(
 ) -> Identification:
     """Add an effect to one joint of a model and refit it.
 
-    The kernel keeps its hyperparameters. The noise of the joints that it acts on, which it was part
-    of, is chosen again on blocks left out in turn, and so are the shapes of the joint's friction,
-    which had made up for the effect.
+    The kernel keeps its hyperparameters. The effect was part of the noise of the joints it acts on:
+    that noise is chosen again on blocks left out in turn. So are the shapes of the joint's
+    friction, which had made up for the effect.
 
     Args:
         model: with the data it keeps.  effect: to add.  joint: name of its joint.

@@ -23,8 +23,8 @@ HEAVIER = 0.1
 AFTERMATH = 3
 """Blocks after one with an alarm that may still be of what raised it."""
 APART = 30
-"""While alarms last, one block in so many is learned from, as no larger than those before it. So a
-touch hardly raises the threshold, but an arm that has changed for good does, slowly."""
+"""While alarms last, one block in so many is learned from, cut to the largest learned before. A
+touch then hardly raises the threshold; an arm that has changed for good raises it slowly."""
 LIGHTEST, HEAVIEST = 1e-6, 0.5
 """Shapes of a tail: from that of an exponential to one whose variance is infinite."""
 

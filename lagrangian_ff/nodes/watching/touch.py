@@ -53,8 +53,9 @@ class TouchAlarm:
     """Raises the alarm, state by state.
 
     A joint is not judged where its position or speed lies outside the range that the model knows.
-    None is in states that bridge a hole, nor until `LEARNING` seconds of motion were seen. States
-    that the arm was in before are judged by what came then, too, after as many seconds of such.
+    None is judged in states that bridge a hole, nor before `LEARNING` seconds of motion were seen.
+    States that the arm was in before are judged by what came then, too, after as many seconds of
+    such.
 
     Args:
         model: of the states' joints.
