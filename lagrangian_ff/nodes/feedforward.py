@@ -10,6 +10,9 @@ Topics
     ~/feedforward       out  sensor_msgs/JointState: the reference and its torque, stamped
     /diagnostics        out
 
+Action ~/follow_joint_trajectory (control_msgs/FollowJointTrajectory), with the parameter
+`controller`: goals go on to that controller, with effort at the points that need it.
+
 Service ~/enable (std_srvs/SetBool). A lifecycle node: the model is loaded in configure, torque
 flows while active, zeros are sent last on deactivate and at the end.
 
@@ -59,6 +62,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             stream=self._stream_status,
             certainty=self._certainty_status,
             joint_states=self._joint_state_status,
+            controller=self._controller_status,
         )
         if self._settings.value("autostart") and self.trigger_configure() == SUCCESS:
             self.trigger_activate()
@@ -139,6 +143,9 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
             return Status(Level.STALE, "not active")
         return self._link.references.certainty()
 
+    def _controller_status(self) -> Status | None:
+        return None if self._link is None else self._link.controller_status()
+
 
 def _declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the model."""
@@ -153,6 +160,13 @@ def _declare(parameters: Parameters) -> None:
         "motion begins", low=0.0, high=10.0)  # fmt: skip
     add("lead_time", 0.0, "s by which the torque is sent ahead of its reference, to make up for "
         "its way to the robot", low=0.0, high=0.1)  # fmt: skip
+    add("controller", "", "name of the joint_trajectory_controller that goals of "
+        "~/follow_joint_trajectory go on to, empty = none; read when configured")  # fmt: skip
+    add("controller_manager", "controller_manager", "name of its manager, which is asked what the "
+        "controller takes; read when configured")  # fmt: skip
+    add("point_error", 0.01, "how far torque that the controller interpolates linearly between the "
+        "points of a goal may be from that of the path, as a share of the largest torque "
+        "identified on each joint", low=1e-4, high=1.0)  # fmt: skip
     add("max_points", 20_000, "points of the longest accepted trajectory", low=1, high=200_000)
     for term in TERMS:
         add(f"terms.{term}", True, f"whether the {term} part is sent; off where the robot "

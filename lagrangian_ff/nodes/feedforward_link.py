@@ -19,6 +19,7 @@ from lagrangian_ff.nodes.common.models import load_own_effects
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
+from lagrangian_ff.nodes.feedforward_action import GoalProxy
 from lagrangian_ff.nodes.feedforward_references import References
 from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
@@ -72,6 +73,7 @@ class FeedforwardLink:
         self._loop: PacedThread | None = None
         self.references = References(node, parameters, warnings, self._time, ready, self._stream)
         self._make_topics()
+        self._proxy = self._make_proxy()
         node.get_logger().info(
             f"{ready.model.name} of {', '.join(joints)} loaded from {ready.file}"
         )
@@ -87,6 +89,26 @@ class FeedforwardLink:
             String, "robot_description", self._on_description, topics.LATCHED
         )
         self._service = node.create_service(SetBool, "~/enable", self._on_enable)
+
+    def _make_proxy(self) -> GoalProxy | None:
+        value = self._parameters.value
+        if not value("controller"):
+            return None
+        return GoalProxy(
+            self._node,
+            value("controller"),
+            value("controller_manager"),
+            self._joints,
+            self._warnings,
+            lambda message: self.references.fill(message, value("point_error")),
+            self._silent,
+        )
+
+    def _silent(self) -> str:
+        """Return why goals get no effort now, or ""."""
+        if not self.references.active:
+            return "the node is not active"
+        return "" if self._stream.enabled else "~/enable is false"
 
     def start(self) -> None:
         """Begin to stream, zeros until a reference comes."""
@@ -123,6 +145,8 @@ class FeedforwardLink:
     def close(self) -> None:
         """Stop and release everything."""
         self.stop()
+        if self._proxy is not None:
+            self._proxy.close()
         self.references.close()
         for publisher in (self._commands, self._stamped):
             self._node.destroy_publisher(publisher)
@@ -280,6 +304,10 @@ class FeedforwardLink:
                 "simulation go on; for a robot set use_sim_time to false"
             )
         return ""
+
+    def controller_status(self) -> Status | None:
+        """Return the state of the controller that goals go on to; None without one."""
+        return None if self._proxy is None else self._proxy.status()
 
     def joint_state_status(self) -> Status:
         """Return the state of the joint states."""

@@ -1,5 +1,8 @@
 """The way of a reference from its topic to a plan that the stream plays."""
 
+from dataclasses import dataclass
+
+import numpy as np
 from rclpy.lifecycle import LifecycleNode
 from rclpy.serialization import deserialize_message
 from trajectory_msgs.msg import JointTrajectory
@@ -9,14 +12,38 @@ from lagrangian_ff.nodes.common import topics
 from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import NodeTime
 from lagrangian_ff.nodes.common.status import Status, ThrottledWarnings
+from lagrangian_ff.nodes.streaming.dense import linear_error, needed
 from lagrangian_ff.nodes.streaming.plan import Plan, Planner, Policy, make_plan, reason
 from lagrangian_ff.nodes.streaming.ranges import PAUSE, doubt_status
-from lagrangian_ff.nodes.streaming.reference import Reference, RefusedReference, read_reference
+from lagrangian_ff.nodes.streaming.reference import (
+    Reference,
+    RefusedReference,
+    read_path,
+    read_reference,
+)
 from lagrangian_ff.nodes.streaming.replacing import ReadyModel
 from lagrangian_ff.nodes.streaming.stream import TorqueStream
 
 LOOK_EVERY = 10  # periods between evaluations of the doubt of set-points without a limit
 LONGEST_SETPOINT = 16_384  # bytes; a longer message is read in the planner's thread
+
+
+@dataclass(frozen=True)
+class Filled:
+    """A trajectory with effort.
+
+    Attributes:
+        message: with the points that it needs.
+        error: of torque that is linear between these points, the largest of all joints, in parts
+            of the largest torque identified on the joint.
+        before: the same with the points that were given.
+        excess: where it leaves the identified range, in words; "" if it does not.
+    """
+
+    message: JointTrajectory
+    error: float
+    before: float
+    excess: str
 
 
 class References:
@@ -202,9 +229,35 @@ class References:
                 "later, or 0",
             )
 
+    def fill(self, message: JointTrajectory, share: float) -> Filled:
+        """Return the trajectory with the effort that its path takes, in the caller's thread.
+
+        Args:
+            share: how far torque that is linear between the points may be from that of the path,
+                as a share of the largest torque identified on each joint.
+
+        Raises:
+            RefusedReference: there is no torque for this trajectory.
+        """
+        given = topics.points(message)
+        path = read_path(given, self._joints, self._longest)
+        model, now = self._ready.model, self._stream.settings
+        doubts = self._ready.doubt if self._policy.doubt_limit > 0.0 else None
+        plan = make_plan(model, path, self._policy, doubts=doubts)
+        tau = plan.effort(now.switches, now.scale, now.effort_limit)
+        largest = np.maximum(model.range.tau_max, np.finfo(float).tiny)
+        at = needed(plan.time, tau, plan.own, share * largest)
+        whole = read_path(given, message.joint_names, self._longest)
+        return Filled(
+            topics.resampled(message, whole, plan.time[at], self._joints, tau[at]),
+            float(np.max(linear_error(plan.time, tau, at) / largest)),
+            float(np.max(linear_error(plan.time, tau, plan.own) / largest)),
+            plan.excess.worst,
+        )
+
     def _publish_annotated(self, plan: Plan, message: JointTrajectory, start: int) -> None:
         now = self._stream.settings
-        effort = plan.effort(now.switches, now.scale, now.effort_limit)
+        effort = plan.effort(now.switches, now.scale, now.effort_limit)[plan.own]
         self._trajectories.publish(topics.annotated(message, self._joints, effort, start))
 
     def _refused(self, error: Exception) -> None:

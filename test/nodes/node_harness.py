@@ -39,7 +39,11 @@ def heard(*topics: str) -> dict[str, Any]:
 
 
 class Process:
-    """A node in its own process and session, its output in a file."""
+    """A node in its own process and session, its output in a file.
+
+    Args:
+        executable: of the package, or the name of a file beside this one.
+    """
 
     def __init__(
         self,
@@ -52,7 +56,12 @@ class Process:
     ) -> None:
         # The installed parameter files are what the nodes are tested with.
         file = Path(__file__).parents[2] / "config" / f"{executable}.yaml"
-        arguments = ["--ros-args", "--params-file", str(file)]
+        arguments = ["--ros-args"]
+        if file.exists():
+            program = ["-m", f"lagrangian_ff.nodes.{executable}"]
+            arguments += ["--params-file", str(file)]
+        else:
+            program = [str(Path(__file__).with_name(f"{executable}.py"))]
         if namespace:
             arguments += ["-r", f"__ns:=/{namespace}"]
         for old, new in (remap or {}).items():
@@ -63,7 +72,7 @@ class Process:
         self._may_end = False
         with log.open("w") as output, _hang_up_ends():
             self._process = subprocess.Popen(
-                [sys.executable, "-m", f"lagrangian_ff.nodes.{executable}", *arguments],
+                [sys.executable, *program, *arguments],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,

@@ -7,6 +7,7 @@ import textwrap
 import threading
 from collections import deque
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -398,3 +399,14 @@ def test_the_last_command_is_zero_in_each_namespace_whatever_signal_ends_it(
         assert "Traceback" not in ended.process.output
         gone_down = [abs(m.data[0]) for _, m in ended.commands][-50:]
         assert np.abs(np.diff(gone_down)).max() < 4.0, "torque fell in one step"
+
+
+@pytest.mark.skipif(find_spec("control_msgs") is not None, reason="control_msgs is installed")
+def test_without_control_msgs_it_says_what_to_install_and_takes_references(
+    bench: Bench, folder: Path
+) -> None:
+    node = Feedforward(bench, folder, namespace="plain", controller="arm_controller")
+    status = "plain/feedforward: controller"
+    said = bench.until(lambda: bench.statuses.get(status), "its state").message
+    assert "ros-jazzy-control-msgs" in said
+    node.hold()

@@ -34,9 +34,8 @@ def test_a_real_model_gives_the_torques_it_predicts(file: Path) -> None:
     qd, qdd = np.gradient(q, time, axis=0), np.full_like(q, 0.5)
     reference = Reference(model.joints, time, q, qd, qdd)
     plan = make_plan(model, reference, Policy("allow"))
-    np.testing.assert_allclose(
-        plan.effort(np.ones(4), np.ones(2), np.full(2, 1e9)), model.predict(q, qd, qdd), atol=1e-9
-    )
+    tau = plan.effort(np.ones(4), np.ones(2), np.full(2, 1e9))[plan.own]
+    np.testing.assert_allclose(tau, model.predict(q, qd, qdd), atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from lagrangian_ff.nodes.streaming.reference import (
     Reference,
     RefusedReference,
     Segment,
+    read_path,
     read_reference,
 )
 
@@ -227,3 +228,10 @@ def test_no_sequence_of_references_makes_it_jump(asked: list[tuple[float, float,
             time += 0.01
     # A quintic over one second moves at most 15/8 of its length a second.
     assert np.abs(np.diff(path)).max(initial=0.0) <= 0.01 * 15 / 8 * 2.0 + TOLERANCE + 1e-9
+
+
+def test_a_path_of_accelerations_alone_is_refused() -> None:
+    table = [[0.0], [1.0]]
+    alone = Points(["a"], [0.0, 1.0], table, [[], []], table)
+    with pytest.raises(RefusedReference, match="no velocities"):
+        read_path(alone, ["a"])

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -15,10 +15,10 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray
-from trajectory_msgs.msg import JointTrajectory
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.nodes.streaming.reference import Points
+from lagrangian_ff.nodes.streaming.reference import Points, Reference
 
 BEST_EFFORT, SAFE = ReliabilityPolicy.BEST_EFFORT, ReliabilityPolicy.RELIABLE
 # A best-effort subscription matches reliable and best-effort publishers alike.
@@ -123,8 +123,8 @@ class PolledSubscription:
         self._node.destroy_subscription(self._subscription)
 
 
-def nanoseconds(stamp: Time) -> int:
-    """Return the ns of a stamp."""
+def nanoseconds(stamp: Time | Duration) -> int:
+    """Return the ns of a stamp or a duration."""
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
@@ -185,6 +185,42 @@ def annotated(
         point.effort = _doubles(row)
     message.header.stamp = stamp(start)
     return message
+
+
+def resampled(
+    message: JointTrajectory, path: Reference, time: Floats, joints: tuple[str, ...], effort: Floats
+) -> JointTrajectory:
+    """Return a trajectory with points at more times and the effort in each.
+
+    The message's own points stay as they are; the others lie on its path, and have what they have:
+    positions, velocities, accelerations. Joints without a torque get zero.
+
+    Args:
+        path: through the message's points, of all its joints in its order.
+        time: (M,) s, the times of the message's points among them.
+        joints, effort: N names and (M, N) N·m.
+    """
+    given = {nanoseconds(point.time_from_start): point for point in message.points}
+    columns = [message.joint_names.index(joint) for joint in joints]
+    row = np.zeros(len(message.joint_names))
+    found = JointTrajectory(header=message.header, joint_names=message.joint_names)
+    for at, q, qd, qdd, tau in zip(time, *path.sample(time), effort, strict=True):
+        row[columns] = tau
+        since = round(at * 1e9)
+        own = given.get(since)
+        seconds, rest = divmod(since, 1_000_000_000)
+        found.points.append(
+            JointTrajectoryPoint(
+                positions=own.positions if own else _doubles(q),
+                velocities=own.velocities if own else _doubles(qd if path.degree >= 3 else q[:0]),
+                accelerations=own.accelerations
+                if own
+                else _doubles(qdd if path.degree == 5 else q[:0]),
+                effort=_doubles(row),
+                time_from_start=Duration(sec=seconds, nanosec=rest),
+            )
+        )
+    return found
 
 
 def command(tau: Floats) -> Float64MultiArray:

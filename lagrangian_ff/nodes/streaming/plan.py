@@ -99,14 +99,13 @@ class Plan:
         return parts, float(weight)
 
     def effort(self, switches: Floats, scale: Floats, limit: Floats) -> Floats:
-        """Return the torque (K, N) N·m at the reference's own points.
+        """Return the torque (L, N) N·m.
 
         Args:
             switches: (4,) 1 or 0 for each term.
             scale, limit: (N,) factor and largest torque, N·m, of each joint.
         """
-        parts = self.parts[self.own]
-        tau = np.einsum("t,ltn->ln", switches, parts) * scale * self.weight[self.own][:, None]
+        tau = np.einsum("t,ltn->ln", switches, self.parts) * scale * self.weight[:, None]
         return np.clip(tau, -limit, limit)
 
 

@@ -2,9 +2,10 @@
 
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -44,14 +45,17 @@ class Points:
 class Reference:
     """The wanted motion of N joints at K times.
 
-    Between two points the motion is the 5th-order polynomial that meets position, velocity and
-    acceleration at both; before the first point and after the last one it stands still.
+    Between two points the motion is the polynomial that meets at both what its degree has room for:
+    5, position, velocity and acceleration; 3, position and velocity; 1, the position. Where the
+    polynomials of two intervals differ in velocity or acceleration, at a point, its state is the
+    mean of both. Before the first point and after the last one the motion stands still.
 
     Attributes:
         joints: N names; the columns follow them.
         time: (K,) s from the start, increasing.
         q: (K, N) rad.  qd: (K, N) rad/s.  qdd: (K, N) rad/s².
         filled: what the message lacked and how it was filled in, in words.
+        degree: of the polynomials, 5, 3 or 1.
     """
 
     joints: tuple[str, ...]
@@ -60,6 +64,7 @@ class Reference:
     qd: Floats
     qdd: Floats
     filled: tuple[str, ...] = ()
+    degree: int = 5
 
     @property
     def duration(self) -> float:
@@ -76,13 +81,19 @@ class Reference:
         if self.is_setpoint:
             rows = np.zeros(np.shape(time), dtype=np.int64)
             return self.q[rows], self.qd[rows], self.qdd[rows]
+        state = self._state(time, "right")
+        if self.degree < 5:
+            state = 0.5 * (state + self._state(time, "left"))
+        return state[..., 0, :], state[..., 1, :], state[..., 2, :]
+
+    def _state(self, time: Floats, side: Literal["left", "right"]) -> Floats:
+        """Return (..., 3, N), at a point that of the interval on this side of it."""
         t = self.time
         inside = np.minimum(np.maximum(time, t[0]), t[-1])
-        left = np.minimum(np.searchsorted(t, inside, side="right") - 1, len(t) - 2)
+        left = np.clip(np.searchsorted(t, inside, side=side) - 1, 0, len(t) - 2)
         powers = FACTOR * (inside - t[left])[..., None, None] ** EXPONENT
         powers[..., 1:, :] *= (inside == time)[..., None, None]
-        state = powers @ self._coefficients[left]
-        return state[..., 0, :], state[..., 1, :], state[..., 2, :]
+        return np.asarray(powers @ self._coefficients[left])
 
     @cached_property
     def _coefficients(self) -> Floats:
@@ -90,6 +101,12 @@ class Reference:
         h = np.diff(self.time)[:, None]
         p, v, a = self.q[:-1], self.qd[:-1] * h, self.qdd[:-1] * h**2
         d, w, b = self.q[1:] - p, self.qd[1:] * h, self.qdd[1:] * h**2
+        none = np.zeros_like(p)
+        if self.degree == 1:
+            return np.stack([p, d / h, none, none, none, none], axis=1)
+        if self.degree == 3:
+            cubic = [(3 * d - 2 * v - w) / h**2, (v + w - 2 * d) / h**3]
+            return np.stack([p, v / h, *cubic, none, none], axis=1)
         return np.stack(
             [
                 p,
@@ -160,6 +177,31 @@ def read_reference(points: Points, joints: Sequence[str], max_points: int = 100_
         qdd = scipy.interpolate.CubicSpline(time, qd)(time, 1)
         filled.append("accelerations by a spline through the velocities")
     return Reference(tuple(joints), time, q, qd, qdd, tuple(filled))
+
+
+def read_path(points: Points, joints: Sequence[str], max_points: int = 100_000) -> Reference:
+    """Return a trajectory as joint_trajectory_controller interpolates it.
+
+    Its polynomials are of degree 5 between points with velocities and accelerations, 3 between
+    points with velocities, 1 between positions alone (trajectory.cpp of ros2_controllers, Jazzy).
+
+    Args:
+        joints, max_points: as of `read_reference`.
+
+    Raises:
+        RefusedReference: names the joint and the point that are wrong.
+    """
+    reference = read_reference(points, joints, max_points)
+    if reference.is_setpoint:
+        raise RefusedReference("one point is no path: give two or more")
+    with_velocity, with_acceleration = (
+        any(map(len, points.velocity)),
+        any(map(len, points.acceleration)),
+    )
+    if with_acceleration and not with_velocity:
+        raise RefusedReference("the points have accelerations and no velocities")
+    degree = 5 if with_acceleration else 3 if with_velocity else 1
+    return replace(reference, filled=(), degree=degree)
 
 
 def read_effort(points: Points, joints: Sequence[str]) -> Floats | None:
