@@ -132,11 +132,11 @@ setup(
     entry_points={
         "console_scripts": [
             "lagrangian_ff = lagrangian_ff.cli.main:main",
-            "identify = lagrangian_ff.nodes.identify:main",
-            "feedforward = lagrangian_ff.nodes.feedforward:main",
-            "monitor = lagrangian_ff.nodes.monitor:main",
-            "watchdog = lagrangian_ff.nodes.watchdog:main",
-            "arm = lagrangian_ff.nodes.arm:main",
+            "identify = lagrangian_ff.nodes.executables:identify",
+            "feedforward = lagrangian_ff.nodes.executables:feedforward",
+            "monitor = lagrangian_ff.nodes.executables:monitor",
+            "watchdog = lagrangian_ff.nodes.executables:watchdog",
+            "arm = lagrangian_ff.nodes.executables:arm",
         ]
     },
 )

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 
 import numpy as np
-import pybullet
 
+from lagrangian_ff.arm.bullet import pybullet
 from lagrangian_ff.arm.description import JOINTS, LINKS, URDF, Loads, on_links, robot_description
 from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.arrays import Floats

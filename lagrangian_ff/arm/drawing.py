@@ -6,11 +6,11 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-import pybullet
 from matplotlib import image
 from numpy.typing import NDArray
 
 from lagrangian_ff.arm.body import Body
+from lagrangian_ff.arm.bullet import pybullet
 from lagrangian_ff.arm.description import Loads
 from lagrangian_ff.arrays import Floats
 

@@ -132,9 +132,8 @@ class ArmNode(ClosingNode):
             given = topics.points(message)
             reference = read_reference(given, JOINTS)
             effort = read_effort(given, JOINTS)
-            fine = np.linspace(
-                0.0, reference.duration, max(2, int(reference.duration / CHECK_STEP) + 2)
-            )
+            last = max(reference.duration, CHECK_STEP)  # a set-point stays for a moment
+            fine = np.linspace(0.0, last, int(last / CHECK_STEP) + 2)
             check_limits(Trajectory(fine, *reference.sample(fine)))
             segment = Segment(reference, topics.nanoseconds(message.header.stamp) or now, effort)
             self._follower.accept(segment, now)

@@ -21,6 +21,7 @@ Not real time, not a safety function: the receiver of ~/commands must have a tim
 
 import sys
 import traceback
+from collections.abc import Callable
 
 from lifecycle_msgs.msg import State as LifecycleStateMessage
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
@@ -38,6 +39,7 @@ from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
 from lagrangian_ff.nodes.feedforward_link import FeedforwardLink
 from lagrangian_ff.nodes.streaming.plan import TERMS
 
+Check = Callable[[object], str]
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 
@@ -49,9 +51,9 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         super().__init__("feedforward")
         answer_every_transition(self)
         self._settings = Parameters(self)
-        _declare(self._settings)
-        self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._link: FeedforwardLink | None = None
+        _declare(self._settings, self._fixed, self._fixed_while_active)
+        self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._failure = ""
         self._settings.watch(self._parameters_changed)
         self._diagnostics = Diagnostics(
@@ -72,6 +74,18 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return bool(
             self._state_machine.current_state[0] == LifecycleStateMessage.PRIMARY_STATE_ACTIVE
         )
+
+    def _fixed(self, value: object) -> str:
+        """Return why a parameter that is read when configured cannot be set now, or ""."""
+        if self._link is None:
+            return ""
+        return "it is read when configured: deactivate and clean up, set it, configure and activate"
+
+    def _fixed_while_active(self, value: object) -> str:
+        """Return why a parameter that is read when activated cannot be set now, or ""."""
+        if self._link is None or not self._active:
+            return ""
+        return "it is read when activated: deactivate, set it, activate"
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Load the model and offer the topics; log the reason if that fails."""
@@ -147,23 +161,28 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return None if self._link is None else self._link.controller_status()
 
 
-def _declare(parameters: Parameters) -> None:
-    """Declare the parameters that do not depend on the model."""
+def _declare(parameters: Parameters, fixed: Check, fixed_while_active: Check) -> None:
+    """Declare the parameters that do not depend on the model.
+
+    Args:
+        fixed: return why a parameter that is read when configured, or activated, cannot be set now.
+    """
     add = parameters.declare
-    add("model_file", "", "the identified model to load when configured")
-    add("effects_file", "", "Python that defines effects of your own; empty = none")
-    add("joints", [""], 'order of ~/commands; [""] = the order of the model')
+    add("model_file", "", "the identified model; loaded when configured, and when the file or this "
+        "name changes")  # fmt: skip
+    add("effects_file", "", "Python that defines effects of your own; empty = none", check=fixed)
+    add("joints", [""], 'order of ~/commands; [""] = the order of the model', check=fixed)
     add("autostart", True, "configure and activate at the start", read_only=True)
-    add("rate", 500.0, "Hz of the stream; read when activated", low=1.0, high=2000.0)
+    add("rate", 500.0, "Hz of the stream", low=1.0, high=2000.0, check=fixed_while_active)
     add("start_delay", 0.6, "s from the plan being ready to the start of a reference that says "
         "'now' (header.stamp 0); longer than ramp_time, so that the torque is there when the "
         "motion begins", low=0.0, high=10.0)  # fmt: skip
     add("lead_time", 0.0, "s by which the torque is sent ahead of its reference, to make up for "
         "its way to the robot", low=0.0, high=0.1)  # fmt: skip
     add("controller", "", "name of the joint_trajectory_controller that goals of "
-        "~/follow_joint_trajectory go on to, empty = none; read when configured")  # fmt: skip
+        "~/follow_joint_trajectory go on to, empty = none", check=fixed)  # fmt: skip
     add("controller_manager", "controller_manager", "name of its manager, which is asked what the "
-        "controller takes; read when configured")  # fmt: skip
+        "controller takes", check=fixed)  # fmt: skip
     add("point_error", 0.01, "how far torque that the controller interpolates linearly between the "
         "points of a goal may be from that of the path, as a share of the largest torque "
         "identified on each joint", low=1e-4, high=1.0)  # fmt: skip

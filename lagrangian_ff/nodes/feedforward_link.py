@@ -64,6 +64,7 @@ class FeedforwardLink:
         ready = self._ready = self._file.first
         joints = self._joints = ready.model.joints
         _declare_joints(parameters, joints)
+        parameters.refuse_unknown("scale", "limits", "terms")
         self._described: dict[str, float] = {}
         self._time, self._rate = NodeTime(node), float(parameters.value("rate"))
         self._stream = TorqueStream(joints, self._settings())

@@ -31,6 +31,8 @@ from std_srvs.srv import Trigger
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.identification.settings import LOSSES, Settings
+from lagrangian_ff.identification.spec import parse
+from lagrangian_ff.nodes.common.models import load_own_effects
 from lagrangian_ff.nodes.common.node import BAD_PARAMETER, ClosingNode, Diagnostics, Parameters, run
 from lagrangian_ff.nodes.common.pacing import RateMeter
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings
@@ -93,8 +95,9 @@ class IdentifyNode(ClosingNode):
 
     def _joints(self) -> tuple[str, ...]:
         """Return the joints known so far, with their parameters declared."""
-        joints = self._settings.strings("joints") or self._recorder.tally.joints
-        self._settings.declare_effort(joints)
+        recorded = self._recorder.tally.joints
+        joints = self._settings.strings("joints") or recorded
+        self._settings.declare_effort((*joints, *recorded))
         return joints
 
     def _situation(self, joints: Sequence[str] = ()) -> Situation:
@@ -164,7 +167,10 @@ class IdentifyNode(ClosingNode):
         return said
 
     def _begin(self, job: type[Job]) -> str:
-        request = job.request(self._situation(self._joints()))
+        joints = self._joints()
+        if joints:
+            self._settings.refuse_unknown("effort_scale", "effort_offset", "add")
+        request = job.request(self._situation(joints))
         self._worker = Worker(request)
         self._session.busy = job.doing
         return request.summary()
@@ -173,9 +179,15 @@ class IdentifyNode(ClosingNode):
         model, path = self._session.model, self._situation().saved_model
         assert model is not None
         path.parent.mkdir(parents=True, exist_ok=True)
+        said = f"saved {model.file.name} as {path}"
+        if path.exists():
+            of = datetime.fromtimestamp(path.stat().st_mtime)
+            kept = path.with_name(f"{path.stem}_{of:%Y%m%d_%H%M%S}{path.suffix}")
+            shutil.copy2(path, kept)
+            said += f"; the model that was there is kept as {kept.name}"
         with whole(path) as made:
             shutil.copyfile(model.file, made)
-        return f"saved {model.file.name} as {path}"
+        return said
 
     def _clear(self) -> str:
         said = f"forgot {len(self._session.bags)} recordings and the model"
@@ -254,8 +266,10 @@ def _declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the joints; defaults are the settings'."""
     add = parameters.declare
     add("joints", [""], 'joints to identify, in this order; [""] = all recorded ones')
+    add("effects_file", "", "Python that defines effects of your own; empty = none")
     add("model", "", "model to identify, a sum of kernels and bases; empty = auto+fri, or auto "
-        "where friction is compensated in the drive")  # fmt: skip
+        "where friction is compensated in the drive",
+        check=lambda name: _refused_model(name, parameters.value("effects_file")))  # fmt: skip
     add("effort", Conditioning.effort, "what the effort holds: all torque, or all but gravity or "
         "friction that the driver or the drive compensates", choices=EFFORTS)  # fmt: skip
     add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
@@ -286,7 +300,17 @@ def _declare(parameters: Parameters) -> None:
     add("add.effect", "", "name of the effect that ~/add adds, see lagrangian_ff effects; empty = "
         "what the last diagnosis confirmed")  # fmt: skip
     add("add.joint", "", "the joint that ~/add adds it to")
-    add("effects_file", "", "Python that defines effects of your own; empty = none")
+
+
+def _refused_model(name: str, effects_file: str) -> str:
+    """Return why there is no model of this name, or ""."""
+    try:
+        load_own_effects(effects_file)
+        if name:
+            parse(name)
+    except UserError as error:
+        return str(error)
+    return ""
 
 
 def main() -> int:

@@ -1,5 +1,6 @@
 """The parts that the launch files share: arguments, and a node beside a robot."""
 
+import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -26,13 +27,28 @@ def describe(
     """Return a launch description; `nodes` makes the nodes for the values of the arguments."""
 
     def make(context: Any) -> list[Node]:
-        return nodes({name: LaunchConfiguration(name).perform(context) for name in arguments})
+        given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
+        return nodes({name: _file(name, value) for name, value in given.items()})
 
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=description)
         for name, (default, description) in arguments.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=make)])
+
+
+def _file(name: str, value: str) -> str:
+    """Return a value; if it names a file or folder, with ~ replaced, which the shell leaves.
+
+    Raises:
+        FileNotFoundError: there is no such parameter file.
+    """
+    if not name.endswith(("file", "directory")):
+        return value
+    path = os.path.expanduser(value)
+    if name.endswith("params_file") and not os.path.isfile(path):
+        raise FileNotFoundError(f"there is no file {path}: set {name} to a file of parameters")
+    return path
 
 
 def chosen(given: Mapping[str, str], *names: str) -> dict[str, str]:

@@ -55,6 +55,7 @@ class MonitorNode(ClosingNode):
         self._model, _ = load_model(value("model_file"))
         joints = self._model.joints
         self._settings.declare_effort(joints)
+        self._settings.refuse_unknown("effort_scale", "effort_offset")
         conditioning = conditioning_for(
             self._model,
             {joint: value(f"effort_scale.{joint}") for joint in joints},

@@ -54,6 +54,7 @@ class WatchdogNode(ClosingNode):
         _declare(self._given)
         self._joints = self._given.strings("joints")
         _declare_joints(self._given, self._joints)
+        self._given.refuse_unknown("limits")
         self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._described: dict[str, float] = {}
         self._time = NodeTime(self)

@@ -256,3 +256,15 @@ def test_impossible_parameters_end_it_with_a_sentence(bench: Bench) -> None:
         assert process.wait() == 2
         assert expected in process.output
         assert "Traceback" not in process.output
+
+
+def test_set_points_of_one_point_are_followed(bench: Bench, arm: Process) -> None:
+    send = bench.publisher(JointTrajectory, "arm/joint_trajectory")
+    states = bench.collect(JointState, "arm/reference_state")
+    bench.until(lambda: states, "the reference")
+    wanted = [q + 0.01 for q in states[-1][1].position]
+    send.publish(trajectory([wanted], [0.0]))
+    bench.until(
+        lambda: np.allclose(newest(states).position, wanted, atol=1e-9),
+        "the set-point as reference",
+    )

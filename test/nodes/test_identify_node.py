@@ -154,6 +154,12 @@ def test_from_a_motion_of_the_arm_to_a_model_file(
     np.testing.assert_array_equal(
         Model.load(saved).predict(still, still, still), model.predict(still, still, still)
     )
+    saved.write_bytes(b"of yesterday")
+    success, message = ask(bench, "save")
+    assert success
+    (kept,) = saved.parent.glob("model_*.npz")
+    assert kept.read_bytes() == b"of yesterday"
+    assert kept.name in message
     assert ask(bench, "clear")[0]
     assert not ask(bench, "save")[0]
     assert Path(values["model file"]).exists()

@@ -51,12 +51,17 @@ def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[
     description = module.generate_launch_description()
     entities = description.positional[0]
     context = {
-        entity.positional[0]: entity.named["default_value"]
+        entity.positional[0]: _performed(entity.named["default_value"], path.parents[1])
         for entity in entities
         if type(entity).__name__ == "DeclareLaunchArgument"
     }
     make = next(e for e in entities if type(e).__name__ == "OpaqueFunction").named["function"]
     return entities, make({**context, **arguments})
+
+
+def _performed(value: Any, root: Path) -> str:
+    """Return a default value as `launch` gives it; parameter files are those of the source."""
+    return str(root.joinpath(*value.positional[0][1:])) if isinstance(value, Given) else value
 
 
 def executables(root: Path) -> set[str]:
@@ -91,8 +96,8 @@ def test_executables_and_parameter_files_exist(
     for node in nodes:
         assert node.named["executable"] in known
         assert node.named["namespace"] == "left"
-        file = node.named["parameters"][0].positional[0]
-        assert (root / file[1] / file[2]).is_file()
+        file = node.named["parameters"][0]
+        assert Path(_performed(file, root)).is_file()
 
 
 def test_arguments_reach_the_nodes(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,6 +113,19 @@ def test_arguments_reach_the_nodes(root: Path, monkeypatch: pytest.MonkeyPatch) 
     assert "model_file" not in nodes[1].named["parameters"][1]
     _, nodes = run(root / "launch" / "record.launch.py", monkeypatch, joint_states="/arm/js")
     assert nodes[0].named["remappings"] == [("joint_states", "/arm/js")]
+
+
+def test_a_home_folder_is_found_and_a_missing_file_of_parameters_refused(
+    root: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    path = root / "launch" / "feedforward.launch.py"
+    with pytest.raises(FileNotFoundError, match=r"mine\.yaml: set params_file"):
+        run(path, monkeypatch, params_file="~/mine.yaml")
+    (tmp_path / "mine.yaml").touch()
+    _, (node, _) = run(path, monkeypatch, params_file="~/mine.yaml", model_file="~/m.npz")
+    assert node.named["parameters"][0] == str(tmp_path / "mine.yaml")
+    assert node.named["parameters"][1]["model_file"] == str(tmp_path / "m.npz")
 
 
 def test_the_watchdog_stands_between_feedforward_and_controller(

@@ -28,6 +28,7 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 from threadpoolctl import threadpool_limits
 
 import lagrangian_ff
@@ -62,6 +63,9 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     executor, and during the ending the signals are ignored. An exception that escapes a
     callback is logged and the node goes on.
     """
+    answered = _answer(make_node, sys.argv if args is None else args)
+    if answered is not None:
+        return answered
     use_writable_log_folder()
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
@@ -112,6 +116,25 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     return code
 
 
+def _answer(make_node: Callable[[], ClosingNode], args: list[str]) -> int | None:
+    """Answer --help and what is no argument of ROS; return the exit code, or None to go on."""
+    name = Path(args[0]).stem
+    own = remove_ros_args(args)[1:]
+    if not own:
+        return None
+    usage = f"usage: ros2 run lagrangian_ff {name} [--ros-args -p PARAMETER:=VALUE ...]"
+    if any(word in ("-h", "--help") for word in own):
+        print(f"{usage}\n\n{(sys.modules[make_node.__module__].__doc__ or '').strip()}\n")
+        print(f"config/{name}.yaml describes the parameters; so does `ros2 param describe`.")
+        return 0
+    print(
+        f"error: {' '.join(own)} is no argument of {name}; parameters come after --ros-args\n"
+        f"{usage}",
+        file=sys.stderr,
+    )
+    return 2
+
+
 def _reason(error: Exception) -> str:
     """Return the traceback of an error in this package; a line for a message rclpy cannot take."""
     frames = traceback.extract_tb(error.__traceback__)[1:]  # the first is that of `run`
@@ -156,6 +179,7 @@ class Parameters:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._choices: dict[str, tuple[str, ...]] = {}
+        self._checks: dict[str, Callable[[Any], str]] = {}
         self._declaring = False
         node.add_on_set_parameters_callback(self._check)
 
@@ -179,6 +203,7 @@ class Parameters:
         high: float | None = None,
         choices: Sequence[str] = (),
         read_only: bool = False,
+        check: Callable[[Any], str] = lambda value: "",
     ) -> Any:
         """Declare a parameter and return its value.
 
@@ -189,6 +214,7 @@ class Parameters:
             low, high: smallest and largest value; each needs the other.
             choices: the only texts allowed.
             read_only: can be set at the start only.
+            check: returns why a value is not allowed, or "".
 
         Raises:
             InvalidParameterValueException, InvalidParameterTypeException: of rclpy; the value
@@ -209,6 +235,7 @@ class Parameters:
             # YAML reads an unquoted `true` as a boolean; it still names the choice.
             descriptor.dynamic_typing = "true" in choices
             self._choices[name] = tuple(choices)
+        self._checks[name] = check
         self._declaring = True
         try:
             return self._plain(name, self._node.declare_parameter(name, default, descriptor).value)
@@ -223,6 +250,17 @@ class Parameters:
                 ("effort_offset", 0.0, "N·m added after scaling"),
             ):
                 self.declare(f"{name}.{joint}", default, description, low=-1e6, high=1e6)
+
+    def refuse_unknown(self, *groups: str) -> None:
+        """Raise UserError if a parameter of these groups was given that is none, as a typo."""
+        for name in self._node._parameter_overrides:
+            group = name.partition(".")[0]
+            if group in groups and not self._node.has_parameter(name):
+                known = sorted(self._node.get_parameters_by_prefix(group))
+                raise UserError(
+                    f"there is no parameter {name}; below {group} there are "
+                    f"{', '.join(known) or 'none'}"
+                )
 
     def value(self, name: str) -> Any:
         """Return the present value."""
@@ -245,6 +283,9 @@ class Parameters:
             if allowed is not None and value not in allowed:
                 reason = f"{parameter.name} is {value!r}; expected one of {', '.join(allowed)}"
                 return SetParametersResult(successful=False, reason=reason)
+            refusal = self._checks[parameter.name](value) if parameter.name in self._checks else ""
+            if refusal:
+                return SetParametersResult(successful=False, reason=refusal)
         return SetParametersResult(successful=True)
 
 

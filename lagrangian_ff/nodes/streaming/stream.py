@@ -308,14 +308,16 @@ class TorqueStream:
             return self._ending or "disabled", False
         silence, age = steady - self._joint_state_at, self.reference_age(steady)
         if 0.0 < settings.joint_state_timeout < silence:
-            lasting = f" for {silence:.1f} s" if np.isfinite(silence) else ""
+            # Without the seconds so far: each number would be a new reason.
+            limit = settings.joint_state_timeout
+            lasting = f" for more than {limit:g} s" if np.isfinite(silence) else ""
             return f"no joint states{lasting}", True
         if phase is Phase.WAITING:
             return "no reference", True
         if self._refused:
             return self._refused, False
         if phase is Phase.STREAMED and 0.0 < settings.reference_timeout < age:
-            return f"no set-point for {age:.1f} s", True
+            return f"no set-point for more than {settings.reference_timeout:g} s", True
         ended = phase is Phase.HOLDING and settings.after_end == "fade"
         return "the reference has ended" if ended else "", False
 
