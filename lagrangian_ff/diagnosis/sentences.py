@@ -7,7 +7,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, Remainder, TakenUp, Verdict
-from lagrangian_ff.words import listed, spoken, which
+from lagrangian_ff.words import counted, listed, spoken, which
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis.run import Changed
@@ -63,6 +63,25 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
     if diagnosis.contacts:
         parts.insert(certain, _touched(diagnosis.contacts))
     return " ".join(parts)
+
+
+def headline(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) -> str:
+    """Return the verdict in a few words, the surest first, for where there is little room."""
+    every = diagnosis.model.joints
+    parts = [f"changed: {spoken(one.what)} on {which(one.joints, every)}" for one in changed or ()]
+    if diagnosis.confirmed:
+        parts.append(f"missing: {listed(_causes(diagnosis.confirmed, every))}")
+    others = len(diagnosis.findings) - len(diagnosis.confirmed)
+    if others:
+        parts.append(f"{counted(others, 'finding')} not confirmed")
+    parts += [
+        f"unexplained on {rest.joint}: {rest.share:.1%} over {rest.coordinate}"
+        for rest in diagnosis.unexplained
+    ]
+    if not parts:
+        first = _nothing(diagnosis, known=False).partition(". ")[0].rstrip(".")
+        parts.append(f"{first[:1].lower()}{first[1:]}")
+    return "; ".join(parts)
 
 
 def since(changed: Sequence["Changed"], every: Sequence[str]) -> str:

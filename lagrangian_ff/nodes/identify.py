@@ -21,6 +21,7 @@ import sys
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from functools import partial
+from pathlib import Path
 
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
@@ -70,6 +71,7 @@ class IdentifyNode(ClosingNode):
         self._recorder = BagRecorder(self._subscription.take, self._warnings.add)
         self._description = ""
         self.create_subscription(String, "robot_description", self._on_description, LATCHED)
+        self._reports = self.create_publisher(String, "~/report", LATCHED)
         self._meter, self._seen = RateMeter(), 0
         own = {"start": self._start, "stop": self._stop, "save": self._save, "clear": self._clear}
         for service, do in own.items():
@@ -214,6 +216,9 @@ class IdentifyNode(ClosingNode):
             self.get_logger().error(f"~/{job.service} failed: {outcome.error}")
         else:
             self._session.take(job.service, outcome.result)
+            if outcome.result.report:
+                text = Path(outcome.result.report).read_text("utf-8")
+                self._reports.publish(String(data=text))
             self.get_logger().info("\n".join(outcome.result.log))
         self._diagnostics.publish()
 

@@ -103,7 +103,7 @@ def test_a_joint_trajectory_for_ros(model: Path, tmp_path: Path) -> None:
             "excite", "speeds", "--joint", "elbow", "--model", model, "--output", path
         )
         assert outcome.code == 0, outcome
-    assert f'"$(cat {files[".yaml"]})"' in outcome.out
+    assert f"--stdin < {files['.yaml']}" in outcome.out
     message = parsed(files[".yaml"].read_text())
     assert set(message) == {"joint_names", "points"}
     assert all(

@@ -401,7 +401,6 @@ def test_the_last_command_is_zero_in_each_namespace_whatever_signal_ends_it(
         assert np.abs(np.diff(gone_down)).max() < 4.0, "torque fell in one step"
 
 
-@pytest.mark.skipif(find_spec("control_msgs") is not None, reason="control_msgs is installed")
 @pytest.mark.parametrize("name", ["scale.shouldr", "limits.a.effort_rat", "terms.grav"])
 def test_a_misspelt_parameter_is_not_taken_for_none(bench: Bench, folder: Path, name: str) -> None:
     process = bench.start(
@@ -415,33 +414,6 @@ def test_a_misspelt_parameter_is_not_taken_for_none(bench: Bench, folder: Path, 
 
 
 @pytest.mark.skipif(find_spec("control_msgs") is not None, reason="control_msgs is installed")
-@pytest.mark.parametrize("name", ["scale.shouldr", "limits.a.effort_rat", "terms.grav"])
-def test_a_misspelt_parameter_is_not_taken_for_none(bench: Bench, folder: Path, name: str) -> None:
-    process = bench.start(
-        "feedforward",
-        namespace="misspelt",
-        params={"model_file": str(folder / "model.npz"), name: 0.2},
-    )
-    bench.until(lambda: f"there is no parameter {name}" in process.output, "a reason")
-    assert bench.state("misspelt/feedforward") == "unconfigured"
-    process.end()
-
-
-def test_parameters_that_were_read_are_not_set_without_effect(node: Feedforward) -> None:
-    for name, value in (("rate", 100.0), ("effects_file", "mine.py")):
-        answer = node.bench.set_parameter("feedforward", name, value)
-        assert not answer.successful
-        assert "deactivate" in answer.reason
-
-
-def test_silence_is_one_reason_however_long(node: Feedforward) -> None:
-    node.bench.until(node.set_point, "torque of set-points")
-    node.until_silent("no set-points")
-    before = int(node.bench.values("feedforward: stream")["faded"])
-    node.bench.spin(2.5)
-    assert int(node.bench.values("feedforward: stream")["faded"]) <= before + 1
-
-
 def test_without_control_msgs_it_says_what_to_install_and_takes_references(
     bench: Bench, folder: Path
 ) -> None:

@@ -10,9 +10,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from node_harness import Bench, Process, heard, open_bench
+from node_harness import LATCHED, Bench, Process, heard, open_bench
 from sensor_msgs.msg import JointState
 from small_model import JOINTS, recorded_bag, save_small_model
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from lagrangian_ff.identification import Model
@@ -84,6 +85,10 @@ def test_compare_with_a_loaded_model(bench: Bench, identify: Process, folder: Pa
     assert Path(values["page"]).parent == folder / "out"
     assert "where 1" in values
     assert bench.statuses["identify: comparison"].message in identify.output
+    # Who comes late gets it all the same.
+    reports = bench.collect(String, "identify/report", LATCHED)
+    bench.until(lambda: reports, "the report")
+    assert json.loads(reports[-1][1].data) == written
 
 
 def test_add_what_a_person_asks_for(bench: Bench, identify: Process, folder: Path) -> None:

@@ -78,8 +78,10 @@ def test_a_fault_of_the_measurement_comes_before_the_verdict() -> None:
     calm = fault(serious=False, finding="fine")
     status = diagnosed(checks=(fault(), calm))["diagnosis"]
     assert status.level is Level.WARN
-    assert status.message.startswith("Fix first: elbow: clipped at 1.2 N·m. leave")
-    assert "fine" not in status.message
+    assert status.message.startswith("fix first: elbow: saturation; no effect")
+    whole = str(status.values["verdict"])
+    assert whole.startswith("Fix first: elbow: clipped at 1.2 N·m. Leave")
+    assert "fine" not in whole
 
 
 def test_an_addition_that_does_not_help_says_why() -> None:

@@ -81,7 +81,10 @@ def test_diagnose_then_add_what_it_confirmed(folder: Path) -> None:
     assert status.values["verdict"] == "confirmed"
     assert {"evidence gain [nats]", "error before [N·m]", "error after [N·m]", "C",
             "next motion"} <= set(status.values)  # fmt: skip
-    assert written["verdict"] in statuses["diagnosis"].message
+    short = statuses["diagnosis"]
+    assert "missing: quadratic drag on b" in short.message
+    assert len(short.message) <= 120
+    assert written["verdict"] in str(short.values["verdict"])
     assert "<html" in Path(str(statuses["diagnosis"].values["page"])).read_text()
 
     values = {"model_file": str(folder / "model.npz"), "effects_file": "", "add.effect": "",

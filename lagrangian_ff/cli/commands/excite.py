@@ -32,7 +32,7 @@ examples:
   lagrangian_ff simulate --trajectory speeds.csv --output speeds_bag
   lagrangian_ff excite "one by one" --model model.npz --output pairs.yaml
   ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\
-      trajectory_msgs/msg/JointTrajectory "$(cat pairs.yaml)"
+      trajectory_msgs/msg/JointTrajectory --stdin < pairs.yaml
 
 the motions:
   exciting     all joints through their ranges at once, slow and fast
@@ -49,8 +49,6 @@ how far each joint went, not which poses touch."""
 
 CLOSE = 5e-6
 """The largest error of the quintics between the points of a message, rad."""
-LONGEST_ARGUMENT = 128 * 1024
-"""Bytes a shell takes as one argument."""
 _DIGITS = 7
 
 
@@ -87,10 +85,10 @@ def run(arguments: Namespace) -> int:
     motion = _motion_of(arguments.what)
     trajectory = _of_arm(arguments, motion) if arguments.arm else _of_model(arguments, motion)
     title = f"{motion}, {arguments.joint or 'all joints'}, {trajectory.duration:.0f} s"
-    size = _write(arguments.output, trajectory, f"lagrangian_ff excite: {title}")
+    _write(arguments.output, trajectory, f"lagrangian_ff excite: {title}")
     record = _record(arguments, motion, trajectory)
     write_record(arguments.json, record)
-    _say(arguments, record, size, console)
+    _say(arguments, record, console)
     return 0
 
 
@@ -168,8 +166,8 @@ def _start(texts: "list[str]", joints: "Sequence[str]", usual: "Floats") -> "Flo
     return pose
 
 
-def _write(path: Path, trajectory: "Trajectory", title: str) -> int:
-    """Write the file, and return its size in bytes."""
+def _write(path: Path, trajectory: "Trajectory", title: str) -> None:
+    """Write the file."""
     from lagrangian_ff.arm import write_trajectory
 
     with whole(path) as made:
@@ -177,7 +175,6 @@ def _write(path: Path, trajectory: "Trajectory", title: str) -> int:
             write_trajectory(made, trajectory)
         else:
             made.write_text(joint_trajectory_yaml(trajectory, title), encoding="utf-8")
-        return made.stat().st_size
 
 
 def _record(arguments: Namespace, motion: str, trajectory: "Trajectory") -> dict[str, Any]:
@@ -207,7 +204,7 @@ def _record(arguments: Namespace, motion: str, trajectory: "Trajectory") -> dict
     }
 
 
-def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Console) -> None:
+def _say(arguments: Namespace, record: dict[str, Any], console: Console) -> None:
     asked = "" if record["motion"] == record["asked"] else f", for {record['asked']}"
     who = record["joint"] or "all joints"
     console.say(f"{record['motion']}{asked}: {who}, {record['seconds']:.0f} s")
@@ -226,20 +223,10 @@ def _say(arguments: Namespace, record: dict[str, Any], size: int, console: Conso
             "what is near, the model cannot know. Begin at the start pose, and slowly"
         )
     if arguments.output.suffix == ".yaml":
-        _say_publish(arguments.output, size, console)
+        console.say("next: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\")
+        console.say(f"        trajectory_msgs/msg/JointTrajectory --stdin < {arguments.output}")
     elif arguments.arm:
         console.say(f"next: lagrangian_ff simulate --trajectory {arguments.output} --output BAG")
-
-
-def _say_publish(path: Path, size: int, console: Console) -> None:
-    how = f'"$(cat {path})"' if size < LONGEST_ARGUMENT else f"--yaml-file {path}"
-    console.say("next: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\")
-    console.say(f"        trajectory_msgs/msg/JointTrajectory {how}")
-    if size >= LONGEST_ARGUMENT:
-        console.note(
-            "the message is too long for an argument of the shell, and older ros2 topic pub have "
-            "no --yaml-file: --duration makes it shorter"
-        )
 
 
 def joint_trajectory_yaml(trajectory: "Trajectory", title: str) -> str:

@@ -30,11 +30,13 @@ class Result:
         log: lines.
         statuses: by name.
         model: the model that the job made; None for none.
+        report: the file of the JSON that it wrote; empty for none.
     """
 
     log: tuple[str, ...]
     statuses: Mapping[str, Status] = field(default_factory=dict)
     model: SavedModel | None = None
+    report: str = ""
 
 
 @dataclass

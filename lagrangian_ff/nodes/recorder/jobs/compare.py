@@ -78,4 +78,5 @@ class Compare(base.Job):
             )
         regions = (f"  {text}" for text in words[:REGIONS])
         status = Status(level, message, values)
-        return Result((message, *regions, *base.lines_of(files)), {self.title: status})
+        log = message, *regions, *base.lines_of(files)
+        return Result(log, {self.title: status}, report=files.get("JSON", ""))

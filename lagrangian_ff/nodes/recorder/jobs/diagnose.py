@@ -9,11 +9,15 @@ from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.jobs import base
 from lagrangian_ff.nodes.recorder.session import Result, new_path
 from lagrangian_ff.progress import Progress, part
+from lagrangian_ff.words import sentence
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Diagnosis, DiagnosisRun
     from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.diagnosis.results import Found
+
+LONGEST = 120
+"""Characters of a status: `ros2 topic echo` shows 128 of a text."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,7 @@ class Diagnose(base.Job):
         ]
         verdict = _verdict(run, files)
         log = (
-            verdict.message,
+            str(verdict.values["verdict"]),
             *(f"  {name}: {status.message}" for name, status in findings),
             *base.lines_of(files),
         )
@@ -140,7 +144,7 @@ class Diagnose(base.Job):
         )
         changes = _changes(run)
         statuses = {self.title: verdict, **changes, **dict(findings), **_unexplained(diagnosis)}
-        return Diagnosed(log, statuses, confirmed=confirmed)
+        return Diagnosed(log, statuses, report=files.get("JSON", ""), confirmed=confirmed)
 
 
 def _verdict(run: "DiagnosisRun", files: Mapping[str, str]) -> Status:
@@ -149,10 +153,12 @@ def _verdict(run: "DiagnosisRun", files: Mapping[str, str]) -> Status:
     Those come first because they look like missing physics. A warning if there are any, or if
     something is missing in the model.
     """
-    from lagrangian_ff.diagnosis.sentences import verdict
+    from lagrangian_ff.diagnosis.sentences import headline, verdict
 
     diagnosis, serious = run.diagnosis, [_check(one) for one in run.serious]
+    said = [*(f"Fix first: {text}" for text in serious), verdict(diagnosis, run.changed)]
     values: dict[str, object] = {
+        "verdict": " ".join(said),
         "model": run.model_file,
         "recordings": ", ".join([*run.sources, *run.confirm]),
         "confirmed on": diagnosis.confirmed_on,
@@ -164,9 +170,9 @@ def _verdict(run: "DiagnosisRun", files: Mapping[str, str]) -> Status:
         ),
         **files,
     }
-    message = " ".join(
-        [*(f"Fix first: {text}" for text in serious), verdict(diagnosis, run.changed)]
-    )
+    first = [f"fix first: {one.joint or 'all joints'}: {one.check}" for one in run.serious]
+    message = "; ".join([*first, headline(diagnosis, run.changed)])
+    message = message if len(message) <= LONGEST else f"{message[: LONGEST - 1]}…"
     misfit = diagnosis.misfit is not None and diagnosis.misfit.larger
     missing = diagnosis.found or diagnosis.unexplained or run.changed or misfit
     return Status(Level.WARN if missing or serious else Level.OK, message, values)
@@ -235,4 +241,4 @@ def _finding(found: "Found") -> Status:
 
 def _check(check: "Check") -> str:
     where = f"{check.joint}: " if check.joint else ""
-    return f"{where}{check.finding}. {check.advice}".strip()
+    return " ".join(sentence(text) for text in (f"{where}{check.finding}", check.advice) if text)
