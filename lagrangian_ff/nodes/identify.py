@@ -97,9 +97,9 @@ class IdentifyNode(ClosingNode):
 
     def _joints(self) -> tuple[str, ...]:
         """Return the joints known so far, with their parameters declared."""
-        recorded = self._recorder.tally.joints
-        joints = self._settings.strings("joints") or recorded
-        self._settings.declare_effort((*joints, *recorded))
+        heard = self._recorder.joints
+        joints = self._settings.strings("joints") or heard
+        self._settings.declare_effort((*joints, *heard))
         return joints
 
     def _situation(self, joints: Sequence[str] = ()) -> Situation:
@@ -241,7 +241,7 @@ class IdentifyNode(ClosingNode):
         values = {
             "state": self._session.state,
             "rate [Hz]": rate,
-            "joints": ", ".join(tally.joints),
+            "joints": ", ".join(self._recorder.joints),
             "bag": self._session.current or "",
             "samples": tally.samples,
             "seconds": tally.seconds,

@@ -90,3 +90,9 @@ def test_the_two_directions_are_two_bins() -> None:
     assert found is not None
     np.testing.assert_array_equal(found.low, [-1.0, 1.0])
     np.testing.assert_allclose(found.mean, [-1.0, 1.0], atol=0.01)
+
+
+@pytest.mark.parametrize("name", ["velocity", "speed", "position", "acceleration"])
+@pytest.mark.parametrize(("low", "high"), [(0.01, 1.0), (0.0, 0.99), (0.02, 0.99), (0.4, 0.6)])
+def test_every_interval_has_a_place(name: str, low: float, high: float) -> None:
+    assert COORDINATES[name].words(low, high, 0.0, 1.0)

@@ -144,3 +144,19 @@ def test_it_writes_without_being_asked(
     while recorder.tally.samples < 3 and time.monotonic() < deadline:
         time.sleep(0.01)
     assert len(load(tmp_path / "bag")) == 3, "on disk before the bag is closed"
+
+
+def test_a_recording_has_its_own_joints_and_times_also_without_stamps(
+    source: Source, recorder: BagRecorder, tmp_path: Path
+) -> None:
+    source.send(*states(3))
+    recorder.open(tmp_path / "bag", "joint_states")
+    still = np.zeros((11, 1))
+    other = JointStateEncoder(("c",), effort=True).encode(
+        np.zeros(11, dtype=np.int64), still, still, still
+    )
+    source.send(*other)
+    recorder.close_bag()
+    assert recorder.joints == ("a", "b", "c")
+    assert recorder.tally.joints == ("c",)
+    assert recorder.tally.seconds > 0.0

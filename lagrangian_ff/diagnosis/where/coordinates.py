@@ -63,11 +63,13 @@ def _interval(
         lowest = 0.0 if positive else lowest
         slack = NEAR * (highest - lowest)
         low, high = (0.0 if abs(end) < 0.2 * slack else end for end in (low, high))
-        if low <= lowest + slack and high >= highest - slack:
-            return ""
-        if low <= lowest + slack:
+        from_lowest, to_highest = low <= lowest + slack, high >= highest - slack
+        if from_lowest and to_highest:
+            # Nearly all of the range, in less of the time: the end that is farther in is said.
+            from_lowest = highest - high > low - lowest
+        if from_lowest:
             return f"{below} {typeset(high, 2)} {unit}"
-        if high >= highest - slack:
+        if to_highest:
             return f"{above} {typeset(low, 2)} {unit}"
         return f"{between} {typeset(low, 2)} {link} {typeset(high, 2)} {unit}"
 

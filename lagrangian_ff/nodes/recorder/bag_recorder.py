@@ -45,8 +45,8 @@ class Tally:
 
     Attributes:
         samples: joint states written.
-        seconds: between the first and the last stamp.
-        joints: all names seen.
+        seconds: between the first and the last stamp; messages without have the time received.
+        joints: the names in it.
     """
 
     samples: int = 0
@@ -85,6 +85,7 @@ class BagRecorder:
         self._bag: BagWriter | None = None
         self._first = self._last = 0
         self._names: dict[str, None] = {}
+        self._seen: dict[str, None] = {}
         self._samples = 0
         self.failure = ""
         self._warned_of_effort = False
@@ -108,6 +109,7 @@ class BagRecorder:
             self._drain()
             self._bag, self._reserve = BagWriter(path, topic=topic), reserve
             self._first = self._last = self._samples = 0
+            self._names.clear()
             self.failure = ""
             self._warned_of_effort = False
 
@@ -122,6 +124,11 @@ class BagRecorder:
             bag, self._bag = self._bag, None
             if bag is not None:
                 bag.close()
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Return the names of all joints that were heard of, recorded or not."""
+        return tuple(self._seen)
 
     @property
     def tally(self) -> Tally:
@@ -179,7 +186,7 @@ class BagRecorder:
             return
         self.received += 1
         self._volume += len(data) + RECORD
-        self._names.update(dict.fromkeys(state.names))
+        self._seen.update(dict.fromkeys(state.names))
         fault = state.fault()
         if fault:
             self._warn("unusable joint state", fault)
@@ -195,6 +202,8 @@ class BagRecorder:
         except UserError as error:
             self._end(str(error))
             return
-        self._first = self._first if self._samples else state.stamp
-        self._last = max(self._last, state.stamp)
+        self._names.update(dict.fromkeys(state.names))
+        at = state.stamp or received
+        self._first = self._first if self._samples else at
+        self._last = max(self._last, at)
         self._samples += 1
