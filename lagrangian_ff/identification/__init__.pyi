@@ -4,6 +4,7 @@ from lagrangian_ff.identification.extending import without as without
 from lagrangian_ff.identification.identifying import identify as identify
 from lagrangian_ff.identification.mechanics.dynamics import Dynamics as Dynamics
 from lagrangian_ff.identification.model import Model as Model
+from lagrangian_ff.identification.ordering import joint_order as joint_order
 from lagrangian_ff.identification.predicting import MotionRange as MotionRange
 from lagrangian_ff.identification.predicting import Terms as Terms
 from lagrangian_ff.identification.records import Score as Score

@@ -257,6 +257,11 @@ class Mechanism(ABC):
             ModelError: the mechanism lacks one; names the joints of both.
         """
 
+    @property
+    def base_to_tool(self) -> tuple[str, ...]:
+        """Return the names of its joints from base to tool; empty if it does not know them."""
+        return ()
+
     def without_gravity(self) -> "Mechanism":
         """Return the mechanism where nothing has weight; by default it has none of its own."""
         return self

@@ -1,7 +1,7 @@
 """`identify`: from recordings to a model file, and how good it is."""
 
 from argparse import ArgumentParser, Namespace
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from lagrangian_ff.cli.text.model import say_identified
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.identification import Identification, Settings
+    from lagrangian_ff.kernels import Mechanism
 
 NAME = "identify"
 SUMMARY = "learn a model from recordings and see how good it is"
@@ -65,7 +66,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--model", str, "NAME", "kernel and effects, see below (default: auto+fri; "
          "auto with --effort without-friction)"),
         ("--joints", list, "JOINT",
-         "learn these only, a,b or a b (default: all that were recorded)"),
+         "learn these only, a,b or a b, from base to tool (default: all that were recorded, in the "
+         "order of the URDF, else of their numbers, else of what the torques speak for)"),
         ("--urdf", Path, "FILE",
          "the robot's description: its rigid bodies become part of the model, their masses "
          "corrected from those of the file, and the kernel corrects the rest (needs the extra "
@@ -123,6 +125,8 @@ def run(arguments: Namespace) -> int:
         recordings = [recording.select(joints) for recording in recordings]
     sources.require_same_joints(recordings)
     readings = sources.prepare(recordings, conditioning, console)
+    if not joints:
+        readings = _base_to_tool(readings, settings, robot, console)
     from lagrangian_ff.diagnosis.record import check_record
     from lagrangian_ff.identification import identify
 
@@ -139,6 +143,23 @@ def run(arguments: Namespace) -> int:
     say_checks(checks, console)
     _say(found, readings, arguments.output, console)
     return 0
+
+
+def _base_to_tool(
+    readings: list[sources.Reading],
+    settings: "Settings",
+    robot: "Mechanism | None",
+    console: Console,
+) -> list[sources.Reading]:
+    """Return the readings with their joints in the order from base to tool."""
+    from lagrangian_ff.identification import joint_order
+
+    motions = [reading.motion for reading in readings]
+    with progress_bar("the order of the joints") as progress:
+        order = joint_order(motions, settings.model, robot, progress)
+    if words := order.words(motions[0].joints):
+        console.note(f"{words}; --joints gives another order")
+    return [replace(one, motion=one.motion.select(order.joints)) for one in readings]
 
 
 def _checks(found: "Identification", readings: list[sources.Reading]) -> "list[Check]":

@@ -58,6 +58,10 @@ class Robot(Mechanism):
         moved = [body for body in range(len(depth)) if self.tree.driver[body] >= 0]
         return max(moved, key=lambda body: (depth[body], body))
 
+    @property
+    def base_to_tool(self) -> tuple[str, ...]:
+        return self.movable
+
     def of_joints(self, joints: tuple[str, ...], source: str) -> "Robot":
         absent = [name for name in joints if name not in self.movable]
         if absent:

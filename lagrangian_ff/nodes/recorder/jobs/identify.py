@@ -70,7 +70,7 @@ class Identify(Job):
     def work(self, progress: Progress) -> Result:
         """Write the model and return its error on motion that it has not seen."""
         from lagrangian_ff.diagnosis.preflight import effort_checks
-        from lagrangian_ff.identification import identify
+        from lagrangian_ff.identification import identify, joint_order
         from lagrangian_ff.kernels.rigid import read_urdf
         from lagrangian_ff.nodes.common.models import load_own_effects
         from lagrangian_ff.recording import concatenate
@@ -85,10 +85,16 @@ class Identify(Job):
         )
         motions = self.read(self.bags, self.joints, conditioning, part(progress, 0.0, 0.1))
         mechanism = read_urdf(self.urdf) if self.urdf else None
-        found = identify(motions, self.settings, part(progress, 0.1, 1.0), mechanism)
+        note = ""
+        if not self.joints:
+            order = joint_order(motions, self.settings.model, mechanism, part(progress, 0.1, 0.2))
+            note = order.words(motions[0].joints)
+            motions = [motion.select(order.joints) for motion in motions]
+        found = identify(motions, self.settings, part(progress, 0.2, 1.0), mechanism)
         found.model.save(Path(self.output))
         result = self.result(found.model.identified)
-        said = [
+        said = [f"  {note}; the parameter joints gives another order"] if note else []
+        said += [
             f"  {one.finding}. {one.advice}"
             for one in effort_checks(found.model, concatenate(motions))
         ]
