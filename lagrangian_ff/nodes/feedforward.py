@@ -183,6 +183,8 @@ def _declare(parameters: Parameters, fixed: Check, fixed_while_active: Check) ->
         "~/follow_joint_trajectory go on to, empty = none", check=fixed)  # fmt: skip
     add("controller_manager", "controller_manager", "name of its manager, which is asked what the "
         "controller takes", check=fixed)  # fmt: skip
+    add("without_position_loop", False, "whether torque is streamed, too, to a controller that "
+        "passes it on where nobody controls the position")  # fmt: skip
     add("point_error", 0.01, "how far torque that the controller interpolates linearly between the "
         "points of a goal may be from that of the path, as a share of the largest torque "
         "identified on each joint", low=1e-4, high=1.0)  # fmt: skip

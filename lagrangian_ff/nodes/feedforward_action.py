@@ -70,8 +70,7 @@ class GoalProxy:
 
     Args:
         controller: name of the controller; its action is `controller/follow_joint_trajectory`.
-        manager: name of the controller manager.
-        joints: of the model.
+        facts: what the controller answered.
         fill: returns a trajectory with its effort; may raise UserError.
         silent: returns why no effort is to be filled now, or "".
     """
@@ -80,13 +79,12 @@ class GoalProxy:
         self,
         node: LifecycleNode,
         controller: str,
-        manager: str,
-        joints: tuple[str, ...],
+        facts: ControllerFacts,
         warnings: ThrottledWarnings,
         fill: Callable[[JointTrajectory], Filled],
         silent: Callable[[], str],
     ) -> None:
-        self._node, self._name, self._warnings = node, controller, warnings
+        self._node, self._name, self._facts, self._warnings = node, controller, facts, warnings
         self._fill_trajectory, self._silent = fill, silent
         self._count, self._without = Count(), ""
         self._relays: dict[int, Relay] = {}
@@ -95,7 +93,6 @@ class GoalProxy:
         if interfaces is None:
             return
         self._kind = kind = interfaces.FollowJointTrajectory
-        self._facts = ControllerFacts(node, controller, manager, joints)
         # A goal is answered when the controller has answered; others come in the meantime.
         group = ReentrantCallbackGroup()
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="goals")
@@ -118,7 +115,6 @@ class GoalProxy:
             relay.controller.cancel_goal_async()
         self._server.destroy()
         self._client.destroy()
-        self._facts.close()
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     async def _on_goal(self, request: Any) -> GoalResponse:
@@ -250,10 +246,9 @@ class GoalProxy:
         )
 
     def status(self) -> Status:
-        """Return the state of the controller and of the goals; ask it again."""
+        """Return the state of the controller and of the goals."""
         if self._kind is None:
             return Status(Level.WARN, MISSING)
-        self._facts.ask()
         verdict, count = self._facts.verdict(), self._count
         values: dict[str, object] = {
             "controller": self._name,

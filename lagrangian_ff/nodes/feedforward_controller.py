@@ -9,7 +9,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
 from rclpy.node import Node
 
-from lagrangian_ff.nodes.streaming.controller import Answers, Verdict, judge
+from lagrangian_ff.nodes.streaming.controller import Answers, Loaded, Verdict, judge, open_loop
 
 
 def optional(module: str) -> ModuleType | None:
@@ -24,7 +24,7 @@ class ControllerFacts:
     """The last answers of a controller and of its manager.
 
     Args:
-        name: of the controller, relative or absolute.
+        name: of the controller, relative or absolute; "" if goals go on to none.
         manager: name of the controller manager.
         joints: of the model.
     """
@@ -32,9 +32,12 @@ class ControllerFacts:
     def __init__(self, node: Node, name: str, manager: str, joints: tuple[str, ...]) -> None:
         self._node, self._name, self._joints = node, name, joints
         self._known: dict[str, Any] = {}
+        self._loaded: list[Loaded] = []
         self._waiting: set[str] = set()
-        self._parameters = node.create_client(GetParameters, f"{name}/get_parameters")
-        self._clients: list[Client] = [self._parameters]
+        self._clients: list[Client] = []
+        if name:
+            self._clients.append(node.create_client(GetParameters, f"{name}/get_parameters"))
+        self._parameters = self._clients[0] if name else None
         self._manager: list[tuple[Client, Any, Callable[[Any], None]]] = []
         services = optional("controller_manager_msgs.srv")
         if services is not None:
@@ -48,15 +51,20 @@ class ControllerFacts:
 
     def ask(self) -> None:
         """Ask again; the answers come while the node spins."""
-        self._ask(self._parameters, self._request("command_interfaces"), self._note_interfaces)
-        gains = [f"gains.{joint}.ff_velocity_scale" for joint in self._joints]
-        self._ask(self._parameters, self._request(*gains), self._note_gains)
+        if self._parameters is not None:
+            gains = [f"gains.{joint}.ff_velocity_scale" for joint in self._joints]
+            self._ask(self._parameters, self._request("command_interfaces"), self._note_interfaces)
+            self._ask(self._parameters, self._request(*gains), self._note_gains)
         for client, kind, note in self._manager:
             self._ask(client, kind.Request(), note)
 
     def verdict(self) -> Verdict:
         """Return whether the controller takes effort, as far as it answered."""
         return judge(self._name, self._joints, Answers(**self._known))
+
+    def open_loop(self) -> str:
+        """Return why streamed torque would move a joint that nobody controls, or ""."""
+        return open_loop(self._joints, self._loaded)
 
     def close(self) -> None:
         """Release the clients."""
@@ -90,6 +98,10 @@ class ControllerFacts:
         self._known["velocity_scale"] = dict(zip(self._joints, values, strict=False))
 
     def _note_controllers(self, answer: Any) -> None:
+        self._loaded = [
+            Loaded(one.name, one.type, one.state, tuple(one.claimed_interfaces))
+            for one in answer.controller
+        ]
         name = self._name.rpartition("/")[2]
         found = next((one for one in answer.controller if one.name == name), None)
         self._known["state"] = found.state if found else ""

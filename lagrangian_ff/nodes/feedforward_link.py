@@ -20,6 +20,7 @@ from lagrangian_ff.nodes.common.node import Parameters
 from lagrangian_ff.nodes.common.pacing import FollowingPacer, NodeTime, PacedThread, Pacer, Pacing
 from lagrangian_ff.nodes.common.status import Level, Status, ThrottledWarnings, errors_of
 from lagrangian_ff.nodes.feedforward_action import GoalProxy
+from lagrangian_ff.nodes.feedforward_controller import ControllerFacts
 from lagrangian_ff.nodes.feedforward_references import References
 from lagrangian_ff.nodes.streaming.life import SignsOfLife
 from lagrangian_ff.nodes.streaming.plan import TERMS, reason
@@ -74,6 +75,9 @@ class FeedforwardLink:
         self._loop: PacedThread | None = None
         self.references = References(node, parameters, warnings, self._time, ready, self._stream)
         self._make_topics()
+        self._facts = ControllerFacts(
+            node, parameters.value("controller"), parameters.value("controller_manager"), joints
+        )
         self._proxy = self._make_proxy()
         node.get_logger().info(
             f"{ready.model.name} of {', '.join(joints)} loaded from {ready.file}"
@@ -98,8 +102,7 @@ class FeedforwardLink:
         return GoalProxy(
             self._node,
             value("controller"),
-            value("controller_manager"),
-            self._joints,
+            self._facts,
             self._warnings,
             lambda message: self.references.fill(message, value("point_error")),
             self._silent,
@@ -113,6 +116,7 @@ class FeedforwardLink:
 
     def start(self) -> None:
         """Begin to stream, zeros until a reference comes."""
+        self._facts.ask()
         self.references.ignore()
         self.references.active = True
         self._stream.forget()
@@ -148,6 +152,7 @@ class FeedforwardLink:
         self.stop()
         if self._proxy is not None:
             self._proxy.close()
+        self._facts.close()
         self.references.close()
         for publisher in (self._commands, self._stamped):
             self._node.destroy_publisher(publisher)
@@ -307,7 +312,13 @@ class FeedforwardLink:
         return ""
 
     def controller_status(self) -> Status | None:
-        """Return the state of the controller that goals go on to; None without one."""
+        """Return the state of the controller that goals go on to; None without one.
+
+        The controllers are asked again, and torque is refused that would move joints alone.
+        """
+        self._facts.ask()
+        alone = self._parameters.value("without_position_loop")
+        self._stream.forbidden = "" if alone else self._facts.open_loop()
         return None if self._proxy is None else self._proxy.status()
 
     def joint_state_status(self) -> Status:

@@ -270,7 +270,7 @@ class IdentifyNode(ClosingNode):
 def _declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the joints; defaults are the settings'."""
     add = parameters.declare
-    add("joints", [""], 'joints to identify, from base to tool; [""] = all, in the order that is found')
+    add("joints", [""], 'joints to identify, from base to tool; [""] = all, put in order')
     add("effects_file", "", "Python that defines effects of your own; empty = none")
     add("model", "", "model to identify, a sum of kernels and bases; empty = auto+fri, or auto "
         "where friction is compensated in the drive",

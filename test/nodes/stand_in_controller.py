@@ -40,6 +40,7 @@ class Controller(Node):
         self._kinds = list(self.declare_parameter("command_interfaces", ["effort"]).value)
         offered = self.declare_parameter("offered", ["position", "effort"]).value
         self._offered = [f"{joint}/{kind}" for joint in JOINTS for kind in offered]
+        self._type = self.declare_parameter("type", f"{NAME}/JointTrajectoryController").value
         # A controller that was built before effort was taken.
         self._old = bool(self.declare_parameter("old", False).value)
         self._tolerance = float(self.declare_parameter("path_tolerance", 0.0).value)
@@ -77,7 +78,7 @@ class Controller(Node):
     ) -> ListControllers.Response:
         claimed = [f"{joint}/{kind}" for joint in JOINTS for kind in self._kinds]
         response.controller = [
-            ControllerState(name=NAME, state="active", claimed_interfaces=claimed)
+            ControllerState(name=NAME, state="active", type=self._type, claimed_interfaces=claimed)
         ]
         return response
 

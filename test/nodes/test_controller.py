@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrangian_ff.nodes.streaming.controller import Answers, judge
+from lagrangian_ff.nodes.streaming.controller import Answers, Loaded, judge, open_loop
 
 JOINTS = ("a", "b")
 BOTH = ("a/effort", "b/effort", "a/position", "b/position")
@@ -41,3 +41,26 @@ def test_torque_over_velocity_of_the_controller_is_named() -> None:
     assert found.effort
     assert not found.good
     assert "gains.b.ff_velocity_scale to 0" in found.said
+
+
+GROUP = Loaded("group", "effort_controllers/JointGroupEffortController", "active", ("a/effort",))
+TRAJECTORY = "joint_trajectory_controller/JointTrajectoryController"
+
+
+@pytest.mark.parametrize(
+    ("controllers", "alone"),
+    [
+        ([], False),
+        ([GROUP], True),
+        ([Loaded("f", "forward_command_controller/ForwardCommandController", "active",
+                 ("b/effort",))], True),
+        ([Loaded("f", "forward_command_controller/ForwardCommandController", "active",
+                 ("b/position",))], False),
+        ([Loaded("group", GROUP.type, "inactive", ())], False),
+        ([Loaded("jtc", TRAJECTORY, "active", ("a/effort", "b/effort"))], False),
+        ([GROUP, Loaded("jtc", TRAJECTORY, "active", ("a/position",))], False),
+        ([Loaded("group", GROUP.type, "active", ("elsewhere/effort",))], False),
+    ],
+)  # fmt: skip
+def test_torque_alone_is_noticed(controllers: list[Loaded], alone: bool) -> None:
+    assert ("nobody controls its position" in open_loop(JOINTS, controllers)) is alone

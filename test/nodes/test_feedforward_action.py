@@ -18,6 +18,7 @@ from built_interfaces import use
 from builtin_interfaces.msg import Duration
 from node_harness import Bench, open_bench
 from rclpy.action import ActionClient
+from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from lagrangian_ff.arm import HOME, JOINTS, Trajectory, exciting_trajectory, simulate
@@ -128,6 +129,11 @@ def move(q: list[float], seconds: float) -> JointTrajectory:
     point = JointTrajectoryPoint(positions=q)
     point.time_from_start = Duration(sec=int(seconds), nanosec=round((seconds % 1) * 1e9))
     return JointTrajectory(joint_names=list(JOINTS), points=[point])
+
+
+def move_between(start: Any, goal: Any) -> Trajectory:
+    q = np.array([start, goal])
+    return Trajectory(np.array([0.0, 1.0]), q, np.zeros_like(q), np.zeros_like(q))
 
 
 def planned(path: Trajectory, every: float) -> JointTrajectory:
@@ -274,3 +280,22 @@ def test_a_node_that_ends_cancels_what_nobody_can_reach_any_more(
     robot.node.signal(signal.SIGTERM)
     assert robot.node.wait() == 0
     bench.until(lambda: "goal canceled" in robot.controller.output, "the cancelled goal")
+
+
+def test_torque_is_not_streamed_where_nobody_controls_the_position(
+    bench: Bench, action: Any, folder: Path
+) -> None:
+    group = {"type": "effort_controllers/JointGroupEffortController"}
+    robot = Robot(bench, action, folder, "alone", group)
+    commands = bench.collect(Float64MultiArray, "alone/feedforward/commands")
+    send = bench.publisher(JointTrajectory, "alone/feedforward/reference")
+    send.publish(planned(move_between(HOME, HOME), 0.1))
+    stream = "alone/feedforward: stream"
+    bench.until(
+        lambda: "nobody controls its position" in bench.statuses[stream].message, "the refusal"
+    )
+    assert commands
+    assert not any(any(message.data) for _, message in commands)
+    assert bench.set_parameter("alone/feedforward", "without_position_loop", True).successful
+    bench.until(lambda: any(commands[-1][1].data), "the torque that was allowed")
+    robot.controller.end()

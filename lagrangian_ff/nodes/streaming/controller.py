@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 TAKE_EFFORT = (("effort",), ("effort", "position"))
+FORWARDING = ("JointGroupEffortController", "ForwardCommandController")
+"""What the types of controllers end with that pass torque on and control nothing."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,35 @@ class Answers:
     offered: tuple[str, ...] | None = None
     command_interfaces: tuple[str, ...] | None = None
     velocity_scale: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A controller as its manager lists it; the names are those of ControllerState."""
+
+    name: str
+    type: str
+    state: str
+    claimed: tuple[str, ...]
+
+
+def open_loop(joints: Sequence[str], controllers: Sequence[Loaded]) -> str:
+    """Return which controller passes torque on to a joint whose position nobody controls, or ""."""
+    active = [one for one in controllers if one.state == "active"]
+    for joint in joints:
+        holding = [one for one in active if any(i.rpartition("/")[0] == joint for i in one.claimed)]
+        passing = [
+            one
+            for one in holding
+            if f"{joint}/effort" in one.claimed and one.type.endswith(FORWARDING)
+        ]
+        if passing and len(passing) == len(holding):
+            return (
+                f"{passing[0].name} passes torque on to {joint}, and nobody controls its position: "
+                "use the parameter controller with joint_trajectory_controller, or set "
+                "without_position_loop if another loop outside ros2_control does"
+            )
+    return ""
 
 
 @dataclass(frozen=True)

@@ -149,12 +149,16 @@ class TorqueStream:
     count in s of a steady clock. Whatever happens, one tick moves a torque by at most
     `Settings.quickest` times the s since the last tick, or times `Settings.longest` if that is
     less. One thread may call `tick` while others call the rest.
+
+    Attributes:
+        enabled: whether the user wants torque.
+        forbidden: why no torque may be sent, whatever comes; "" if it may.
     """
 
     def __init__(self, joints: tuple[str, ...], settings: Settings) -> None:
         self.joints = joints
         self.settings = settings
-        self.enabled = True
+        self.enabled, self.forbidden = True, ""
         self._plan: Plan | None = None
         self._start = 0
         self._next: tuple[Plan, int] | None = None
@@ -306,6 +310,8 @@ class TorqueStream:
         settings = self.settings
         if self._ending or not self.enabled:
             return self._ending or "disabled", False
+        if self.forbidden:
+            return self.forbidden, False
         silence, age = steady - self._joint_state_at, self.reference_age(steady)
         if 0.0 < settings.joint_state_timeout < silence:
             # Without the seconds so far: each number would be a new reason.
