@@ -23,6 +23,7 @@ def nodes(given: Mapping[str, str]) -> list[Node]:
     time = {"use_sim_time": simulated}
     # The arm waits for the torque of every tick, so that none may be lost on the way.
     own_time = {"publish_clock": simulated, "wait_for_command": WAIT}
+    hidden = {"hidden": given["hidden"].split()} if given["hidden"] else {}
     prefix = f"/{given['namespace']}" if given["namespace"] else ""
     reliable = {
         f"qos_overrides.{prefix}/{topic}.subscription.reliability": "reliable"
@@ -32,7 +33,7 @@ def nodes(given: Mapping[str, str]) -> list[Node]:
     arm = Node(
         executable="arm",
         name="arm",
-        parameters=[config("arm.yaml"), own_time, reliable],
+        parameters=[config("arm.yaml"), {**own_time, **hidden}, reliable],
         remappings=[
             ("~/joint_trajectory", "feedforward/joint_trajectory"),
             ("~/commands", "feedforward/commands"),
@@ -50,7 +51,11 @@ def nodes(given: Mapping[str, str]) -> list[Node]:
     recorder = Node(
         executable="identify",
         name="identify",
-        parameters=[config("identify.yaml"), time, reliable],
+        parameters=[
+            config("identify.yaml"),
+            {**time, **chosen(given, "model_file", "output_directory")},
+            reliable,
+        ],
         **common,
     )
     return [arm, feedforward, recorder]
@@ -67,6 +72,12 @@ def generate_launch_description() -> LaunchDescription:
             "all nodes use the system's clock",
         ),
         "model_file": ("", "identified model to load; empty = what params_file says"),
+        "output_directory": ("", "where bags, models and findings are written; empty = here"),
+        "hidden": (
+            "",
+            "physics to hide in the arm, for diagnose to find, such as stribeck@joint_3:0.1; "
+            "several with spaces between",
+        ),
         "record": ("true", "whether to start the recorder, too"),
     }
     return describe(arguments, nodes)

@@ -23,6 +23,7 @@ from std_msgs.msg import Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import HOME, JOINTS, Arm, Trajectory, robot_description
+from lagrangian_ff.arm.hidden.asked import hidden, wanted
 from lagrangian_ff.arm.simulation import check_limits
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import UserError
@@ -55,7 +56,9 @@ class ArmNode(ClosingNode):
         _declare(self._settings)
         value = self._settings.value
         self._own_clock: bool = value("publish_clock")
-        self._arm = Arm(seed=value("seed"), loads=self._loads())
+        asked = wanted(self._settings.strings("hidden"))
+        inside = hidden(asked, value("seed"))
+        self._arm = Arm(seed=value("seed"), loads=self._loads(), **inside.arm)
         q = np.array(value("initial_position"))
         self._arm.reset(q)
         self._follower = Follower(JOINTS, q, value("start_tolerance"))
@@ -262,6 +265,9 @@ def _declare(parameters: Parameters) -> None:
         "when it takes over", low=0.0, high=3.2, read_only=True)  # fmt: skip
     add("seed", 0, "of the sensor noise", low=0, high=2**31, read_only=True)
     add("initial_position", list(HOME), "rad, the 6 joints at the start", read_only=True)
+    add("hidden", [""], 'physics to hide, EFFECT@JOINT:SIZE, as stribeck@joint_3:0.1 of a tenth of '
+        'the torque of joint_3; `lagrangian_ff simulate --help` lists the effects; [""] = none',
+        read_only=True)  # fmt: skip
     for joint in JOINTS:
         add(f"loads.{joint}", 0.0, f"kg fixed to the link that {joint} moves; 0 = none",
             low=0.0, high=20.0, read_only=True)  # fmt: skip

@@ -129,7 +129,7 @@ def test_what_cannot_be_driven(short: Path, tmp_path: Path) -> None:
         (("--trajectory", short, "--loads", "joint_9=1"), ("joint_9",)),
         (("--trajectory", short, "--loads", "joint_1=-1"), ("joint_1", "-1")),
         (("--trajectory", short, "--loads", "joint_1"), ("--loads joint_1", "joint=number")),
-        (("--hidden", "stribeck@joint_1"), ("--hidden stribeck@joint_1", "stribeck@joint_3:0.1")),
+        (("--hidden", "stribeck@joint_1"), ("hidden stribeck@joint_1", "stribeck@joint_3:0.1")),
         (("--hidden", "stick@joint_1:0.1"), ("no effect 'stick'", "stribeck, ")),
         (("--hidden", "payload@joint_1:0.1"), ("payload can be on joint_2",)),
         (("--hidden", "stribeck@joint_1:-1"), ("above 0",)),

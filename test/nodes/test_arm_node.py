@@ -268,3 +268,16 @@ def test_set_points_of_one_point_are_followed(bench: Bench, arm: Process) -> Non
         lambda: np.allclose(newest(states).position, wanted, atol=1e-9),
         "the set-point as reference",
     )
+
+
+def test_what_is_hidden_in_it_is_asked_for_by_name(bench: Bench) -> None:
+    wrong = bench.start("arm", namespace="wrong", params={"hidden": ["stick@joint_1:0.1"]})
+    assert wrong.wait() == 2
+    assert "no effect 'stick'" in wrong.output
+    odd = bench.start("arm", namespace="odd", params={"hidden": ["spring@joint_2:0.3"]})
+    states = bench.collect(JointState, "odd/joint_states")
+    plain = bench.collect(JointState, "joint_states")
+    bench.until(lambda: len(states) > 500 and len(plain) > 500, "joint states of both arms")
+    effort = [np.mean([m.effort[1] for _, m in list(one)[-200:]]) for one in (states, plain)]
+    assert abs(effort[0] - effort[1]) > 0.5
+    odd.end()

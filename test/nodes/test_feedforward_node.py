@@ -7,7 +7,6 @@ import textwrap
 import threading
 from collections import deque
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -16,27 +15,19 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from builtin_interfaces.msg import Duration
-from node_harness import Bench, Process, configured, open_bench
+from feedforward_bench import Feedforward, reference
+from node_harness import Bench, configured, open_bench
 from sensor_msgs.msg import JointState
 from small_model import save_small_model
 from std_msgs.msg import Float64MultiArray
 from std_srvs.srv import SetBool
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.diagnosis import add
 from lagrangian_ff.effects import EFFECTS, load_effects
 from lagrangian_ff.identification import Model
 from lagrangian_ff.nodes.common.topics import points
 from lagrangian_ff.nodes.streaming.reference import read_reference
-
-QUICK = {
-    "ramp_time": 0.1,
-    "fade_time": 0.2,
-    "start_delay": 0.4,
-    "reference_timeout": 0.5,
-    "joint_state_timeout": 0.0,
-}
 
 
 @pytest.fixture(scope="module")
@@ -56,69 +47,9 @@ def bench(ros_environment: dict[str, str], folder: Path, model: Model) -> Iterat
         yield bench
 
 
-class Feedforward:
-    """A running node with its topics."""
-
-    def __init__(self, bench: Bench, folder: Path, namespace: str = "", **params: Any) -> None:
-        self.bench = bench
-        self.name = f"/{namespace}/feedforward" if namespace else "/feedforward"
-        # Deep, so that none is lost while this process is held up.
-        depth = {
-            f"qos_overrides.{self.name}/{topic}.publisher.depth": 5000
-            for topic in ("commands", "feedforward")
-        }
-        self.process: Process = bench.start(
-            "feedforward",
-            namespace=namespace,
-            params={"model_file": str(folder / "model.npz"), **QUICK, **depth, **params},
-        )
-        self.commands = bench.collect(Float64MultiArray, f"{self.name}/commands")
-        self.stamped = bench.collect(JointState, f"{self.name}/feedforward")
-        self.annotated = bench.collect(JointTrajectory, f"{self.name}/joint_trajectory")
-        self.send = bench.publisher(JointTrajectory, f"{self.name}/reference")
-        bench.until(lambda: self.commands, "commands")
-
-    @property
-    def tau(self) -> list[float]:
-        return list(self.commands[-1][1].data)
-
-    def until_silent(self, why: str) -> None:
-        self.bench.until(lambda: not any(self.tau), f"zero torque: {why}")
-
-    def until_sending(self, why: str) -> None:
-        self.bench.until(lambda: any(self.tau), f"torque: {why}")
-
-    def set_point(self) -> bool:
-        """Send a set-point, wait a moment, and return whether its torque is sent."""
-        self.send.publish(reference([0.0], [[0.2, 0.2]]))
-        self.bench.spin(0.02)
-        return self.tau[0] > 6.0
-
-    def hold(self, q: float = 0.4) -> None:
-        """Bring it to hold gravity at the end of a short reference."""
-        self.send.publish(reference([0.0, 0.1], [[q, q], [q, q]]))
-        expected = 8.0 * math.cos(q)
-        self.bench.until(
-            lambda: self.tau[0] == pytest.approx(expected, rel=0.002), "holding gravity"
-        )
-
-
 @pytest.fixture(scope="module")
 def node(bench: Bench, folder: Path) -> Feedforward:
     return Feedforward(bench, folder, joints=["b", "a"])
-
-
-def reference(
-    time: list[float], q: Any, qd: Any = None, names: tuple[str, ...] = ("a", "b")
-) -> JointTrajectory:
-    message = JointTrajectory(joint_names=list(names))
-    for k, at in enumerate(time):
-        point = JointTrajectoryPoint(positions=[float(x) for x in q[k]])
-        if qd is not None:
-            point.velocities = [float(x) for x in qd[k]]
-        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
-        message.points.append(point)
-    return message
 
 
 def nanoseconds(header: Any) -> int:
@@ -399,26 +330,3 @@ def test_the_last_command_is_zero_in_each_namespace_whatever_signal_ends_it(
         assert "Traceback" not in ended.process.output
         gone_down = [abs(m.data[0]) for _, m in ended.commands][-50:]
         assert np.abs(np.diff(gone_down)).max() < 4.0, "torque fell in one step"
-
-
-@pytest.mark.parametrize("name", ["scale.shouldr", "limits.a.effort_rat", "terms.grav"])
-def test_a_misspelt_parameter_is_not_taken_for_none(bench: Bench, folder: Path, name: str) -> None:
-    process = bench.start(
-        "feedforward",
-        namespace="misspelt",
-        params={"model_file": str(folder / "model.npz"), name: 0.2},
-    )
-    bench.until(lambda: f"there is no parameter {name}" in process.output, "a reason")
-    assert bench.state("misspelt/feedforward") == "unconfigured"
-    process.end()
-
-
-@pytest.mark.skipif(find_spec("control_msgs") is not None, reason="control_msgs is installed")
-def test_without_control_msgs_it_says_what_to_install_and_takes_references(
-    bench: Bench, folder: Path
-) -> None:
-    node = Feedforward(bench, folder, namespace="plain", controller="arm_controller")
-    status = "plain/feedforward: controller"
-    said = bench.until(lambda: bench.statuses.get(status), "its state").message
-    assert "ros-jazzy-control-msgs" in said
-    node.hold()

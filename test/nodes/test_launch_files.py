@@ -138,3 +138,30 @@ def test_the_watchdog_stands_between_feedforward_and_controller(
     assert watchdog.named["remappings"] == [out]
     _, (alone,) = run(path, monkeypatch, commands="/effort/commands", watchdog="false")
     assert out in alone.named["remappings"]
+
+
+def test_the_demo_takes_a_folder_and_hidden_physics(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = root / "launch" / "demo.launch.py"
+    _, (arm, _, recorder) = run(
+        path,
+        monkeypatch,
+        model_file="m.npz",
+        output_directory="bags",
+        hidden="stribeck@joint_3:0.1 payload@joint_6:0.2",
+    )
+    assert arm.named["parameters"][1]["hidden"] == ["stribeck@joint_3:0.1", "payload@joint_6:0.2"]
+    assert recorder.named["parameters"][1]["output_directory"] == "bags"
+    assert recorder.named["parameters"][1]["model_file"] == "m.npz"
+    _, (arm, _, _) = run(path, monkeypatch)
+    assert "hidden" not in arm.named["parameters"][1]
+
+
+def test_goals_go_on_to_a_controller_that_is_named(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = root / "launch" / "feedforward.launch.py"
+    _, (node, _) = run(path, monkeypatch, controller="arm_controller", respawn="true")
+    assert node.named["parameters"][1]["controller"] == "arm_controller"
+    assert node.named["respawn"] is True

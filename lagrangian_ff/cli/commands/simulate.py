@@ -13,7 +13,7 @@ from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.arm import Run
-    from lagrangian_ff.cli.common.simulated import Hidden
+    from lagrangian_ff.arm.hidden.asked import Hidden
 
 NAME = "simulate"
 SUMMARY = "drive the simulated arm without ROS and write a bag"
@@ -74,17 +74,19 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_arguments(arguments)
     from lagrangian_ff.arm import PAPER_LOADS, simulate, write_trajectory
+    from lagrangian_ff.arm.hidden.asked import hidden, wanted
     from lagrangian_ff.cli.common import simulated
     from lagrangian_ff.recording import write_bag
 
     paper = arguments.loads == ["paper"]
     given = {} if paper else options.assignments("--loads", arguments.loads)
-    asked = simulated.wanted(arguments.hidden)
+    asked = wanted(arguments.hidden)
     options.load_own_effects(arguments, console)
     source = simulated.motion_file(arguments)
     trajectory = simulated.motion_of(source, arguments, console)
     feedforward = simulated.torque_of(arguments.feedforward, trajectory, console)
-    inside = simulated.hidden(asked, arguments.seed)
+    with progress_bar("sizing what is hidden") as progress:
+        inside = hidden(asked, arguments.seed, progress)
     with progress_bar("simulating") as progress:
         try:
             done = simulate(

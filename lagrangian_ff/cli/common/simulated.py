@@ -1,14 +1,9 @@
-"""Motion, feedforward torque and hidden effects of the simulated arm."""
+"""Motion and feedforward torque of the simulated arm."""
 
 from argparse import Namespace
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from lagrangian_ff.arm import JOINTS, Trajectory, exciting_trajectory, read_trajectory, simulate
-from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Reference, Site, size, sized
-from lagrangian_ff.arm.hidden.base import together
+from lagrangian_ff.arm import JOINTS, Trajectory, exciting_trajectory, read_trajectory
 from lagrangian_ff.arm.simulation import Feedforward, Torque
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.cli.common.console import Console, progress_bar
@@ -20,8 +15,6 @@ SPEED = 5
 """The speed of an exciting trajectory if the user gives none."""
 SAME_MOTION = 1e-3
 """Positions of one motion differ by no more than this, rad."""
-SIZED_SEED, SIZED_SECONDS = 0, 20.0
-"""Effects are sized along this motion, so that every recording is of the same arm; s."""
 
 
 def motion_file(arguments: Namespace) -> Path | None:
@@ -102,87 +95,3 @@ def _of_model(path: Path, trajectory: Trajectory, console: Console) -> Torque:
         return model.predict(q[:, to_model], qd[:, to_model], qdd[:, to_model])[:, to_arm]
 
     return torque
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """An effect to hide, on a joint (0 to 5), of a size: its torque's rms over the joint's."""
-
-    effect: HiddenEffect
-    joint: int
-    size: float
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """Hidden physics of the arm; `arm` is what `lagrangian_ff.arm.simulate` takes.
-
-    Attributes:
-        records: for JSON, one for each effect.
-    """
-
-    arm: dict[str, Any] = field(default_factory=dict)
-    records: tuple[dict[str, Any], ...] = ()
-
-
-def wanted(texts: Sequence[str]) -> list[Wanted]:
-    """Return the effects that --hidden asks for.
-
-    Raises:
-        UserError: it is of another form, there is no such effect or joint, or it cannot be there.
-    """
-    asked = []
-    for text in texts:
-        place, colon, number = text.partition(":")
-        name, at, joint = place.partition("@")
-        try:
-            share = float(number)
-        except ValueError:
-            colon = ""
-        if not (at and colon):
-            raise UserError(
-                f"--hidden {text}: expected EFFECT@JOINT:SIZE, as in stribeck@joint_3:0.1"
-            )
-        if name not in HIDDEN:
-            raise UserError(f"--hidden {text}: no effect '{name}'; there are {', '.join(HIDDEN)}")
-        possible = [JOINTS[n] for n in HIDDEN[name].joints]
-        if joint not in possible:
-            raise UserError(f"--hidden {text}: {name} can be on {', '.join(possible)}")
-        if not 0.0 < share <= 1.0:
-            raise UserError(
-                f"--hidden {text}: the size is the effect's torque over that of the joint, above 0 "
-                "and at most 1"
-            )
-        asked.append(Wanted(HIDDEN[name], JOINTS.index(joint), share))
-    return asked
-
-
-def hidden(asked: Sequence[Wanted], recording: int) -> Hidden:
-    """Size and build the hidden effects; those that depend on chance follow the recording's number.
-
-    Raises:
-        UserError: two effects need a load at the tool, of which there can be one.
-    """
-    if not asked:
-        return Hidden()
-    with progress_bar("sizing what is hidden") as progress:
-        run = simulate(exciting_trajectory(SPEED, SIZED_SEED, SIZED_SECONDS), progress=progress)
-    along = Reference.of(run)
-    parts, records = [], []
-    for number, one in enumerate(asked):
-        site = Site(one.joint, number, recording, along)
-        part, _ = sized(one.effect, site, one.size)
-        parts.append(part)
-        records.append(
-            {
-                "effect": one.effect.name,
-                "joint": JOINTS[one.joint],
-                "size": size(one.effect, part, site),
-                "wanted": one.size,
-                "physics": one.effect.physics,
-                "facts": dict(part.facts),
-            }
-        )
-    if sum(part.attached is not None for part in parts) > 1:
-        raise UserError("--hidden: the arm can take up one load only; name one payload")
-    return Hidden(together(parts), tuple(records))
