@@ -22,6 +22,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from trajectory_msgs.msg import JointTrajectory
 
+from lagrangian_ff import budget
 from lagrangian_ff.arm import HOME, JOINTS, Arm, Trajectory, robot_description
 from lagrangian_ff.arm.hidden.asked import hidden, wanted
 from lagrangian_ff.arm.simulation import check_limits
@@ -120,11 +121,12 @@ class ArmNode(ClosingNode):
 
     def _on_command(self, message: Float64MultiArray) -> None:
         command = np.array(message.data)
-        if command.shape != (len(JOINTS),) or not np.isfinite(command).all():
+        sound = np.abs(command) <= budget.LARGEST  # nan is not, either
+        if command.shape != (len(JOINTS),) or not sound.all():
             self._warnings.add(
                 "bad command",
                 f"ignored a command on ~/commands with {len(command)} values, "
-                f"{int(np.isfinite(command).sum())} of them finite; expected {len(JOINTS)}",
+                f"{int(sound.sum())} of them torques; expected {len(JOINTS)}",
             )
             return
         self._command, self._command_at, self._in_step = command, self._time, True

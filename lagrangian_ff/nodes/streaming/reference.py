@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 import scipy
 
+from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import UserError
 
@@ -260,8 +261,8 @@ def _table(
     else:
         flat = np.fromiter(chain.from_iterable(rows), np.float64, len(rows) * len(names))
     table = flat.reshape(len(rows), len(names))[:, columns]
-    if not np.isfinite(table).all():
-        point, joint = np.argwhere(~np.isfinite(table))[0]
+    if not np.abs(table).max(initial=0.0) <= budget.LARGEST:  # nan is not, either
+        point, joint = np.argwhere(~(np.abs(table) <= budget.LARGEST))[0]
         raise RefusedReference(
             f"the {label} of {names[columns[joint]]} in point {point} is {table[point, joint]}"
         )
