@@ -8,7 +8,7 @@ Answers, feedback, results, cancelling and preemption are those of the controlle
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -35,20 +35,19 @@ LOST = "the controller has gone: its action server is no longer there"
 class Relay:
     """A goal on its way through: the client's on one side, the controller's on the other."""
 
-    def __init__(self, done: Future) -> None:
+    def __init__(self) -> None:
         self.goal: Any = None
         self.controller: Any = None
-        self.done = done
 
     def on_feedback(self, message: Any) -> None:
         """Pass feedback of the controller on."""
         if self.goal is not None and self.goal.is_active:
             self.goal.publish_feedback(message.feedback)
 
-    def on_result(self, future: Future) -> None:
-        """Take the controller's result."""
-        if not self.done.done():
-            self.done.set_result(future.result())
+
+def _accepted(handle: Any) -> bool:
+    """Return whether a controller accepted a goal; None is a controller that has gone."""
+    return handle is not None and bool(handle.accepted)
 
 
 @dataclass
@@ -88,6 +87,7 @@ class GoalProxy:
         self._fill_trajectory, self._silent = fill, silent
         self._count, self._without = Count(), ""
         self._relays: dict[int, Relay] = {}
+        self._waiting: list[Future] = []
         interfaces = optional("control_msgs.action")
         self._kind: Any = None
         if interfaces is None:
@@ -124,26 +124,25 @@ class GoalProxy:
             self._count.rejected += 1
             self._warnings.add("rejected goal", f"rejected a goal: {self._absent()}")
             return GoalResponse.REJECT
-        relay = Relay(self._future())
+        relay = Relay()
         filled = await self._filled(request.trajectory)
         handle = None
         if filled is not None:
             handle = await self._send(request, filled.message, relay)
-            self._count.refused_effort = not handle.accepted
-        if handle is None or not handle.accepted:
+            self._count.refused_effort = not _accepted(handle)
+        if not _accepted(handle):
             plain = await self._send(request, request.trajectory, relay)
-            if filled is not None and plain.accepted:
+            if filled is not None and _accepted(plain):
                 self._without = "the controller rejected it with effort, and took it without"
                 self._warnings.add("goal without effort", f"goal without effort: {self._without}")
             filled, handle = None, plain
-        if not handle.accepted:
+        if not _accepted(handle):
             self._count.rejected += 1
             self._count.refused_effort = False
             self._warnings.add("rejected goal", f"{self._name} rejected a goal; its log says why")
             return GoalResponse.REJECT
         self._note(request.trajectory, filled)
         relay.controller = handle
-        handle.get_result_async().add_done_callback(relay.on_result)
         self._relays[id(request)] = relay
         return GoalResponse.ACCEPT
 
@@ -152,7 +151,22 @@ class GoalProxy:
         for name in goal.get_fields_and_field_types():
             setattr(goal, name, getattr(request, name))
         goal.trajectory = trajectory
-        return await self._client.send_goal_async(goal, feedback_callback=relay.on_feedback)
+        return await self._answer(self._client.send_goal_async(goal, relay.on_feedback))
+
+    async def _answer(self, asked: Future) -> Any:
+        """Return the controller's answer; None if it has gone."""
+        answer = self._future()
+
+        def take(asked: Future) -> None:
+            if not answer.done():
+                answer.set_result(asked.result())
+
+        asked.add_done_callback(take)
+        self._waiting.append(answer)
+        try:
+            return await answer
+        finally:
+            self._waiting.remove(answer)
 
     async def _filled(self, trajectory: JointTrajectory) -> Filled | None:
         """Return the trajectory with effort, or None, with the reason in `_without`."""
@@ -189,15 +203,10 @@ class GoalProxy:
         if filled is None:
             text = f"as it is: {self._without}"
         else:
-            sent = len(filled.message.points)
-            self._count = replace(
-                self._count,
-                with_effort=self._count.with_effort + 1,
-                given=len(given.points),
-                sent=sent,
-                error=filled.error,
-                before=filled.before,
-            )
+            count, sent = self._count, len(filled.message.points)
+            count.with_effort += 1
+            count.given, count.sent = len(given.points), sent
+            count.error, count.before = filled.error, filled.before
             text = (
                 f"with effort at {sent} points, between which torque is right within "
                 f"{filled.error:.1%} of the largest ({filled.before:.1%} with those given)"
@@ -213,7 +222,7 @@ class GoalProxy:
         relay = self._relays[id(goal.request)]
         relay.goal = goal
         try:
-            response = await relay.done
+            response = await self._answer(relay.controller.get_result_async())
         finally:
             del self._relays[id(goal.request)]
         if response is None:
@@ -233,8 +242,8 @@ class GoalProxy:
         relay = self._relays.get(id(goal.request))
         if relay is None:
             return CancelResponse.REJECT
-        answer = await relay.controller.cancel_goal_async()
-        return CancelResponse.ACCEPT if answer.goals_canceling else CancelResponse.REJECT
+        answer = await self._answer(relay.controller.cancel_goal_async())
+        return CancelResponse.ACCEPT if answer and answer.goals_canceling else CancelResponse.REJECT
 
     def _future(self) -> Future:
         return Future(executor=self._node.executor)
@@ -262,9 +271,9 @@ class GoalProxy:
             "last goal without effort": self._without,
         }
         if not self._client.server_is_ready():
-            for relay in self._relays.values():
-                if not relay.done.done():
-                    relay.done.set_result(None)
+            for answer in self._waiting:
+                if not answer.done():
+                    answer.set_result(None)
             return Status(Level.WARN, self._absent(), values)
         said, good = verdict.said, verdict.good
         if count.refused_effort:
