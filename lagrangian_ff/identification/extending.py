@@ -12,7 +12,7 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
 from lagrangian_ff.identification.choosing.shapes import best_shape, fall, refit_shapes
-from lagrangian_ff.identification.choosing.simplex import log_error, validation_score
+from lagrangian_ff.identification.choosing.simplex import validation_score
 from lagrangian_ff.identification.history import Reason, Step
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
@@ -38,9 +38,9 @@ def extend(
 ) -> Identification:
     """Add an effect to one joint of a model and refit it.
 
-    The kernel keeps its hyperparameters. The effect was part of the noise of the joints it acts on:
-    that noise is chosen again on blocks left out in turn. So are the shapes of the joint's
-    friction, which had made up for the effect.
+    The kernel keeps its hyperparameters. The effect was part of the noise: that is chosen again on
+    blocks left out in turn. So are the shapes of the joint's friction, which had made up for the
+    effect.
 
     Args:
         model: with the data it keeps.  effect: to add.  joint: name of its joint.
@@ -87,7 +87,7 @@ def extend(
     prior = replace(old.prior, basis=basis)
     new = replace(old, name=f"{model.name}+{effect.name}@{joint}", prior=prior)
     progress(0.3, "choosing the noise")
-    new = replace(new, prior=replace(prior, noise=_best_noise(new, inputs, basis.terms[-1])))
+    new = replace(new, prior=replace(prior, noise=_best_noise(new, inputs)))
     progress(0.6, "fitting")
     then = model.identified
     again = any(t.effect.uses for t in new.prior.basis.terms)
@@ -103,35 +103,31 @@ def extend(
 
 
 def without(model: Model, effect: Effect, joint: str) -> Model:
-    """Return a model without an effect on a joint, refitted; the noise there is chosen again.
+    """Return a model without an effect on a joint, refitted; the noise is chosen again.
 
     Its history keeps the effect: this is for a comparison, not to be saved.
     """
     old, number = Blueprint.of(model), model.joints.index(joint)
-    terms = model.basis.terms
-    place = [(t.effect.name, t.joint) for t in terms].index((effect.name, number))
+    kept = [t for t in model.basis.terms if (t.effect.name, t.joint) != (effect.name, number)]
     inputs = model.inputs_of(model.data)
-    prior = replace(old.prior, basis=Basis((*terms[:place], *terms[place + 1 :])))
+    prior = replace(old.prior, basis=Basis(tuple(kept)))
     less = replace(old, prior=prior)
-    noise = _best_noise(less, inputs, terms[place])
-    return build(replace(less, prior=replace(prior, noise=noise)), inputs).model
+    return build(replace(less, prior=replace(prior, noise=_best_noise(less, inputs))), inputs).model
 
 
-def _best_noise(blueprint: Blueprint, inputs: Inputs, term: Term) -> Floats:
+def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:
     """Return (N,) the noise with the smallest error on blocks left out.
 
-    Only that of the joints changes that a term acts on.
+    One factor for all joints: more weight to one alone pulls the kernel, which all share, away from
+    the others.
     """
-    joints = [term.joint, *term.effect.others(term.joint, term.shape)]
     problem = blueprint.subset(inputs, NOISE_SAMPLES)
     groups = problem.samples.groups()
     best, cost = problem, np.inf
     for factor in NOISE_FACTORS:
-        noise = problem.noise.copy()
-        noise[joints] *= factor
-        tried = problem.having(noise=noise)
+        tried = problem.noisier(factor)
         try:
-            score = log_error(validation_score(exact(tried), groups))
+            score = float(np.nanmean(validation_score(exact(tried), groups)))
         except (NotPositiveDefiniteError, np.linalg.LinAlgError):
             continue
         if score < cost:
