@@ -58,6 +58,7 @@ RUNTIME = [
     "zstandard >=0.22, <0.26",
     "pybullet >=3.2.6, <3.3",
     "joblib >=1.4, <2",
+    "pyyaml >=6.0.1, <7",
 ]
 
 EXTRAS = {
@@ -123,6 +124,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),
         (f"share/{PACKAGE}/config", glob("config/*.yaml")),
+        (f"share/{PACKAGE}/config/arms", glob("config/arms/*.yaml")),
         (f"share/{PACKAGE}/launch", glob("launch/*.launch.py")),
     ],
     python_requires=">=3.10",

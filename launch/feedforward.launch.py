@@ -14,7 +14,14 @@ from collections.abc import Mapping
 from launch import LaunchDescription
 from launch_ros.actions import Node
 
-from lagrangian_ff.nodes.launching import PACKAGE, chosen, config, describe
+from lagrangian_ff.nodes.launching import (
+    PACKAGE,
+    PROFILE,
+    chosen,
+    config,
+    describe,
+    parameter_files,
+)
 
 RESPAWN = 2.0  # s
 
@@ -34,7 +41,7 @@ def nodes(given: Mapping[str, str]) -> list[Node]:
     feedforward = Node(
         executable="feedforward",
         name="feedforward",
-        parameters=[given["params_file"], {**time, **chosen(given, "model_file", "controller")}],
+        parameters=[*parameter_files(given), {**time, **chosen(given, "model_file", "controller")}],
         remappings=[("joint_states", given["joint_states"]), *([] if guarded else out)],
         **common,
     )
@@ -55,6 +62,7 @@ def generate_launch_description() -> LaunchDescription:
     arguments = {
         "params_file": (config("feedforward.yaml"), "parameters of the feedforward"),
         "watchdog_params_file": (config("watchdog.yaml"), "parameters of the watchdog"),
+        "profile": PROFILE,
         "namespace": ("", "namespace of the robot"),
         "use_sim_time": ("false", "whether the nodes take their time from /clock"),
         "joint_states": ("joint_states", "topic of the robot's joint states"),

@@ -24,7 +24,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff import budget
 from lagrangian_ff.arm import HOME, JOINTS, Arm, Trajectory, robot_description
-from lagrangian_ff.arm.hidden.asked import hidden, wanted
+from lagrangian_ff.arm.hiding import hidden, wanted
 from lagrangian_ff.arm.simulation import check_limits
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import UserError

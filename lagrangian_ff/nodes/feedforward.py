@@ -50,7 +50,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
     def __init__(self) -> None:
         super().__init__("feedforward")
         answer_every_transition(self)
-        self._settings = Parameters(self)
+        self._settings = Parameters(self, profiles=True)
         self._link: FeedforwardLink | None = None
         _declare(self._settings, self._fixed, self._fixed_while_active)
         self._warnings = ThrottledWarnings(self.get_logger().warning)
@@ -59,7 +59,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         self._diagnostics = Diagnostics(
             self,
             "feedforward",
-            housekeeping=self._warnings.flush,
+            housekeeping=self._once_a_second,
             model=self._model_status,
             stream=self._stream_status,
             certainty=self._certainty_status,
@@ -129,6 +129,11 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         link, self._link = self._link, None
         if link is not None:
             link.close()
+
+    def _once_a_second(self) -> None:
+        self._warnings.flush()
+        if self._link is not None:
+            self._link.look_at_controllers()
 
     def _parameters_changed(self) -> None:
         if self._link is not None:

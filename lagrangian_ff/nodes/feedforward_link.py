@@ -311,14 +311,14 @@ class FeedforwardLink:
             )
         return ""
 
-    def controller_status(self) -> Status | None:
-        """Return the state of the controller that goals go on to; None without one.
-
-        The controllers are asked again, and torque is refused that would move joints alone.
-        """
+    def look_at_controllers(self) -> None:
+        """Ask the controllers again, and forbid torque that would move a joint without feedback."""
         self._facts.ask()
         alone = self._parameters.value("without_position_loop")
         self._stream.forbidden = "" if alone else self._facts.open_loop()
+
+    def controller_status(self) -> Status | None:
+        """Return the state of the controller that goals go on to; None without one."""
         return None if self._proxy is None else self._proxy.status()
 
     def joint_state_status(self) -> Status:

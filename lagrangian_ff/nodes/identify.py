@@ -60,7 +60,7 @@ class IdentifyNode(ClosingNode):
     def __init__(self, jobs: Sequence[type[Job]] = JOBS, context: Context | None = None) -> None:
         super().__init__("identify", context=context)
         self._jobs = tuple(jobs)
-        self._settings = Parameters(self)
+        self._settings = Parameters(self, profiles=True)
         _declare(self._settings)
         self._session = Session()
         self._worker: Worker | None = None

@@ -24,17 +24,44 @@ def config(name: str) -> PathJoinSubstitution:
 def describe(
     arguments: Arguments, nodes: Callable[[Mapping[str, str]], list[Node]]
 ) -> LaunchDescription:
-    """Return a launch description; `nodes` makes the nodes for the values of the arguments."""
+    """Return a launch description; `nodes` makes the nodes for the values of the arguments.
+
+    With the argument `profile` it goes before the usual file of parameters, and one that the user
+    names goes before the profile: see `parameter_files`.
+    """
 
     def make(context: Any) -> list[Node]:
         given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
-        return nodes({name: _file(name, value) for name, value in given.items()})
+        given = {name: _file(name, value) for name, value in given.items()}
+        if given.get("profile"):
+            usual: Any = arguments["params_file"][0]
+            profile, own = _profile(given["profile"], context), given["params_file"]
+            ordered = [own, profile] if own == usual.perform(context) else [profile, own]
+            given["params_file"] = os.pathsep.join(ordered)
+        return nodes(given)
 
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=description)
         for name, (default, description) in arguments.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=make)])
+
+
+def _profile(name: str, context: Any) -> str:
+    """Return the file of a profile, which is named by its path or stands in config/arms.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+    """
+    if name.endswith(".yaml"):
+        path = os.path.expanduser(name)
+    else:
+        path = str(config(f"arms/{name}.yaml").perform(context))
+    if not os.path.isfile(path):
+        raise FileNotFoundError(
+            f"there is no profile {path}; config/arms has those that come along"
+        )
+    return path
 
 
 def _file(name: str, value: str) -> str:
@@ -49,6 +76,14 @@ def _file(name: str, value: str) -> str:
     if name.endswith("params_file") and not os.path.isfile(path):
         raise FileNotFoundError(f"there is no file {path}: set {name} to a file of parameters")
     return path
+
+
+def parameter_files(given: Mapping[str, str]) -> list[str]:
+    """Return the files of parameters; later ones go before earlier ones."""
+    return given["params_file"].split(os.pathsep)
+
+
+PROFILE = ("", "name of a file in config/arms, or a path: parameters for a driver; empty = none")
 
 
 def chosen(given: Mapping[str, str], *names: str) -> dict[str, str]:
@@ -77,13 +112,14 @@ def describe_beside_robot(
                 name=executable,
                 namespace=given["namespace"],
                 output="screen",
-                parameters=[given["params_file"], {**time, **chosen(given, *paths)}],
+                parameters=[*parameter_files(given), {**time, **chosen(given, *paths)}],
                 remappings=[("joint_states", given["joint_states"])],
             )
         ]
 
     arguments: Arguments = {
         "params_file": (config(f"{executable}.yaml"), parameters_description),
+        "profile": PROFILE,
         "namespace": ("", "namespace of the robot"),
         "use_sim_time": ("false", "whether the node takes its time from /clock"),
         "joint_states": ("joint_states", f"topic of the joint states to {does}"),

@@ -48,7 +48,7 @@ class MonitorNode(ClosingNode):
 
     def __init__(self) -> None:
         super().__init__("monitor")
-        self._settings = Parameters(self)
+        self._settings = Parameters(self, profiles=True)
         _declare(self._settings)
         value = self._settings.value
         load_own_effects(value("effects_file"))

@@ -24,7 +24,8 @@ class Given:
         self.named = named
 
     def perform(self, context: dict[str, Any]) -> Any:
-        return context[self.positional[0]]
+        name = self.positional[0]
+        return context[name] if isinstance(name, str) else _performed(self, context["root"])
 
 
 def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[Any, list[Any]]:
@@ -56,7 +57,7 @@ def run(path: Path, monkeypatch: pytest.MonkeyPatch, **arguments: str) -> tuple[
         if type(entity).__name__ == "DeclareLaunchArgument"
     }
     make = next(e for e in entities if type(e).__name__ == "OpaqueFunction").named["function"]
-    return entities, make({**context, **arguments})
+    return entities, make({**context, **arguments, "root": path.parents[1]})
 
 
 def _performed(value: Any, root: Path) -> str:
@@ -165,3 +166,19 @@ def test_goals_go_on_to_a_controller_that_is_named(
     _, (node, _) = run(path, monkeypatch, controller="arm_controller", respawn="true")
     assert node.named["parameters"][1]["controller"] == "arm_controller"
     assert node.named["respawn"] is True
+
+
+@pytest.mark.parametrize("name", ["record", "feedforward", "monitor"])
+def test_a_profile_goes_before_the_usual_parameters_and_after_ones_own(
+    root: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str
+) -> None:
+    path = root / "launch" / f"{name}.launch.py"
+    profile = str(root / "config" / "arms" / "ur.yaml")
+    node = run(path, monkeypatch, profile="ur")[1][0]
+    assert node.named["parameters"][1] == profile
+    mine = tmp_path / "mine.yaml"
+    mine.touch()
+    node = run(path, monkeypatch, profile="ur", params_file=str(mine))[1][0]
+    assert node.named["parameters"][:2] == [profile, str(mine)]
+    with pytest.raises(FileNotFoundError, match="no profile"):
+        run(path, monkeypatch, profile="ru")

@@ -21,13 +21,18 @@ ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 # Where the name to import, the name on the package index and the rosdep key differ.
-ROSDEP = {"pybullet": "python3-pybullet-pip", "rosbags": "python3-rosbags-pip"}
+ROSDEP = {
+    "pybullet": "python3-pybullet-pip",
+    "pyyaml": "python3-yaml",
+    "rosbags": "python3-rosbags-pip",
+}
 WITHOUT_ROSDEP = {"joblib", "lz4", "mcap", "threadpoolctl", "zstandard"}
 DISTRIBUTION = {
     "sklearn": "scikit-learn",
     "pinocchio": "pin",
     "pybullet_data": "pybullet",
     "ruamel": "ruamel.yaml",
+    "yaml": "pyyaml",
 }
 
 

@@ -13,7 +13,7 @@ from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.arm import Run
-    from lagrangian_ff.arm.hidden.asked import Hidden
+    from lagrangian_ff.arm.hiding import Hidden
 
 NAME = "simulate"
 SUMMARY = "drive the simulated arm without ROS and write a bag"
@@ -74,7 +74,7 @@ def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check_arguments(arguments)
     from lagrangian_ff.arm import PAPER_LOADS, simulate, write_trajectory
-    from lagrangian_ff.arm.hidden.asked import hidden, wanted
+    from lagrangian_ff.arm.hiding import hidden, wanted
     from lagrangian_ff.cli.common import simulated
     from lagrangian_ff.recording import write_bag
 

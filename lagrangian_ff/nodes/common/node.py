@@ -34,6 +34,7 @@ from threadpoolctl import threadpool_limits
 import lagrangian_ff
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.nodes.common.log_folder import use_writable_log_folder
+from lagrangian_ff.nodes.common.profiles import read_profile
 from lagrangian_ff.nodes.common.status import Level, Status
 
 BAD_PARAMETER = (
@@ -174,14 +175,25 @@ def answer_every_transition(node: LifecycleNode) -> None:
 
 
 class Parameters:
-    """The declared parameters of a node; a value that is not allowed is refused with a reason."""
+    """The declared parameters of a node; a value that is not allowed is refused with a reason.
 
-    def __init__(self, node: Node) -> None:
+    Args:
+        profiles: whether there is a parameter `profile`, whose values go before the defaults.
+
+    Raises:
+        UserError: there is no such profile.
+    """
+
+    def __init__(self, node: Node, *, profiles: bool = False) -> None:
         self._node = node
+        self._profile: dict[str, Any] = {}
         self._choices: dict[str, tuple[str, ...]] = {}
         self._checks: dict[str, Callable[[Any], str]] = {}
         self._declaring = False
         node.add_on_set_parameters_callback(self._check)
+        if profiles:
+            about = "name of a file in config/arms, or a path: parameters for a driver"
+            self._profile = read_profile(self.declare("profile", "", about, read_only=True))
 
     def watch(self, changed: Callable[[], None]) -> None:
         """Call `changed` now, and whenever parameters were set at run time."""
@@ -222,6 +234,9 @@ class Parameters:
         """
         if self._node.has_parameter(name):
             return self.value(name)
+        if name in self._profile:
+            given = self._profile[name]
+            default = type(default)(given) if isinstance(default, float) else given
         descriptor = ParameterDescriptor(description=description, read_only=read_only)
         if low is not None and high is not None:
             if isinstance(default, int):
