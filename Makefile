@@ -12,8 +12,9 @@ VENV ?= .venv
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
 PROCESSES = test/nodes
-# The whole demo, which keeps both processors busy: beside it, tests of processes come too late.
-WHOLE = test/demo
+# What keeps both processors busy: beside it, tests of processes come too late. The whole demo, and
+# the tests that build interfaces first.
+WHOLE = test/nodes/test_feedforward_action.py test/demo
 # Without the last option a worker that crashed can leave pytest waiting for ever.
 SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0
 
@@ -54,7 +55,7 @@ else
 	@# What takes longest comes first, so that both workers end together.
 	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test \
 		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
-	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES)
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES) $(addprefix --ignore=,$(WHOLE))
 	@$(BIN)/python -m pytest $(WHOLE)
 endif
 

@@ -1,6 +1,7 @@
 """Asks the controller that goals are forwarded to what it takes."""
 
 import importlib
+import time
 from collections.abc import Callable
 from types import ModuleType
 from typing import Any
@@ -10,6 +11,8 @@ from rclpy.client import Client
 from rclpy.node import Node
 
 from lagrangian_ff.nodes.streaming.controller import Answers, Loaded, Verdict, judge, open_loop
+
+PATIENCE = 2.0  # s in which a controller manager is found and answers, if there is one
 
 
 def optional(module: str) -> ModuleType | None:
@@ -27,10 +30,19 @@ class ControllerFacts:
         name: of the controller, relative or absolute; "" if goals go on to none.
         manager: name of the controller manager.
         joints: of the model.
+        heard: called when the manager has listed its controllers.
     """
 
-    def __init__(self, node: Node, name: str, manager: str, joints: tuple[str, ...]) -> None:
-        self._node, self._name, self._joints = node, name, joints
+    def __init__(
+        self,
+        node: Node,
+        name: str,
+        manager: str,
+        joints: tuple[str, ...],
+        heard: Callable[[], None],
+    ) -> None:
+        self._node, self._name, self._joints, self._heard = node, name, joints, heard
+        self._since = time.monotonic()
         self._known: dict[str, Any] = {}
         self._loaded: list[Loaded] = []
         self._waiting: set[str] = set()
@@ -64,6 +76,9 @@ class ControllerFacts:
 
     def open_loop(self) -> str:
         """Return why streamed torque would move a joint that nobody controls, or ""."""
+        waited = time.monotonic() - self._since
+        if self._manager and "state" not in self._known and waited < PATIENCE:
+            return "the controller manager was asked who controls the position"
         return open_loop(self._joints, self._loaded)
 
     def close(self) -> None:
@@ -106,6 +121,7 @@ class ControllerFacts:
         found = next((one for one in answer.controller if one.name == name), None)
         self._known["state"] = found.state if found else ""
         self._known["claimed"] = tuple(found.claimed_interfaces) if found else None
+        self._heard()
 
     def _note_hardware(self, answer: Any) -> None:
         self._known["offered"] = tuple(one.name for one in answer.command_interfaces)

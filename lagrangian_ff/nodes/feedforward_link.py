@@ -76,7 +76,11 @@ class FeedforwardLink:
         self.references = References(node, parameters, warnings, self._time, ready, self._stream)
         self._make_topics()
         self._facts = ControllerFacts(
-            node, parameters.value("controller"), parameters.value("controller_manager"), joints
+            node,
+            parameters.value("controller"),
+            parameters.value("controller_manager"),
+            joints,
+            self._judge_controllers,
         )
         self._proxy = self._make_proxy()
         node.get_logger().info(
@@ -116,7 +120,7 @@ class FeedforwardLink:
 
     def start(self) -> None:
         """Begin to stream, zeros until a reference comes."""
-        self._facts.ask()
+        self.look_at_controllers()
         self.references.ignore()
         self.references.active = True
         self._stream.forget()
@@ -314,6 +318,9 @@ class FeedforwardLink:
     def look_at_controllers(self) -> None:
         """Ask the controllers again, and forbid torque that would move a joint without feedback."""
         self._facts.ask()
+        self._judge_controllers()
+
+    def _judge_controllers(self) -> None:
         alone = self._parameters.value("without_position_loop")
         self._stream.forbidden = "" if alone else self._facts.open_loop()
 
