@@ -52,7 +52,7 @@ def _accepted(handle: Any) -> bool:
 
 @dataclass
 class Count:
-    """What came through since the node was configured."""
+    """The goals since the node was configured, and the points of the last one."""
 
     goals: int = 0
     with_effort: int = 0

@@ -3,6 +3,7 @@
 import importlib
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -43,7 +44,7 @@ class ControllerFacts:
     ) -> None:
         self._node, self._name, self._joints, self._heard = node, name, joints, heard
         self._since = time.monotonic()
-        self._known: dict[str, Any] = {}
+        self._answers = Answers()
         self._loaded: list[Loaded] = []
         self._waiting: set[str] = set()
         self._clients: list[Client] = []
@@ -72,12 +73,12 @@ class ControllerFacts:
 
     def verdict(self) -> Verdict:
         """Return whether the controller takes effort, as far as it answered."""
-        return judge(self._name, self._joints, Answers(**self._known))
+        return judge(self._name, self._joints, self._answers)
 
     def open_loop(self) -> str:
         """Return why streamed torque would move a joint that nobody controls, or ""."""
         waited = time.monotonic() - self._since
-        if self._manager and "state" not in self._known and waited < PATIENCE:
+        if self._manager and self._answers.state is None and waited < PATIENCE:
             return "the controller manager was asked who controls the position"
         return open_loop(self._joints, self._loaded)
 
@@ -106,11 +107,13 @@ class ControllerFacts:
     def _note_interfaces(self, answer: GetParameters.Response) -> None:
         # rclcpp answers nothing at all for a parameter that is not declared.
         found = [tuple(value.string_array_value) for value in answer.values]
-        self._known["command_interfaces"] = found[0] if found and found[0] else None
+        claimed = found[0] if found and found[0] else None
+        self._answers = replace(self._answers, command_interfaces=claimed)
 
     def _note_gains(self, answer: GetParameters.Response) -> None:
         values = [value.double_value for value in answer.values]
-        self._known["velocity_scale"] = dict(zip(self._joints, values, strict=False))
+        scale = dict(zip(self._joints, values, strict=False))
+        self._answers = replace(self._answers, velocity_scale=scale)
 
     def _note_controllers(self, answer: Any) -> None:
         self._loaded = [
@@ -119,9 +122,10 @@ class ControllerFacts:
         ]
         name = self._name.rpartition("/")[2]
         found = next((one for one in answer.controller if one.name == name), None)
-        self._known["state"] = found.state if found else ""
-        self._known["claimed"] = tuple(found.claimed_interfaces) if found else None
+        claimed = tuple(found.claimed_interfaces) if found else None
+        self._answers = replace(self._answers, state=found.state if found else "", claimed=claimed)
         self._heard()
 
     def _note_hardware(self, answer: Any) -> None:
-        self._known["offered"] = tuple(one.name for one in answer.command_interfaces)
+        offered = tuple(one.name for one in answer.command_interfaces)
+        self._answers = replace(self._answers, offered=offered)

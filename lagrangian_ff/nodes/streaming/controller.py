@@ -1,4 +1,4 @@
-"""Whether a joint_trajectory_controller takes effort in its trajectories, by what it answers.
+"""Judges from its answers whether a joint_trajectory_controller takes effort.
 
 The rules are those of ros2_controllers on Jazzy: since 4.22.0 effort is added to the PID where
 effort is the only command interface, and passed to the hardware where position and effort are
@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 
 TAKE_EFFORT = (("effort",), ("effort", "position"))
 FORWARDING = ("JointGroupEffortController", "ForwardCommandController")
-"""What the types of controllers end with that pass torque on and control nothing."""
+"""Controllers of these types pass torque on and control no position."""
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What is known of a controller; None where nobody answered.
+    """The answers about a controller; None where nobody answered.
 
     Attributes:
         state: "active", "inactive" or "unconfigured"; "" if the manager does not know it.
@@ -63,7 +63,7 @@ def open_loop(joints: Sequence[str], controllers: Sequence[Loaded]) -> str:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether trajectories may carry effort.
+    """The judgement whether trajectories may carry effort.
 
     Attributes:
         effort: None if nobody answered, so that only trying shows it.
