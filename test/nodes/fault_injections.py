@@ -297,16 +297,20 @@ def starved(world: World) -> Injection:
 @injects
 def stopped(world: World) -> Injection:
     world.main.signal(signal.SIGSTOP)
-    yield Shot(later=True)
-    world.main.signal(signal.SIGCONT)
+    try:
+        yield Shot(later=True)
+    finally:
+        world.main.signal(signal.SIGCONT)
     world.until_tau(MAIN, held())
 
 
 @injects
 def stopped_guarded(world: World) -> Injection:
     world.main.signal(signal.SIGSTOP)
-    yield Shot(GUARD)
-    world.main.signal(signal.SIGCONT)
+    try:
+        yield Shot(GUARD)
+    finally:
+        world.main.signal(signal.SIGCONT)
     world.until_tau(GUARD, held())
 
 

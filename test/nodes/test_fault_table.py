@@ -1,5 +1,6 @@
 """Each row of the fault table, injected for real while another process watches the torque."""
 
+import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -48,11 +49,12 @@ def test_every_parameter_of_the_installed_file_is_declared(world: World) -> None
 def test_row(world: World, measured: dict[str, float], row: Row) -> None:
     world.usual()
     world.said.clear()
-    for shot in INJECT[row.key](world):
-        took = f"{row.key} [s]"
-        measured[took] = max(check(world, row, shot), measured.get(took, 0.0))
-        if not shot.later:
-            world.until(lambda: world.spoke(row.says), f"/diagnostics: {row.says}")
+    with contextlib.closing(INJECT[row.key](world)) as shots:
+        for shot in shots:
+            took = f"{row.key} [s]"
+            measured[took] = max(check(world, row, shot), measured.get(took, 0.0))
+            if not shot.later:
+                world.until(lambda: world.spoke(row.says), f"/diagnostics: {row.says}")
     world.until(lambda: world.spoke(row.says), f"/diagnostics: {row.says}")
     if not shot.restarts:
         measured[f"{row.key}: largest step / limit"] = check_steps(world, shot)
