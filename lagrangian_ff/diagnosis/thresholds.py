@@ -54,6 +54,9 @@ class Thresholds:
         change_beyond_chance, change_again: standard deviations by which the log BF of a change
             must exceed those with shuffled blocks, in the search and on hold-out motion. Nine
             arms without a load reached 6.4 at most, loads of 10 % and 20 % 9 and 14.
+        change_elsewhere: share of its gain that a change keeps without any one block. Of four
+            false ones three kept nothing and one .23, of five loads all kept .55 or more, .40 on
+            hold-out motion.
         change_helps: largest share of a model's error on a recording that a change since its
             identification may leave.
         change_motion: s of motion below which no change is searched.
@@ -110,6 +113,7 @@ class Thresholds:
     change_promising: float = 3.0
     change_beyond_chance: float = 7.0
     change_again: float = 3.5
+    change_elsewhere: float = 1.0 / 3.0
     change_helps: float = 0.95
     change_motion: float = 15.0
     change_margin: float = 3.0

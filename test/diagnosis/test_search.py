@@ -115,6 +115,14 @@ def test_a_load_taken_up_is_dated() -> None:
     assert high - low < 5.0
 
 
+@pytest.mark.parametrize("seed", [2, 5])
+def test_a_touch_near_the_beginning_is_no_load_from_then_on(seed: int) -> None:
+    motion = two_rods.motion(seed, 30.0)
+    touched = (motion.time >= 3.0) & (motion.time < 3.5)
+    motion = replace(motion, tau=motion.tau + 1.0 * touched[:, None])
+    assert change_of(whitened_of(motion)) is None
+
+
 def test_several_recordings_have_no_common_moment() -> None:
     motion = concatenate([two_rods.motion(seed, 30.0, load_since=14.0) for seed in (4, 5)])
     assert change_of(whitened_of(motion)) is None

@@ -67,7 +67,7 @@ def change_of(whitened: Whitened, beyond: float | None = None) -> Change | None:
     for share in FINE:
         best = tried(best, best.since, best.until, share)
     best = tried(best, best.since, np.inf, best.share)
-    if beyond_chance(whitened, best) < beyond:
+    if beyond_chance(whitened, best) < beyond or _of_one_block(whitened, best):
         return None
     every = _log_bayes_factors(whitened, len(whitened.index))
     best = replace(best, log_bayes_factor=every(best))
@@ -132,6 +132,21 @@ def _of_friction(whitened: Whitened, change: Change) -> float:
         columns.append(whitened.project(whitened.whitened(scaled, n)))
     z = np.hstack(columns)
     return float(tempered_log_bf((z.T @ whitened.residual)[None], z.T @ z, 1.0)[0])
+
+
+def _of_one_block(whitened: Whitened, change: Change) -> bool:
+    """Return whether most of the gain of a change comes from a single block.
+
+    A load is felt in every block. What shows in one only, a touch or gears that begin to slide, gains
+    as well with a moment beside it.
+    """
+    gains = [_log_bayes_factors(whitened, SAMPLES)(change)]
+    for number in np.unique(whitened.block):
+        kept = np.flatnonzero(whitened.block != number)
+        problem, index = whitened.problem.take(kept), whitened.index[kept]
+        shorter = replace(whitened, problem=problem, index=index)
+        gains.append(_log_bayes_factors(shorter, SAMPLES)(change))
+    return bool(min(gains) < thresholds.USED.change_elsewhere * gains[0])
 
 
 def _with_ranges(
