@@ -137,8 +137,8 @@ def _of_friction(whitened: Whitened, change: Change) -> float:
 def _of_one_block(whitened: Whitened, change: Change) -> bool:
     """Return whether most of the gain of a change comes from a single block.
 
-    A load is felt in every block. What shows in one only, a touch or gears that begin to slide, gains
-    as well with a moment beside it.
+    A load is felt in every block. What shows in one only, a touch or gears that begin to slide,
+    gains as well with a moment beside it.
     """
     gains = [_log_bayes_factors(whitened, SAMPLES)(change)]
     for number in np.unique(whitened.block):
