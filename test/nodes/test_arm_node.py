@@ -270,12 +270,14 @@ def test_set_points_of_one_point_are_followed(bench: Bench, arm: Process) -> Non
     )
 
 
-def test_what_is_hidden_in_it_is_asked_for_by_name(bench: Bench, arm: Process) -> None:
+def test_what_is_hidden_in_it_is_asked_for_by_name(bench: Bench) -> None:
     wrong = bench.start("arm", namespace="wrong", params={"hidden": ["stick@joint_1:0.1"]})
     assert wrong.wait() == 2
     assert "no effect 'stick'" in wrong.output
     odd = bench.start("arm", namespace="odd", params={"hidden": ["spring@joint_2:0.3"]})
-    states = {name: bench.collect(JointState, f"{name}joint_states") for name in ("odd/", "")}
+    bench.start("arm", namespace="plain")
+    names = ("odd/", "plain/")
+    states = {name: bench.collect(JointState, f"{name}joint_states") for name in names}
     goal = np.array(HOME) + 0.4
     for name in states:
         send = bench.publisher(JointTrajectory, f"{name}arm/joint_trajectory")
@@ -285,7 +287,7 @@ def test_what_is_hidden_in_it_is_asked_for_by_name(bench: Bench, arm: Process) -
         # At rest the effort is anywhere within static friction.
         return [m.effort[1] for _, m in list(states[name]) if m.velocity[1] > 0.1]
 
-    bench.until(lambda: all(len(moving(name)) > 100 for name in states), "both arms moving")
-    effort = [np.mean(moving(name)) for name in states]
+    bench.until(lambda: all(len(moving(name)) > 100 for name in names), "both arms moving")
+    effort = [np.mean(moving(name)) for name in names]
     assert abs(effort[0] - effort[1]) > 0.5
     odd.end()
