@@ -15,6 +15,8 @@ PROCESSES = test/nodes
 # What keeps both processors busy: beside it, tests of processes come too late. The whole demo, and
 # the tests that build interfaces first.
 WHOLE = test/nodes/test_feedforward_action.py test/demo
+# What the environment holds beside the requirements; extras of setup.py.
+EXTRAS = ros,arm,bags,threads
 # Without the last option a worker that crashed can leave pytest waiting for ever.
 SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0
 
@@ -44,7 +46,7 @@ help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in out/
-	$(environment) ros
+	$(environment) $(EXTRAS)
 	@$(BIN)/lagrangian_ff demo $(ARGS)
 
 test:  ## everything CI checks: style, types, then all tests
@@ -64,7 +66,7 @@ test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 
 	@.venv-oldest/bin/python -m pytest $(ARGS)
 
 install:  ## only make the environment
-	$(environment) ros,test $(addprefix --constraints ,$(CONSTRAINTS))
+	$(environment) $(EXTRAS),test $(addprefix --constraints ,$(CONSTRAINTS))
 
 lint: install  ## check style
 	@$(BIN)/ruff check $(SOURCES)
@@ -78,7 +80,7 @@ format: install  ## put the sources into the one format
 	@$(BIN)/ruff format $(SOURCES)
 
 fuzz:  ## damaged files for readers, random messages for nodes; ARGS="--seconds 900", ARGS="csv model"
-	$(environment) ros,test
+	$(environment) $(EXTRAS),test
 	@$(BIN)/python -c 'import atheris' 2>/dev/null || $(BIN)/python -m pip install --quiet \
 		--only-binary :all: 'atheris >=2.3, <4' 2>/dev/null || \
 		echo "There is no wheel of atheris for this Python: hypothesis searches without coverage."
@@ -88,7 +90,7 @@ ifndef ARGS
 endif
 
 soak:  ## all nodes for half an hour: memory, files, lateness and what was lost, in out/soak
-	$(environment) ros
+	$(environment) $(EXTRAS)
 	@$(BIN)/python tools/soak.py $(ARGS)
 
 benchmark:  ## measure speed against named yardsticks

@@ -49,15 +49,9 @@ LOOPS = [
 RUNTIME = [
     "numpy >=1.26.4, <2.5",
     "scipy >=1.11.4, <1.18",
-    "threadpoolctl >=3.1, <4",
     "matplotlib >=3.6.3, <3.12",
     "rich >=13.7.1, <16",
-    "rosbags >=0.11, <0.12",
-    "mcap >=1.2.1, <2",
-    "lz4 >=4.3.2, <5",
-    "zstandard >=0.22, <0.26",
-    "pybullet >=3.2.6, <3.3",
-    "joblib >=1.4, <2",
+    "joblib >=1.3.2, <2",
     "pyyaml >=6.0.1, <7",
 ]
 
@@ -66,6 +60,13 @@ EXTRAS = {
     # its own packages, pip must neither look for it nor put a second copy beside it, and reading,
     # identifying and diagnosing recordings needs no ROS at all.
     "ros": ["ros-jazzy-rclpy[fastrtps] ==7.1.6", "ros-jazzy-common-interfaces ==5.3.6"],
+    # The next three are optional: rosdep has no key for them, and what needs one names it.
+    # The simulated arm.
+    "arm": ["pybullet >=3.2.6, <3.3"],
+    # Bags without ROS' rosbag2_py: mcap writes them, the others read what is compressed.
+    "bags": ["mcap >=1.2.1, <2", "lz4 >=4.3.2, <5", "zstandard >=0.22, <0.26"],
+    # Keeps the threads of the linear algebra from waiting for each other.
+    "threads": ["threadpoolctl >=3.1, <4"],
     # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
     # ros-jazzy-pinocchio.
     "urdf": ["pin >=2.7, <5"],
@@ -81,6 +82,7 @@ EXTRAS = {
         "pytest >=7.4.4, <10",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",
+        "rosbags >=0.11, <0.12",
         "ruamel.yaml >=0.17.21, <0.20",
         "sympy >=1.12, <2",
         "plotly >=5.15, <8",

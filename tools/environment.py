@@ -2,7 +2,7 @@
 
 Run by the Makefile with the Python to build on; needs nothing but that Python::
 
-    python3.11 tools/environment.py .venv --extras ros,test
+    python3.11 tools/environment.py .venv --extras ros,arm,bags,threads,test
 
 What was installed is written to a stamp inside the environment, last of all. A run that finds the
 stamp in order returns at once; one that finds the traces of an interrupted installation starts the
@@ -32,8 +32,7 @@ OLDEST, NEWEST = (3, 10), (3, 13)  # the Pythons that have wheels of rclpy
 VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 BUILD = ["pip >=23.1", "setuptools ==68.1.2", "wheel"]  # this setuptools is what colcon needs
 IMPORTS = (
-    "import rclpy, sensor_msgs.msg, pybullet, scipy.linalg; "
-    "import matplotlib.figure, rosbags.rosbag2"
+    "import rclpy, sensor_msgs.msg, pybullet, scipy.linalg; import matplotlib.figure, mcap.writer"
 )
 # Files whose change means that the environment has to be looked at again.
 INPUTS = ["setup.py", "setup.cfg", "pyproject.toml", "tools/environment.py"]

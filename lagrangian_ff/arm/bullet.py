@@ -5,6 +5,8 @@ import os
 import sys
 from collections.abc import Iterator
 
+from lagrangian_ff.errors import ArmError
+
 
 @contextlib.contextmanager
 def _without_standard_error() -> Iterator[None]:
@@ -26,6 +28,9 @@ def _without_standard_error() -> Iterator[None]:
 
 
 with _without_standard_error():
-    import pybullet
+    try:
+        import pybullet
+    except ModuleNotFoundError as error:
+        raise ArmError("the simulated arm needs PyBullet: pip install pybullet") from error
 
 __all__ = ["pybullet"]

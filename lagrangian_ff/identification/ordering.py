@@ -7,7 +7,6 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.choosing.evidence import Logarithms, maximise_evidence, solvable
@@ -15,6 +14,7 @@ from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.samples import Samples, decimated, evenly
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import Mechanism, States
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion, concatenate
 
@@ -92,7 +92,7 @@ def joint_order(
     if not ordered or not 3 <= len(given) <= MOST_JOINTS or numbered(given):
         return JointOrder(given)
     few, many = (_evidence(data, count) for count in (FEW, MANY))
-    with threadpool_limits(1):  # threads cost more than they bring on such small matrices
+    with one_blas_thread():  # threads cost more than they bring on such small matrices
         best, gain = start, WORTH_A_SEARCH
         while True:
             around = _moved(best)

@@ -3,13 +3,17 @@
 import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+
+try:
+    from threadpoolctl import threadpool_limits
+except ImportError:  # ROS' package has no key for it
+    threadpool_limits = None
 
 Result = TypeVar("Result")
 Part = TypeVar("Part")
@@ -40,6 +44,15 @@ def limited(threads: int) -> Iterator[None]:
         _limit.reset(before)
 
 
+def one_blas_thread() -> AbstractContextManager[object]:
+    """Keep the linear algebra to one thread, from the call to the end of the block, if it has one.
+
+    Without threadpoolctl the number of threads stays what OMP_NUM_THREADS or OPENBLAS_NUM_THREADS
+    says: slower, and no different in its results.
+    """
+    return nullcontext() if threadpool_limits is None else threadpool_limits(1)
+
+
 def each(work: Callable[[Part], Result], parts: Iterable[Part], pairs: int) -> list[Result]:
     """Return the result of the work on every part, in their order.
 
@@ -66,7 +79,7 @@ def side_by_side(work: Callable[[Part], Result], parts: Iterable[Part]) -> list[
         with limited(1):
             return work(part)
 
-    with threadpool_limits(1), ThreadPoolExecutor(count()) as pool:
+    with one_blas_thread(), ThreadPoolExecutor(count()) as pool:
         return list(pool.map(alone, parts))
 
 

@@ -3,13 +3,21 @@
 import importlib
 import os
 import signal
+import sys
+
+from lagrangian_ff.errors import UserError
 
 
 def _run(name: str) -> int:
     """Import a node and run it; until it has its own handlers, a signal ends the process."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: os._exit(0))
-    return int(importlib.import_module(f"lagrangian_ff.nodes.{name}").main())
+    try:
+        node = importlib.import_module(f"lagrangian_ff.nodes.{name}")
+    except UserError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return int(node.main())
 
 
 def arm() -> int:

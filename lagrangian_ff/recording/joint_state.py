@@ -6,9 +6,8 @@ only when it changes; a general CDR reader would do so for every message. Source
 OMG DDS-XTYPES 1.3, section 7.4 (plain CDR).
 """
 
+import struct
 from dataclasses import dataclass
-from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +17,6 @@ from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.recording.recording import require_joints
 
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
 Bytes = NDArray[np.uint8]
 
 MESSAGE_TYPE = "sensor_msgs/msg/JointState"
@@ -28,14 +24,6 @@ _HEADER = 4  # the encapsulation header; alignment counts from behind it
 _BATCH = 4096
 _LATEST = 2**63 - 1  # ns; MCAP has room for more, in damaged files at least
 _QUANTITIES = 3  # position, velocity, effort
-
-
-@cache
-def typestore() -> "Typestore":
-    """Return the message types of ROS 2 Jazzy."""
-    from rosbags.typesys import Stores, get_typestore  # slow to import, and reading needs none
-
-    return get_typestore(Stores.ROS2_JAZZY)
 
 
 class MalformedError(ValueError):
@@ -260,7 +248,7 @@ class JointStateTable:
 
 
 class JointStateEncoder:
-    """Writes messages that share their joints, by filling in one that `rosbags` made.
+    """Writes messages that share their joints, by filling in one that has their layout.
 
     Args:
         joints: N names.
@@ -270,14 +258,7 @@ class JointStateEncoder:
     def __init__(
         self, joints: tuple[str, ...], *, velocity: bool = True, effort: bool = True
     ) -> None:
-        store = typestore()
-        time, header, state = (
-            store.types[name]
-            for name in ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", MESSAGE_TYPE)
-        )
-        arrays = (np.zeros(len(joints) if given else 0) for given in (True, velocity, effort))
-        message = state(header(time(0, 0), ""), list(joints), *arrays)
-        template = bytes(store.serialize_cdr(message, MESSAGE_TYPE))
+        template = _message(joints, (True, velocity, effort))
         self._start, self._width = read_layout(template).start, 8 * len(joints)
         self._template = np.frombuffer(template, dtype=np.uint8)
 
@@ -292,6 +273,34 @@ class JointStateEncoder:
             if start >= 0:
                 rows[:, start : start + self._width] = _as_bytes(values, "<f8")
         return [row.tobytes() for row in rows]
+
+
+def _message(joints: tuple[str, ...], given: tuple[bool, bool, bool]) -> bytes:
+    """Return a message of zeros with these arrays, little-endian."""
+    message = bytearray(b"\0\1\0\0" + bytes(8))  # the encapsulation and the time stamp
+
+    def align(size: int) -> None:
+        message.extend(bytes((_HEADER - len(message)) % size))
+
+    def count(number: int) -> None:
+        align(4)
+        message.extend(struct.pack("<I", number))
+
+    def text(content: str) -> None:
+        data = content.encode() + b"\0"
+        count(len(data))
+        message.extend(data)
+
+    text("")  # frame_id
+    count(len(joints))
+    for joint in joints:
+        text(joint)
+    for filled in given:
+        count(len(joints) if filled else 0)
+        if filled and joints:
+            align(8)
+            message.extend(bytes(8 * len(joints)))
+    return bytes(message)
 
 
 def _as_bytes(values: "Ints | Floats", kind: str) -> Bytes:

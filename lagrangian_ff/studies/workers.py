@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from threadpoolctl import threadpool_limits
-
 from lagrangian_ff import __version__
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.kernels import threads
@@ -31,7 +29,7 @@ def attempt(case: Case) -> Line:
         study: the line's `failed` says why.
     """
     began = time.monotonic()
-    with threads.limited(1), threadpool_limits(1):
+    with threads.limited(1), threads.one_blas_thread():
         try:
             found = dict(case.run())
         except Exception as error:

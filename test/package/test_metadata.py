@@ -20,13 +20,9 @@ import lagrangian_ff
 ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
-# Where the name to import, the name on the package index and the rosdep key differ.
-ROSDEP = {
-    "pybullet": "python3-pybullet-pip",
-    "pyyaml": "python3-yaml",
-    "rosbags": "python3-rosbags-pip",
-}
-WITHOUT_ROSDEP = {"joblib", "lz4", "mcap", "threadpoolctl", "zstandard"}
+# Where the name on the package index and the rosdep key differ.
+ROSDEP = {"pyyaml": "python3-yaml"}
+OPTIONAL = ("arm", "bags", "threads", "urdf", "cluster")
 DISTRIBUTION = {
     "sklearn": "scikit-learn",
     "pinocchio": "pin",
@@ -62,6 +58,13 @@ def runtime() -> set[str]:
     requirements = setup_of("RUNTIME")["RUNTIME"]
     assert isinstance(requirements, list)
     return {str(requirement).split()[0] for requirement in requirements}
+
+
+def optional() -> set[str]:
+    """Return the names of the libraries that are used where they are installed."""
+    extras = setup_of("EXTRAS")["EXTRAS"]
+    assert isinstance(extras, dict)
+    return {str(requirement).split()[0] for extra in OPTIONAL for requirement in extras[extra]}
 
 
 def depends(kind: str) -> set[str]:
@@ -101,6 +104,7 @@ def imported_by(file: Path) -> set[str]:
 def is_ros(module: str) -> bool:
     """Tell whether a module comes with ROS and so stands in package.xml under its own name."""
     ros = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python"}
+    ros |= {"rosbag2_py"}
     return module in ros or module.endswith("_msgs") or module.startswith(("launch", "rosidl"))
 
 
@@ -142,23 +146,20 @@ def test_setup_and_manifest_list_the_libraries_that_are_imported() -> None:
         for module in imported("lagrangian_ff")
         if not is_ros(module)
     }
-    extras = setup_of("EXTRAS")["EXTRAS"]
-    assert isinstance(extras, dict)
-    optional = {
-        str(requirement).split()[0]
-        for extra in ("urdf", "cluster")
-        for requirement in extras[extra]
-    }
-    assert used == runtime() | optional
-    keys = {ROSDEP.get(name, f"python3-{name}") for name in runtime() - WITHOUT_ROSDEP}
+    assert used == runtime() | optional()
+    keys = {ROSDEP.get(name, f"python3-{name}") for name in runtime()}
     assert keys <= depends("exec_depend")
+
+
+def test_no_dependency_comes_from_pip_alone() -> None:
+    assert not [key for element in MANIFEST if (key := str(element.text)).endswith("-pip")]
 
 
 def test_setup_lists_the_libraries_that_tests_import() -> None:
     extras = setup_of("EXTRAS")["EXTRAS"]
     assert isinstance(extras, dict)
     wanted = [*extras["test"], *extras["benchmark"], *extras["fuzz"]]
-    known = runtime() | {str(requirement).split()[0] for requirement in wanted}
+    known = runtime() | optional() | {str(requirement).split()[0] for requirement in wanted}
     siblings = {file.stem for part in ("test", "benchmark") for file in (ROOT / part).rglob("*.py")}
     siblings |= {path.stem for path in (ROOT / "tools").iterdir()}
     used = (
@@ -173,11 +174,14 @@ def test_oldest_versions_are_those_that_setup_allows() -> None:
     assert isinstance(requirements["EXTRAS"], dict)
     ranges = dict(
         str(requirement).split(None, 1)
-        for requirement in [*requirements["RUNTIME"], *requirements["EXTRAS"]["test"]]
+        for requirement in [
+            *requirements["RUNTIME"],
+            *itertools.chain(*(requirements["EXTRAS"][extra] for extra in (*OPTIONAL, "test"))),
+        ]
     )
     constraints = (ROOT / "constraints-ubuntu-24.04.txt").read_text()
     oldest = dict(re.findall(r"^(\S+) ==(\S+)$", constraints, re.MULTILINE))
-    assert set(oldest) >= runtime()
+    assert set(oldest) >= runtime() | optional()
     for name, version in oldest.items():
         low = re.match(r">=([\d.]+), <[\d.]+$", ranges[name])
         assert low, f"{name} has no range: {ranges[name]}"

@@ -21,6 +21,7 @@ def test_the_library_reads_directory_and_metadata(tmp_path: Path) -> None:
         (connection,) = reader.connections
         assert (connection.topic, connection.msgtype) == ("/arm/joint_states", TYPE)
         assert connection.digest == STORE.hash_rihs01(TYPE)
+        assert connection.msgdef.data == STORE.generate_msgdef(TYPE, ros_version=2)[0]
         assert connection.msgcount == reader.message_count == 100
         assert reader.start_time == 1_700_000_000 * 10**9
         assert reader.duration == 99 * 2_000_000 + 1

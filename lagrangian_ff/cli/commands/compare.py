@@ -46,19 +46,18 @@ def run(arguments: Namespace) -> int:
     check_sources(arguments.sources)
     check_outputs(arguments, [arguments.model, *arguments.sources])
     options.load_own_effects(arguments, console)
-    from threadpoolctl import threadpool_limits
-
     from lagrangian_ff.diagnosis import compare
     from lagrangian_ff.diagnosis.where import Compared, locate
+    from lagrangian_ff.kernels.threads import one_blas_thread
     from lagrangian_ff.recording.motion import concatenate
 
     loaded = LoadedModel.of(arguments, console)
     model, motions = loaded.model, loaded.motions(arguments.sources, console)
     motion = concatenate(motions) if len(motions) > 1 else motions[0]
     # What BLAS is given here is small: a second thread would mostly wait for it, busily.
-    with progress_bar("predicting") as progress, threadpool_limits(1):
+    with progress_bar("predicting") as progress, one_blas_thread():
         comparison = compare(model, motion, progress=progress, intervals=True)
-    with progress_bar("looking where it fails") as progress, threadpool_limits(1):
+    with progress_bar("looking where it fails") as progress, one_blas_thread():
         where = locate(model, comparison, progress=progress)
     found = Compared(str(arguments.model), tuple(map(str, arguments.sources)), where)
     if arguments.report is not None:

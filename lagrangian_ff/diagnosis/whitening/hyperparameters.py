@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis import thresholds
@@ -23,6 +22,7 @@ from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.structured.chain import Chain
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
 from lagrangian_ff.sampling import usual_step
@@ -63,7 +63,7 @@ def fit(
     few = _few(motion, inputs, FINE)
     problem = _started(few, motion.tau, states, basis, sliding, weightless)
     prior = _about(problem)
-    with threadpool_limits(1):
+    with one_blas_thread():
         begin = 0.0
         for (count, steps), end in zip(thresholds.EFFORT.stages, (0.1, 0.3, 0.5), strict=True):
             problem = problem.of(_few(motion, inputs, count))
@@ -107,7 +107,7 @@ def refit(
     sliding = sliding_of(problem.kernel, whitened.joints)
     weightless = whitened.motion.effort == WITHOUT_GRAVITY
     start = _started(samples, samples.tau, samples.states, basis, sliding, weightless)
-    with threadpool_limits(1):
+    with one_blas_thread():
         return _maximised(problem, _about(start), AGAIN, silent)
 
 

@@ -5,7 +5,6 @@ from statistics import NormalDist
 
 import numpy as np
 import scipy
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import Inputs
@@ -16,6 +15,7 @@ from lagrangian_ff.identification.solving.low_rank import LOOKED
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.robust import outliers_of
 from lagrangian_ff.identification.solving.system import System
+from lagrangian_ff.kernels.threads import one_blas_thread
 
 LEVEL = 0.9
 """The share of such intervals that should hold the true value."""
@@ -126,7 +126,7 @@ class SubsetOfData:
             )
         expected = np.full(self.x.q.shape, np.nan)
         # Threads cost more than they bring on matrices as small as these.
-        with threadpool_limits(1):
+        with one_blas_thread():
             for group in made.apart:
                 seen = group[evenly(len(group), LOOKED)]
                 without = self.fit(np.setdiff1d(everything, group))

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.special import stdtrit
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
@@ -54,6 +53,7 @@ from lagrangian_ff.identification.solving.solution import (
 )
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 
 QUICK_SAMPLES = 120
@@ -230,7 +230,7 @@ class _Candidate:
         if criterion == "evidence":
             return replace(self, choice=self.latest, cost=-self.evidence)
         # Threads cost more than they bring on matrices as small as these.
-        with threadpool_limits(1):
+        with one_blas_thread():
             factor, choice, folds = _least_error(self.latest.of(samples), self.factor)
         return replace(self, factor=factor, choice=choice, cost=_typical(folds), folds=folds)
 

@@ -18,7 +18,6 @@ from operator import attrgetter
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
@@ -34,6 +33,7 @@ from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.solution import with_least_noise
 from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.kernels import DifferentiableKernel
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, silent
 
 SHAPE_STEP = 1e-3
@@ -155,7 +155,7 @@ def maximise_evidence(
     evidence, by_logarithm = attrgetter("log_evidence"), partial(derivatives, shapes=shapes)
     density = Density(prior, at, evidence, by_logarithm, inside)
     # Threads cost more than they bring on matrices as small as these.
-    with threadpool_limits(1):
+    with one_blas_thread():
         return density.maximised(logarithms.of(problem), steps, report, enough, damping)[1]
 
 
@@ -177,7 +177,7 @@ def solvable(problem: Problem) -> Problem:
         exact(noisier)
         return noisier
 
-    with threadpool_limits(1):
+    with one_blas_thread():
         return with_least_noise(tried)[0]
 
 

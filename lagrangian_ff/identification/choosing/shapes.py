@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import scipy
 from scipy.linalg import solve_triangular
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Effect
@@ -14,6 +13,7 @@ from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.posterior import Posterior
 from lagrangian_ff.identification.solving.system import System
+from lagrangian_ff.kernels.threads import one_blas_thread
 
 STEP = 0.4
 """First step of the logarithm of a shape."""
@@ -120,7 +120,7 @@ def refit_shapes(
     simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
     bounds = list(zip(low, high, strict=True))
     # Threads cost more than they bring on matrices as small as these.
-    with threadpool_limits(1):
+    with one_blas_thread():
         optimum = scipy.optimize.minimize(
             cost, start, method="Nelder-Mead", bounds=bounds,
             options={"initial_simplex": simplex, "maxfev": EVALUATIONS * len(free),

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-from threadpoolctl import threadpool_limits
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import ModelError
@@ -20,6 +19,7 @@ from lagrangian_ff.identification.settings import Settings
 from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, silent
 
 NOISE_RANGE = (1e-6, 0.5)
@@ -80,7 +80,7 @@ def search(
     start = Problem.started(spec, samples, scalings[0])
     per_joint = spec.kernel.per_joint
     # Threads cost more than they bring on matrices as small as these.
-    with threadpool_limits(1):
+    with one_blas_thread():
         if not per_joint:
             return _Search(settings, None, _axes(spec)).run(start, scalings, progress)
         joints = samples.x.joints

@@ -29,10 +29,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
-from threadpoolctl import threadpool_limits
 
 import lagrangian_ff
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.nodes.common.log_folder import use_writable_log_folder
 from lagrangian_ff.nodes.common.profiles import read_profile
 from lagrangian_ff.nodes.common.status import Level, Status
@@ -77,7 +77,7 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
     # cost them two periods at 500 Hz.
     sys.setswitchinterval(0.0005)
     # Threads of the linear algebra spin while they wait, and would take the core of a paced loop.
-    threadpool_limits(1)
+    one_blas_thread()
     stop = False
     executor = SingleThreadedExecutor()
 

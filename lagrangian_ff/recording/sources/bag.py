@@ -7,21 +7,22 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
-import zstandard
 
 from lagrangian_ff import budget
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.recording.sources import temperature
+from lagrangian_ff.recording.sources import rosbag2, temperature
 from lagrangian_ff.recording.sources.mcap_file import McapFile
+from lagrangian_ff.recording.sources.packing import Allowance, MissingLibraryError, unpack_file
+from lagrangian_ff.recording.sources.rosbag2 import Rosbag2
 from lagrangian_ff.recording.sources.sqlite_file import SqliteFile, UnreadableError
 from lagrangian_ff.recording.sources.sqlite_salvage import SqliteSalvage
 from lagrangian_ff.words import counted
@@ -29,16 +30,15 @@ from lagrangian_ff.words import counted
 NAME = "a rosbag2 directory, .db3 or .mcap (also .zstd)"
 _SUFFIXES = (".db3", ".mcap")
 _DATA = (*_SUFFIXES, ".zstd")
-_ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _LONGEST = 4096  # bytes of a message with a temperature
-_PIECE = 2048  # bytes of zstd that are unpacked at once: each may become 32 KiB
 _LIST = "relative_file_paths:"
 _EPOCH_NS = 10**17  # stamps above are dates (1973 and later), not seconds since start-up
 
 
-StorageFile: TypeAlias = "McapFile | SqliteFile | SqliteSalvage"
-"""One file of a bag: its topics (message type and number of messages, 0 if unknown), its damage
-in words, complete only after `messages` has ended, and the messages of one topic."""
+StorageFile: TypeAlias = "McapFile | SqliteFile | SqliteSalvage | Rosbag2"
+"""One file of a bag, or all of it as ROS reads it: its topics (message type and number of
+messages, 0 if unknown), its damage in words, complete only after `messages` has ended, and the
+messages of one topic."""
 
 
 def recognises(path: Path) -> bool:
@@ -58,31 +58,67 @@ def _kind(path: Path) -> str | None:
     return next((suffix for suffix in _SUFFIXES if name.endswith(suffix)), None)
 
 
+@dataclass(frozen=True)
+class _Source:
+    """A file at `path`, which the user knows by its `name`; or a bag that rosbag2 reads."""
+
+    path: Path
+    name: Path
+    by_rosbag2: bool = False
+
+    def opened(self) -> StorageFile:
+        """Return what reads it.
+
+        Raises:
+            UnreadableError: SQLite cannot read it, or not to its end; also while messages are read.
+        """
+        if self.by_rosbag2:
+            return Rosbag2(self.path)
+        return (
+            McapFile(self.path, self.name) if _kind(self.path) == ".mcap" else SqliteFile(self.path)
+        )
+
+    def salvaged(self) -> StorageFile:
+        """Return what reads it page by page."""
+        return SqliteSalvage(self.path, self.name)
+
+
 def read(path: Path, topic: str | None, progress: Progress) -> Recording:
     """Return the joint states of one topic."""
     notes: list[str] = []
-    paths = _files(path, notes)
-    with ExitStack() as stack:
-        workplace = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bag-")))
-        local = [_prepare(file, workplace, notes) for file in paths]
-        topics = _topics(path, local, paths)
-        chosen = _choose_topic(path, topics, topic, notes)
-        table = JointStateTable(str(path))
-        for index, (file, original) in enumerate(zip(local, paths, strict=True)):
-            report = part(progress, index / len(local), (index + 1) / len(local))
-            _read_file(file, original, chosen, table, notes, report)
-        recording = _as_recording(f"{path} ({chosen})", table, notes)
-        warm = [name for name, kind in topics.items() if _is_kind(kind, temperature.MESSAGE_TYPE)]
-        if not warm:
-            return recording
-        pairs = zip(local, paths, strict=True)
-        messages = (one for pair in pairs for name in warm for one in _messages(*pair, name))
-        return temperature.with_temperatures(recording, messages)
+    try:
+        with tempfile.TemporaryDirectory(prefix="bag-") as workplace:
+            paths = _files(path, notes)
+            sources = [_Source(_prepare(file, Path(workplace), notes), file) for file in paths]
+            return _read(path, sources, topic, notes, progress)
+    except MissingLibraryError as missing:
+        if not rosbag2.is_installed():
+            raise RecordingError(
+                f"{path}: {missing}; nor is ROS' own reader ({rosbag2.INSTALL})"
+            ) from missing
+    return _read(path, [_Source(path, path, by_rosbag2=True)], topic, [], progress)
 
 
-def _messages(path: Path, name: Path, topic: str) -> Iterator[tuple[str, int, bytes]]:
+def _read(
+    path: Path, sources: list[_Source], topic: str | None, notes: list[str], progress: Progress
+) -> Recording:
+    topics = _topics(path, sources)
+    chosen = _choose_topic(path, topics, topic, notes)
+    table = JointStateTable(str(path))
+    for index, source in enumerate(sources):
+        report = part(progress, index / len(sources), (index + 1) / len(sources))
+        _read_file(source, chosen, table, notes, report)
+    recording = _as_recording(f"{path} ({chosen})", table, notes)
+    warm = [name for name, kind in topics.items() if _is_kind(kind, temperature.MESSAGE_TYPE)]
+    if not warm:
+        return recording
+    messages = (one for source in sources for name in warm for one in _messages(source, name))
+    return temperature.with_temperatures(recording, messages)
+
+
+def _messages(source: _Source, topic: str) -> Iterator[tuple[str, int, bytes]]:
     """Yield topic, time received in ns and message of one file, what can be read of it."""
-    allowance = _Allowance(name)
+    allowance = Allowance(source.name)
 
     def read(file: StorageFile) -> list[tuple[str, int, bytes]]:
         # What is longer than any temperature is cut, and so malformed.
@@ -90,9 +126,9 @@ def _messages(path: Path, name: Path, topic: str) -> Iterator[tuple[str, int, by
         return [(topic, received, data[:_LONGEST]) for received, data in found]
 
     try:
-        found = read(_opened(path, name))
+        found = read(source.opened())
     except UnreadableError:
-        found = read(SqliteSalvage(path, name))
+        found = read(source.salvaged())
     yield from found
 
 
@@ -137,7 +173,7 @@ def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
     ]
     if path.suffix == ".zstd":
         target = workplace / path.name.removesuffix(".zstd")
-        if not _decompress(path, target):
+        if not unpack_file(path, target):
             notes.append(f"{path}: its compression ends early; what could be unpacked is used")
         return target
     if sidecars:
@@ -151,49 +187,7 @@ def _prepare(path: Path, workplace: Path, notes: list[str]) -> Path:
     return path
 
 
-def _decompress(path: Path, target: Path) -> bool:
-    """Unpack up to the damage; return whether that is the end.
-
-    Raises:
-        RecordingError: it unpacks to more than a file may.
-    """
-    size = budget.file_size(path, RecordingError)
-    left = budget.unpacked(size)
-    frame = zstandard.ZstdDecompressor().decompressobj()
-    begun = False
-    with path.open("rb") as packed, target.open("wb") as unpacked:
-        while part := packed.read(_PIECE):
-            while part:
-                begun = True
-                try:
-                    content = frame.decompress(part)
-                except zstandard.ZstdError:
-                    return False
-                left -= len(content)
-                if left < 0:
-                    raise RecordingError(
-                        f"{path}: unpacks to more than {budget.in_words(budget.unpacked(size))}, "
-                        f"which a recording of {budget.in_words(size)} does not; if it is one, "
-                        "unpack it first: zstd -d FILE"
-                    )
-                unpacked.write(content)
-                part = frame.unused_data if frame.eof else b""
-                if frame.eof:
-                    frame = zstandard.ZstdDecompressor().decompressobj()
-                    begun = False
-    return not begun
-
-
-def _opened(path: Path, name: Path) -> StorageFile:
-    """Return a file of a bag, which the user knows by this name.
-
-    Raises:
-        UnreadableError: SQLite cannot read it, or not to its end; also while messages are read.
-    """
-    return McapFile(path, name) if _kind(path) == ".mcap" else SqliteFile(path)
-
-
-def _topics(bag: Path, paths: list[Path], names: list[Path]) -> dict[str, str]:
+def _topics(bag: Path, sources: list[_Source]) -> dict[str, str]:
     """Return the type of every topic that has messages, or of all if none has.
 
     Raises:
@@ -202,13 +196,12 @@ def _topics(bag: Path, paths: list[Path], names: list[Path]) -> dict[str, str]:
     types: dict[str, str] = {}
     empty: dict[str, str] = {}
     damage = ""
-    for path, original in zip(paths, names, strict=True):
-        file: StorageFile
+    for source in sources:
         try:
-            file = _opened(path, original)
+            file = source.opened()
             topics = file.topics
         except UnreadableError:
-            file = SqliteSalvage(path, original)
+            file = source.salvaged()
             topics = file.topics
         damage = damage or file.damage
         for name, (kind, count) in topics.items():
@@ -257,80 +250,35 @@ def _listed(topics: Mapping[str, str], joint_states: list[str]) -> str:
 
 
 def _read_file(
-    path: Path, name: Path, topic: str, table: JointStateTable, notes: list[str], progress: Progress
+    source: _Source, topic: str, table: JointStateTable, notes: list[str], progress: Progress
 ) -> None:
-    """Add the messages of the file at `path`, which the user knows by this name.
-
-    A file that breaks half-way is read again by salvage.
-    """
+    """Add the messages of one file; one that breaks half-way is read again by salvage."""
     mark = table.mark()
     before = len(table)
     reason = ""
     try:
-        file = _opened(path, name)
-        _append(file, name, topic, table, progress)
+        file = source.opened()
+        _append(file, source.name, topic, table, progress)
     except UnreadableError as error:
         reason = str(error)
         table.rewind(mark)
-        file = SqliteSalvage(path, name)
-        _append(file, name, topic, table, progress)
+        file = source.salvaged()
+        _append(file, source.name, topic, table, progress)
     if not file.damage and not reason:
         return
     what = f"cut off or damaged ({file.damage})" if file.damage else f"read by pages ({reason})"
-    notes.append(f"{name}: {what}; {counted(len(table) - before, 'message')} could be read")
+    notes.append(f"{source.name}: {what}; {counted(len(table) - before, 'message')} could be read")
 
 
 def _append(
     file: StorageFile, name: Path, topic: str, table: JointStateTable, progress: Progress
 ) -> None:
     _, expected = file.topics.get(topic, ("", 0))
-    allowance = _Allowance(name)
+    allowance = Allowance(name)
     for number, (received, data) in enumerate(file.messages(topic)):
         table.add(received, allowance.unpacked(data))
         if number % 8192 == 0:
             progress(min(1.0, number / expected) if expected else 0.0, f"read {name.name}")
-
-
-class _Allowance:
-    """Unpacks the messages of a file until they are more than a file of its size may hold.
-
-    Args:
-        name: the file the user gave, packed or not: what is packed twice has one allowance.
-    """
-
-    def __init__(self, name: Path) -> None:
-        self._size, self._name = name.stat().st_size, name
-        self._left = budget.unpacked(self._size)
-        self._zstd = zstandard.ZstdDecompressor()
-
-    def unpacked(self, data: bytes) -> bytes:
-        """Return a message without its compression; nothing if that is damaged.
-
-        Raises:
-            RecordingError: the messages so far are more than the file may hold.
-        """
-        if data[:4] == _ZSTD_MAGIC:
-            try:
-                # What a frame claims to hold is allocated before it is unpacked.
-                claimed = zstandard.frame_content_size(data)
-                if claimed > budget.MESSAGE:
-                    data = b""
-                elif claimed >= 0:
-                    data = self._zstd.decompress(data)
-                else:
-                    data = self._zstd.stream_reader(data).read(budget.MESSAGE + 1)
-            except (zstandard.ZstdError, MemoryError):
-                data = b""
-        if len(data) > budget.MESSAGE:
-            data = b""
-        self._left -= len(data)
-        if self._left < 0:
-            raise RecordingError(
-                f"{self._name}: its messages hold more than "
-                f"{budget.in_words(budget.unpacked(self._size))}, which a recording of "
-                f"{budget.in_words(self._size)} does not; not read"
-            )
-        return data
 
 
 def _as_recording(source: str, table: JointStateTable, notes: list[str]) -> Recording:

@@ -13,11 +13,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
-import lz4.frame  # type: ignore[import-untyped]
-import zstandard
-
 from lagrangian_ff import budget
 from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.recording.sources.packing import unpack_chunk
 
 _MAGIC = b"\x89MCAP0\r\n"
 _HEAD = struct.Struct("<BQ")  # opcode and length of a record
@@ -46,7 +44,7 @@ class McapFile:
 
     Raises:
         RecordingError: it is not an MCAP file at all, or unpacks to more than a file may; also
-            while messages are read.
+            while messages are read. MissingLibraryError: nothing installed unpacks it.
     """
 
     def __init__(self, path: Path, name: Path) -> None:
@@ -178,7 +176,7 @@ class McapFile:
         if size > budget.CHUNK and compression:
             self._damaged(f"the chunk at byte {offset} claims to hold {budget.in_words(size)}")
             return memoryview(b"")
-        content = _unpack(compression, data, size)
+        content = unpack_chunk(compression, data, size)
         whole = len(data) == packed
         if content is None or (whole and len(content) != size):
             self._damaged(f"the chunk at byte {offset} does not unpack")
@@ -202,20 +200,6 @@ def _inside(content: memoryview) -> Iterator[Found]:
             return
         yield opcode, content[at : at + length]
         at += length
-
-
-def _unpack(compression: str, data: memoryview, size: int) -> bytes | memoryview | None:
-    """Return at most one byte more than the size; None if nothing can be unpacked."""
-    try:
-        if compression == "":
-            return data
-        if compression == "zstd":
-            return zstandard.ZstdDecompressor().stream_reader(data).read(size + 1)
-        if compression == "lz4":
-            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(data, size + 1))
-    except (zstandard.ZstdError, RuntimeError, MemoryError):
-        return None
-    return None
 
 
 def _text(content: memoryview, at: int) -> tuple[str, int]:

@@ -47,13 +47,11 @@ def peak_memory() -> float:
 
 def _serve() -> None:
     """Do what standard input asks, and answer on standard output."""
-    from threadpoolctl import threadpool_limits
-
     from lagrangian_ff.kernels import threads
 
     work = pickle.load(sys.stdin.buffer)
     found, raised = None, None
-    with threads.limited(1), threadpool_limits(1):
+    with threads.limited(1), threads.one_blas_thread():
         try:
             found = work()
         except Exception as error:
