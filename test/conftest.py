@@ -10,13 +10,21 @@ import os
 import random
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import IO
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+MISSING = (
+    "the simulated arm needs PyBullet",
+    "No module named 'pybullet'",
+    "No module named 'rosbags'",
+    "No module named 'mcap'",
+    "No module named 'zstandard'",
+    "No module named 'lz4'",
+)
 ROOT = Path(__file__).resolve().parent.parent
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -37,6 +45,19 @@ settings.load_profile("lagrangian_ff")
 def pytest_configure(config: pytest.Config) -> None:
     """Let test processes take files in the order given: those that take longest are named first."""
     config.option.loadscopereorder = False
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Skip the files that import a library which is optional and not there."""
+    report = yield
+    missing = [words for words in MISSING if report.failed and words in str(report.longrepr)]
+    if missing:
+        report.outcome = "skipped"
+        report.longrepr = (str(collector.path), 0, f"Skipped: {missing[0]}")
+    return report
 
 
 @pytest.fixture(scope="session")

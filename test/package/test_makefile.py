@@ -16,6 +16,9 @@ INSTALL = "install --no-compile"
 
 pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 
+DEMO = "[arm,bags,ros,threads]"
+TEST = "[arm,bags,ros,test,threads]"
+
 
 class Machine:
     """A clone, a Python and the programs that a machine has."""
@@ -85,7 +88,7 @@ def test_demo_installs_what_it_needs_and_runs(machine: Machine) -> None:
     result = machine.make("demo", "ARGS=--quick")
     assert result.returncode == 0, result.stderr
     assert result.stdout.splitlines()[-1] == "ran: lagrangian_ff demo --quick"
-    assert machine.installations() == ["[ros]"]
+    assert machine.installations() == [DEMO]
 
 
 def test_repeating_installs_nothing(machine: Machine) -> None:
@@ -108,7 +111,7 @@ def test_test_tools_come_on_top_and_stay(machine: Machine) -> None:
     machine.make("demo")
     machine.make("install")
     machine.make("demo")
-    assert machine.installations() == ["[ros]", "[ros,test]"]
+    assert machine.installations() == [DEMO, TEST]
 
 
 def test_changed_requirements_are_installed(machine: Machine) -> None:
@@ -116,7 +119,7 @@ def test_changed_requirements_are_installed(machine: Machine) -> None:
     with (machine.clone / "setup.py").open("a") as file:
         file.write("# another requirement\n")
     machine.make("demo")
-    assert machine.installations() == ["[ros,test]"] * 2
+    assert machine.installations() == [TEST] * 2
 
 
 def test_a_failed_installation_is_told_and_not_taken_as_done(machine: Machine) -> None:
@@ -149,7 +152,7 @@ def test_a_broken_environment_is_repaired(machine: Machine, damage: str) -> None
     result = machine.make("demo")
     assert result.returncode == 0, result.stderr
     assert "ran:" in result.stdout
-    assert machine.installations() == ["[ros]", "[ros]"]
+    assert machine.installations() == [DEMO] * 2
 
 
 def test_a_moved_clone_gets_an_environment_of_its_own(machine: Machine) -> None:

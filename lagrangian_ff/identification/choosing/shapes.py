@@ -117,7 +117,10 @@ def refit_shapes(
     low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
     present = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
     start = np.clip(present, low, high)  # models of other versions may have it outside
-    simplex = start + STEP * np.vstack([np.zeros(len(free)), np.eye(len(free))])
+    step = np.where(
+        start + STEP > high, -STEP, STEP
+    )  # outside, SciPy 1.11 moves it back onto start
+    simplex = start + np.vstack([np.zeros(len(free)), np.diag(step)])
     bounds = list(zip(low, high, strict=True))
     # Threads cost more than they bring on matrices as small as these.
     with one_blas_thread():
