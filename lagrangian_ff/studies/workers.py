@@ -61,12 +61,16 @@ def processes(jobs: int | None = None) -> Workers:
     if many == 1:
         return here
 
+    # Ubuntu 24.04 has joblib 1.3, which gives no result before those of earlier cases.
+    recent = tuple(map(int, joblib.__version__.split(".")[:2])) >= (1, 4)
+    order = "generator_unordered" if recent else "generator"
+
     def done(cases: Sequence[Case]) -> Iterator[Line]:
         from joblib.externals.loky.process_executor import TerminatedWorkerError
 
         left = {case.name: case for case in cases}
         for tries in range(KILLS + 1):
-            work = joblib.Parallel(n_jobs=many, return_as="generator_unordered", batch_size=1)
+            work = joblib.Parallel(n_jobs=many, return_as=order, batch_size=1)
             try:
                 for line in work(joblib.delayed(_quietly)(case) for case in list(left.values())):
                     del left[line["case"]]

@@ -12,7 +12,7 @@ from lagrangian_ff.studies.study import Request
 def test_fri_mends_what_friction_spoils(tmp_path: Path) -> None:
     folder = tmp_path / "study"
     command = ["study", "friction", "--quick", "--jobs", "1", "--output", str(folder)]
-    assert main([*command, "--robots", "1", "--cases", "n[12]-*"]) == 0
+    assert main([*command, "--robots", "3", "--cases", "n[12]-*"]) == 0
     numbers = json.loads((folder / "summary.json").read_text())
     assert not numbers["failed"]
     claims = {claim: each["joints"] for claim, each in numbers["findings"].items()}
