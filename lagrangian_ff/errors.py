@@ -12,6 +12,10 @@ class RecordingError(UserError):
     """A recording that cannot be read or does not hold what the model needs."""
 
 
+class TopicError(RecordingError):
+    """A bag that has no topic of the name asked for."""
+
+
 class ModelError(UserError):
     """A model that cannot be built, read, or used on these joints or motions."""
 

@@ -13,7 +13,7 @@ Services (std_srvs/Trigger); the jobs begin at once and answer, progress and end
     ~/save       copy the last model to `model_file`
     ~/clear      forget recordings and model, cancel the present job; files stay
 
-    ~/identify, ~/compare, ~/diagnose, ~/add: the jobs, see `recorder.jobs`
+    ~/load, ~/identify, ~/compare, ~/diagnose, ~/add: the jobs, see `recorder.jobs`
 """
 
 import shutil
@@ -42,6 +42,7 @@ from lagrangian_ff.nodes.recorder.bag_recorder import BagRecorder, free_space, l
 from lagrangian_ff.nodes.recorder.jobs import JOBS
 from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.jobs.load import Load
 from lagrangian_ff.nodes.recorder.session import Session, new_path
 from lagrangian_ff.nodes.recorder.worker import Worker
 from lagrangian_ff.recording.motion import EFFORTS, Conditioning
@@ -91,13 +92,15 @@ class IdentifyNode(ClosingNode):
             f"ready to record {self._subscription.topic} into {self._situation().directory}; "
             "call ~/start"
         )
+        if self._settings.strings("recordings"):
+            self.get_logger().info(self._begin(Load))
 
     def _on_description(self, message: String) -> None:
         self._description = message.data
 
     def _joints(self) -> tuple[str, ...]:
         """Return the joints known so far, with their parameters declared."""
-        heard = self._recorder.joints
+        heard = tuple(dict.fromkeys((*self._recorder.joints, *self._session.joints)))
         joints = self._settings.strings("joints") or heard
         self._settings.declare_effort((*joints, *heard))
         return joints
@@ -295,6 +298,8 @@ def _declare(parameters: Parameters) -> None:
         "allows, up to 25 Hz", low=0.0, high=500.0)  # fmt: skip
     add("units", [""], 'what drivers report in another unit than rad or N·m, such as position=deg '
         'or effort=mNm; [""] = nothing')  # fmt: skip
+    add("recordings", [""], 'bags, CSV or NumPy files, used as if they had been recorded here: at '
+        'the start, and with ~/load; [""] = none')  # fmt: skip
     add("output_directory", ".", "where bags, models and findings are written")
     add("bag_prefix", "recording", "how the names of bags begin")
     add("model_file", "", "the model to compare, diagnose and add to until one is identified, and "

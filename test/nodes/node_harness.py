@@ -283,6 +283,7 @@ class Bench:
             float: ("double_value", ParameterType.PARAMETER_DOUBLE),
             int: ("integer_value", ParameterType.PARAMETER_INTEGER),
             str: ("string_value", ParameterType.PARAMETER_STRING),
+            list: ("string_array_value", ParameterType.PARAMETER_STRING_ARRAY),
         }
         field, kind = kinds[type(value)]
         parameter = Parameter(name=name, value=ParameterValue(type=kind, **{field: value}))

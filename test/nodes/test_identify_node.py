@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import small_model
 
 pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
@@ -211,6 +212,32 @@ def test_a_flood_of_bad_messages_is_counted_and_survived(
     assert success, message
     bag = Path(re.findall(r" to (/\S+)", message)[0])
     assert load(bag, joints=JOINTS).position.shape[1] == 6
+
+
+def test_recordings_that_exist_are_compared_and_a_wrong_one_is_named(
+    bench: Bench, folder: Path
+) -> None:
+    small_model.save_small_model(folder / "small.npz")
+    bag = small_model.recorded_bag(folder / "earlier", drag=0.9)
+    params = {
+        "output_directory": str(folder / "loaded"), "model_file": str(folder / "small.npz"),
+        "recordings": [str(bag)],
+    }  # fmt: skip
+    process = bench.start("identify", namespace="loaded", params=params)
+    node = "loaded/identify"
+    loaded = bench.until(lambda: bench.values(f"{node}: recordings").get("recording 1"), "the bag")
+    assert "3000 samples in 30.0 s of a, b" in loaded
+    assert ask(bench, "compare", node)[0]
+    bags = bench.until(lambda: bench.values(f"{node}: comparison").get("recordings"), "its end")
+    assert bags == str(bag)
+    success, message = ask(bench, "load", node)
+    assert not success
+    assert "all loaded" in message
+    bench.set_parameter(node, "recordings", [str(bag), str(folder / "absent")])
+    assert ask(bench, "load", node)[0]
+    bench.until(lambda: "~/load failed: " in process.output, "the reason")
+    assert "no such file" in process.output
+    assert ask(bench, "compare", node)[0], "what was loaded stays"
 
 
 def test_a_recording_survives_a_kill(bench: Bench, arm: Process, folder: Path) -> None:

@@ -23,9 +23,12 @@ from lagrangian_ff.nodes.recorder.jobs.base import Situation
 from lagrangian_ff.nodes.recorder.jobs.compare import Compare
 from lagrangian_ff.nodes.recorder.jobs.diagnose import Addition, Diagnose
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.jobs.load import Load
 from lagrangian_ff.nodes.recorder.session import Result, Session
 from lagrangian_ff.progress import silent
 from lagrangian_ff.recording import Recording, write_bag
+
+VALUES = {"effects_file": "", "output_directory": "."}
 
 
 @pytest.fixture(scope="module")
@@ -105,13 +108,32 @@ def test_diagnose_then_add_what_it_confirmed(folder: Path) -> None:
     )
 
 
+def test_recordings_that_exist_are_used_as_if_they_had_been_made_here(folder: Path) -> None:
+    asked = {"recordings": [str(folder / "bag"), str(folder / "clean"), str(folder / "bag")]}
+    session = Session(bags=[folder / "clean"])
+    job = Load.request(Situation(session, {**VALUES, **asked}.__getitem__, "robot/joint_states"))
+    assert job.bags == (str(folder / "bag"),)
+    result = job.work(silent)
+    session.take(job.service, result)
+    assert session.bags == [folder / "clean", folder / "bag"]
+    assert session.joints == JOINTS
+    assert "3000 samples in 30.0 s of a, b" in result.log[1]
+    with pytest.raises(UserError, match="all loaded"):
+        Load.request(Situation(session, {**VALUES, **asked}.__getitem__, "joint_states"))
+    nothing = {**VALUES, "recordings": [""]}
+    with pytest.raises(UserError, match="ros2 param set"):
+        Load.request(Situation(session, nothing.__getitem__, "joint_states"))
+    with pytest.raises(UserError, match="no such file"):
+        replace(job, bags=(str(folder / "absent"),)).work(silent)
+
+
 def test_impossible_requests_are_mistakes_in_words(folder: Path) -> None:
     model, findings = of(folder, "x.npz"), of(folder, "x.json")
     for job, expected in (
         (Add(**model, additions=(Addition("magic", "a"),)), "no effect 'magic'"),
         (Add(**model, additions=(Addition("coulomb", "a"),)), "already"),
         (Add(**model, additions=(Addition("stribeck", "c"),)), "no joint 'c'"),
-        (Compare(**findings, topic="/other"), "/other"),
+        (Compare(**{**findings, "bags": (str(folder / "absent"),)}), "no such file"),
         (Compare(**findings, effects_file="/nowhere.py"), "no such file"),
     ):
         with pytest.raises(UserError, match=expected):

@@ -31,12 +31,15 @@ class Result:
         statuses: by name.
         model: the model that the job made; None for none.
         report: the file of the JSON that it wrote; empty for none.
+        bags: recordings that the session is to have besides its own, and their joints.
     """
 
     log: tuple[str, ...]
     statuses: Mapping[str, Status] = field(default_factory=dict)
     model: SavedModel | None = None
     report: str = ""
+    bags: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
 
 
 @dataclass
@@ -44,7 +47,8 @@ class Session:
     """The state between the services of the recorder.
 
     Attributes:
-        bags: finished recordings, in the order in which they were made.
+        bags: finished recordings, in the order in which they were made or loaded.
+        joints: of the recordings that were loaded.
         current: the bag being recorded.
         busy: the present job in one word, such as "identifying"; empty without one.
         model: the last model, identified or extended.
@@ -53,6 +57,7 @@ class Session:
     """
 
     bags: list[Path] = field(default_factory=list)
+    joints: tuple[str, ...] = ()
     current: Path | None = None
     busy: str = ""
     model: SavedModel | None = None
@@ -84,6 +89,8 @@ class Session:
         if result.model is not None:
             self.model = result.model
             self.results.clear()
+        self.bags += map(Path, result.bags)
+        self.joints = tuple(dict.fromkeys((*self.joints, *result.joints)))
         self.results[service] = result
 
 

@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lagrangian_ff import budget
-from lagrangian_ff.errors import RecordingError
+from lagrangian_ff.errors import RecordingError, TopicError
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.joint_state import MESSAGE_TYPE, JointStateTable
 from lagrangian_ff.recording.recording import Recording
@@ -222,7 +222,7 @@ def _choose_topic(
             return names[0]
         if any(name.lstrip("/") == wanted.lstrip("/") for name in topics):
             raise RecordingError(f"{path}: topic {wanted} is not of type {MESSAGE_TYPE}")
-        raise RecordingError(f"{path}: no topic {wanted}; {_listed(topics, joint_states)}")
+        raise TopicError(f"{path}: no topic {wanted}; {_listed(topics, joint_states)}")
     if len(joint_states) == 1:
         return joint_states[0]
     preferred = [name for name in joint_states if name.split("/")[-1] == "joint_states"]

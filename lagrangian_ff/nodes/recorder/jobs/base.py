@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from lagrangian_ff.errors import UserError
+from lagrangian_ff.errors import TopicError, UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.nodes.common.status import Level, Status
 from lagrangian_ff.nodes.recorder.session import Result, Session
@@ -19,7 +19,7 @@ from lagrangian_ff.record_json import to_json
 
 if TYPE_CHECKING:
     from lagrangian_ff.identification import Model
-    from lagrangian_ff.recording import Conditioning, Motion
+    from lagrangian_ff.recording import Conditioning, Motion, Recording
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Job(ABC):
     @classmethod
     def refusal(cls, session: Session) -> str:
         """Return why the job is impossible now and what to do first, or ""."""
-        nothing = "nothing recorded: call ~/start, move the arm, call ~/stop"
+        nothing = "nothing recorded: call ~/start, move the arm, call ~/stop; or ~/load"
         missing = nothing if cls.needs_recordings and not session.bags else ""
         return session.refusal(cls.service) or missing
 
@@ -162,6 +162,15 @@ class Job(ABC):
         load_own_effects(self.effects_file)
         return Model.load(self.model_file)
 
+    def open_recording(self, bag: str, joints: Sequence[str] = ()) -> "Recording":
+        """Return a recording: of the node's topic, or of the bag's own if it has only others."""
+        from lagrangian_ff.recording import load
+
+        try:
+            return load(bag, topic=self.topic, joints=joints or None)
+        except TopicError:
+            return load(bag, joints=joints or None)
+
     def read(
         self,
         bags: Sequence[str],
@@ -170,12 +179,12 @@ class Job(ABC):
         progress: Progress,
     ) -> "list[Motion]":
         """Return the motions of these joints, of all joints if none is named."""
-        from lagrangian_ff.recording import condition_alike, load
+        from lagrangian_ff.recording import condition_alike
 
         recordings = []
         for number, bag in enumerate(bags):
             progress(number / len(bags), f"reading {Path(bag).name}")
-            recordings.append(load(bag, topic=self.topic, joints=joints or None))
+            recordings.append(self.open_recording(bag, joints))
         return condition_alike(recordings, conditioning)
 
     def read_for(self, model: "Model", bags: Sequence[str], progress: Progress) -> "list[Motion]":
