@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -34,10 +35,14 @@ sys.exit(code)
 """
 
 
-def imported(*arguments: object) -> set[str]:
-    """Return the modules that a command has imported when it is done."""
+OPTIONAL = ("pybullet", "mcap", "zstandard", "lz4", "threadpoolctl", "pinocchio", "distributed")
+
+
+def imported(*arguments: object, without: Sequence[str] = ()) -> set[str]:
+    """Return the modules that a command has imported when it is done, without some libraries."""
+    hide = f"import sys; sys.modules |= dict.fromkeys({list(without)!r})"
     done = subprocess.run(
-        [sys.executable, "-c", RUN, *map(str, arguments)],
+        [sys.executable, "-c", hide + RUN, *map(str, arguments)],
         capture_output=True,
         text=True,
         check=False,
@@ -100,6 +105,17 @@ def test_a_model_is_compared_without_the_slow_parts_of_scipy(
 ) -> None:
     found = imported("compare", files["model"], files["csv"], "--report", tmp_path / "page.html")
     assert not found & (SLOW_OF_SCIPY | DRAWING | ELSEWHERE)
+
+
+@pytest.mark.parametrize("kind", ["csv", "bag"])
+def test_from_a_recording_to_what_is_missing_without_an_optional_library(
+    kind: str, files: dict[str, Path], tmp_path: Path
+) -> None:
+    model = tmp_path / "model.npz"
+    imported("identify", files[kind], "--output", model, "--samples", "40", without=OPTIONAL)
+    page = tmp_path / "page.html"
+    imported("diagnose", model, files[kind], "--report", page, without=OPTIONAL)
+    assert page.exists()
 
 
 @pytest.mark.parametrize("node", ["feedforward", "monitor", "identify"])

@@ -11,14 +11,15 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-NODES = ("identify", "feedforward", "arm")
+NODES = ("identify", "feedforward", *(["arm"] if find_spec("pybullet") else []))
 """Those that start without a model."""
-EXECUTABLES = {"lagrangian_ff", "monitor", "watchdog", *NODES}
+EXECUTABLES = {"lagrangian_ff", "identify", "feedforward", "monitor", "watchdog", "arm"}
 COLCON = Path(sys.executable).parent / "colcon"
 
 pytestmark = [

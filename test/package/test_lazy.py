@@ -19,6 +19,8 @@ def dotted(stub: Path) -> str:
 
 @pytest.mark.parametrize("stub", STUBS, ids=dotted)
 def test_the_package_has_what_its_stub_lists_and_nothing_else(stub: Path) -> None:
+    if stub.parent.name == "arm":
+        pytest.importorskip("pybullet", reason="PyBullet is not installed")
     room = importlib.import_module(dotted(stub))
     imports = [
         node for node in ast.parse(stub.read_text()).body if isinstance(node, ast.ImportFrom)
