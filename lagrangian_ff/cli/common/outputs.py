@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from lagrangian_ff.arrays import Floats
 
 
-SUFFIXES = {"output": "", "save_trajectory": "", "picture": ".png", "report": ".html", "json": ""}
+SUFFIXES = {
+    "output": "", "save_trajectory": "", "picture": ".png", "plotjuggler": ".xml",
+    "foxglove": ".json", "report": ".html", "json": "",
+}  # fmt: skip
 """The options that name a file to write, in the order of their checks, and how the file ends."""
 
 
