@@ -20,9 +20,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
 from lagrangian_ff.arm import HOME, JOINTS, Arm
+from lagrangian_ff.arm.hiding import hidden, wanted
 
 NAME = "joint_trajectory_controller"
 TICK = 0.002
@@ -34,7 +36,10 @@ class Controller(Node):
 
     def __init__(self) -> None:
         super().__init__(NAME)
-        self._arm = Arm(seed=0)
+        inside = hidden(
+            wanted([text for text in self.declare_parameter("hidden", [""]).value if text]), 0
+        )
+        self._arm = Arm(seed=0, **inside.arm)
         self._arm.reset(np.array(HOME))
         self._q = np.array(HOME)
         self._kinds = list(self.declare_parameter("command_interfaces", ["effort"]).value)
@@ -71,6 +76,8 @@ class Controller(Node):
             callback_group=group,
         )
         self._start = time.monotonic()
+        self._epoch = self.get_clock().now().nanoseconds
+        self._lost = 0.0  # s
         self.create_timer(0.01, self._catch_up, callback_group=group)
 
     def _controllers(
@@ -124,7 +131,9 @@ class Controller(Node):
         for _ in range(min(due - self._ticks, 50)):
             self._step()
         # A machine that stood still is not run after.
-        self._start += max(0, due - self._ticks) * tick
+        late = max(0, due - self._ticks) * tick
+        self._start += late
+        self._lost += late
 
     def _step(self) -> None:
         self._ticks += 1
@@ -158,7 +167,9 @@ class Controller(Node):
 
     def _publish(self, sample: Any) -> None:
         state = JointState(name=list(JOINTS))
-        state.header.stamp = self.get_clock().now().to_msg()
+        # As a driver stamps them, by the tick; not when they are sent.
+        at = self._epoch + round(1e9 * (self._lost + self._ticks * TICK / self._speed))
+        state.header.stamp = Time(nanoseconds=at).to_msg()
         state.position = sample.position.tolist()
         state.velocity = sample.velocity.tolist()
         state.effort = sample.effort.tolist()
