@@ -16,7 +16,10 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,3 +142,13 @@ def _run(command: list[str | Path], environment: dict[str, str]) -> None:
 if __name__ == "__main__":
     for name, value in interfaces().items():
         print(f"{name}={value}")
+
+
+@contextmanager
+def follow_joint_trajectory() -> Iterator[Any]:
+    """Yield the type of the action, for this process and for those that it starts."""
+    with pytest.MonkeyPatch.context() as patch:
+        use(patch)
+        yield importlib.import_module("control_msgs.action").FollowJointTrajectory
+        for name in [name for name in sys.modules if name.startswith("control_msgs")]:
+            del sys.modules[name]

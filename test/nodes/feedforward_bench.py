@@ -1,9 +1,11 @@
 """A running feedforward node with its topics, and the references to send it."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from builtin_interfaces.msg import Duration
 from node_harness import Bench, Process
@@ -75,6 +77,19 @@ def reference(
         point = JointTrajectoryPoint(positions=[float(x) for x in q[k]])
         if qd is not None:
             point.velocities = [float(x) for x in qd[k]]
+        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
+        message.points.append(point)
+    return message
+
+
+def planned(path: Any, every: float, joints: Sequence[str]) -> JointTrajectory:
+    """Return the points of a path, a `Trajectory`, as a planner gives them."""
+    time = np.append(np.arange(0.0, path.time[-1], every), path.time[-1])
+    message = JointTrajectory(joint_names=list(joints))
+    for at, q, qd, qdd in zip(time, *path.sample(time), strict=True):
+        point = JointTrajectoryPoint(
+            positions=q.tolist(), velocities=qd.tolist(), accelerations=qdd.tolist()
+        )
         point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
         message.points.append(point)
     return message

@@ -1,8 +1,6 @@
 """Goals of FollowJointTrajectory through the feedforward to a controller with the rules of JTC."""
 
-import importlib
 import signal
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,8 +12,9 @@ pytest.importorskip("rclpy")
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
-from built_interfaces import use
+from built_interfaces import follow_joint_trajectory
 from builtin_interfaces.msg import Duration
+from feedforward_bench import planned
 from node_harness import Bench, open_bench
 from rclpy.action import ActionClient
 from std_msgs.msg import Float64MultiArray
@@ -33,11 +32,8 @@ EVERY = 0.25  # s between the points of a sparse plan
 @pytest.fixture(scope="module")
 def action(ros_environment: dict[str, str]) -> Iterator[Any]:
     """Yield the type of the action, for this process and for those that it starts."""
-    with pytest.MonkeyPatch.context() as patch:
-        use(patch)
-        yield importlib.import_module("control_msgs.action").FollowJointTrajectory
-        for name in [name for name in sys.modules if name.startswith("control_msgs")]:
-            del sys.modules[name]
+    with follow_joint_trajectory() as kind:
+        yield kind
 
 
 @pytest.fixture(scope="module")
@@ -136,19 +132,6 @@ def move_between(start: Any, goal: Any) -> Trajectory:
     return Trajectory(np.array([0.0, 1.0]), q, np.zeros_like(q), np.zeros_like(q))
 
 
-def planned(path: Trajectory, every: float) -> JointTrajectory:
-    """Return the points of a path as a planner gives them."""
-    time = np.append(np.arange(0.0, path.time[-1], every), path.time[-1])
-    message = JointTrajectory(joint_names=list(JOINTS))
-    for at, q, qd, qdd in zip(time, *path.sample(time), strict=True):
-        point = JointTrajectoryPoint(
-            positions=q.tolist(), velocities=qd.tolist(), accelerations=qdd.tolist()
-        )
-        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
-        message.points.append(point)
-    return message
-
-
 @pytest.fixture(scope="module")
 def robot(bench: Bench, action: Any, folder: Path) -> Robot:
     return Robot(bench, action, folder, "effort")
@@ -159,9 +142,9 @@ def test_sparse_plans_are_tracked_like_dense_ones(
 ) -> None:
     bench.until(lambda: "effort is filled" in robot.said, "a controller that takes effort")
     path = exciting_trajectory(5, seed=3, duration=8.0)
-    sparse = planned(path, EVERY)
+    sparse = planned(path, EVERY, JOINTS)
     proxied, sent = robot.run(sparse)
-    dense, most = robot.run(planned(path, 0.004))
+    dense, most = robot.run(planned(path, 0.004, JOINTS))
     assert bench.set_parameter("effort/feedforward", "point_error", 1.0).successful
     alone, given = robot.run(sparse)
     assert bench.set_parameter("effort/feedforward", "point_error", 0.01).successful
@@ -203,7 +186,7 @@ def test_a_goal_that_the_controller_rejects_is_rejected(robot: Robot) -> None:
 
 def test_a_goal_without_torque_passes_as_it_is(robot: Robot) -> None:
     assert robot.bench.set_parameter("effort/feedforward", "out_of_range", "refuse").successful
-    far = planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY)
+    far = planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY, JOINTS)
     for point in far.points:
         point.positions = [q + 40.0 for q in point.positions]
     handle = robot.send(far)
@@ -237,7 +220,7 @@ def test_it_says_what_to_configure(
 ) -> None:
     robot = Robot(bench, action, folder, name, controller)
     bench.until(lambda: said in robot.said, said)
-    handle = robot.send(planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY))
+    handle = robot.send(planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY, JOINTS))
     assert handle.accepted
     handle.cancel_goal_async()
 
@@ -246,7 +229,7 @@ def test_a_controller_that_rejects_effort_gets_goals_without(
     bench: Bench, action: Any, folder: Path
 ) -> None:
     robot = Robot(bench, action, folder, "old", {"old": True})
-    path = planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY)
+    path = planned(exciting_trajectory(5, seed=3, duration=8.0), EVERY, JOINTS)
     handle = robot.send(path)
     assert handle.accepted
     bench.until(lambda: "rejects effort" in robot.said, "a word")
@@ -289,7 +272,7 @@ def test_torque_is_not_streamed_where_nobody_controls_the_position(
     robot = Robot(bench, action, folder, "alone", group)
     commands = bench.collect(Float64MultiArray, "alone/feedforward/commands")
     send = bench.publisher(JointTrajectory, "alone/feedforward/reference")
-    send.publish(planned(move_between(HOME, HOME), 0.1))
+    send.publish(planned(move_between(HOME, HOME), 0.1, JOINTS))
     stream = "alone/feedforward: stream"
     bench.until(
         lambda: "nobody controls its position" in bench.statuses[stream].message, "the refusal"

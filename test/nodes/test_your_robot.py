@@ -3,11 +3,9 @@
 The lines of `ros2` are done by what they stand for: a process for `launch`, a call for `service`.
 """
 
-import importlib
 import json
 import re
 import shlex
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,14 +17,14 @@ pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
 
 from action_msgs.msg import GoalStatus
-from built_interfaces import use
-from builtin_interfaces.msg import Duration
+from built_interfaces import follow_joint_trajectory
+from feedforward_bench import planned
 from node_harness import LATCHED, Bench, heard, open_bench
 from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import JOINTS, Trajectory, exciting_trajectory
 from lagrangian_ff.cli.main import main
@@ -47,19 +45,6 @@ def steps() -> dict[int, list[str]]:
         blocks = re.findall(r"^```\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
         found[int(section.split(".")[0])] = [line for b in blocks for line in b.splitlines()]
     return found
-
-
-def planned(path: Trajectory, every: float) -> JointTrajectory:
-    """Return the points of a path as a planner gives them."""
-    time = np.append(np.arange(0.0, path.time[-1], every), path.time[-1])
-    message = JointTrajectory(joint_names=list(JOINTS))
-    for at, q, qd, qdd in zip(time, *path.sample(time), strict=True):
-        point = JointTrajectoryPoint(
-            positions=q.tolist(), velocities=qd.tolist(), accelerations=qdd.tolist()
-        )
-        point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
-        message.points.append(point)
-    return message
 
 
 class Walk:
@@ -168,8 +153,10 @@ class Walk:
         motion = exciting_trajectory(4, seed=seed, duration=duration)
         q, still = motion.q[[0, 0]], np.zeros((2, len(JOINTS)))
         q[0] = np.array(self.states[-1][1].position)
-        self._follow(server, planned(Trajectory(np.array([0.0, 3.0]), q, still, still), 3.0))
-        seen = self._follow(server, planned(motion, 0.1))
+        self._follow(
+            server, planned(Trajectory(np.array([0.0, 3.0]), q, still, still), 3.0, JOINTS)
+        )
+        seen = self._follow(server, planned(motion, 0.1, JOINTS))
         error = np.array([one.error.positions for one in seen])
         return 1e3 * float(np.sqrt(np.mean(error**2)))
 
@@ -196,11 +183,8 @@ LAUNCHING = (DOCUMENT.parents[1] / "lagrangian_ff" / "nodes" / "launching.py").r
 @pytest.fixture
 def action(ros_environment: dict[str, str]) -> Iterator[Any]:
     """Yield the type of the action, for this process and for those that it starts."""
-    with pytest.MonkeyPatch.context() as patch:
-        use(patch)
-        yield importlib.import_module("control_msgs.action").FollowJointTrajectory
-        for name in [name for name in sys.modules if name.startswith("control_msgs")]:
-            del sys.modules[name]
+    with follow_joint_trajectory() as kind:
+        yield kind
 
 
 @pytest.fixture

@@ -223,7 +223,8 @@ def _say(arguments: Namespace, record: dict[str, Any], console: Console) -> None
             "what is near, the model cannot know. Begin at the start pose, and slowly"
         )
     if arguments.output.suffix == ".yaml":
-        console.say("next: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory \\")
+        node = "arm" if arguments.arm else "joint_trajectory_controller"
+        console.say(f"next: ros2 topic pub --once /{node}/joint_trajectory \\")
         console.say(f"        trajectory_msgs/msg/JointTrajectory --stdin < {arguments.output}")
     elif arguments.arm:
         console.say(f"next: lagrangian_ff simulate --trajectory {arguments.output} --output BAG")
