@@ -1,6 +1,7 @@
 """The compiled loops, as functions of NumPy arrays."""
 
 import ctypes
+import sys
 import sysconfig
 from collections.abc import Callable
 from functools import cache
@@ -127,8 +128,19 @@ def _library() -> ctypes.CDLL:
     return _load(level) if level in build.variants() else plain
 
 
+def _file(variant: str) -> Path:
+    """Return the file of a library: beside this one, or where the package is installed.
+
+    `colcon test` runs the sources, which are not compiled, beside what it has installed.
+    """
+    name = variant + str(sysconfig.get_config_var("EXT_SUFFIX"))
+    own = Path(__file__).parent
+    installed = (Path(entry, *own.parts[-2:]) for entry in sys.path)
+    return next((path / name for path in (own, *installed) if (path / name).exists()), own / name)
+
+
 def _load(variant: str) -> ctypes.CDLL:
-    path = Path(__file__).with_name(variant + str(sysconfig.get_config_var("EXT_SUFFIX")))
+    path = _file(variant)
     mend = "run `pip install -e .` in the source folder (`make install` in a clone)"
     try:
         library = ctypes.CDLL(str(path))

@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
@@ -194,6 +195,25 @@ def test_the_nodes_start_from_the_workspace_and_stop_when_told(
         for name, process in nodes.items():
             assert process.wait(timeout=30) == 0, (tmp_path / name).read_text()
             assert "Traceback" not in (tmp_path / name).read_text()
+
+
+def test_the_tests_run_in_the_workspace(workspace: Workspace) -> None:
+    """The sources there are not compiled: what was installed is."""
+    tests = workspace.source / "test"
+    shutil.copytree(ROOT / "test" / "loops", tests / "loops")
+    shutil.copy(ROOT / "test" / "conftest.py", tests)
+    folder = workspace.prefix.parent.parent
+    bases = [f"--{name}-base={folder / name}" for name in ("build", "install")]
+    command = [str(COLCON), f"--log-base={folder / 'log'}", "test", *bases]
+    command += [f"--base-paths={workspace.source}", "--return-code-on-test-failure"]
+    done = subprocess.run(
+        command, cwd=folder, env=workspace.environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    results = ElementTree.parse(folder / "build" / "lagrangian_ff" / "pytest.xml").getroot()
+    suite = next(results.iter("testsuite"))
+    assert int(suite.get("tests", "0")) > 10
+    assert suite.get("failures") == suite.get("errors") == "0"
 
 
 def test_a_symlinked_build_runs_the_sources_themselves(tmp_path: Path) -> None:
