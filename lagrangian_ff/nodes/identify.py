@@ -44,8 +44,8 @@ from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.jobs.load import Load
 from lagrangian_ff.nodes.recorder.session import Session, new_path
-from lagrangian_ff.nodes.recorder.worker import Worker
 from lagrangian_ff.recording.motion import EFFORTS, Conditioning
+from lagrangian_ff.worker import Worker
 
 SHORT = 600.0  # s that the disk lasts, from which on it is a warning
 
@@ -64,7 +64,7 @@ class IdentifyNode(ClosingNode):
         self._settings = Parameters(self, profiles=True)
         _declare(self._settings)
         self._session = Session()
-        self._worker: Worker | None = None
+        self._worker: Worker[Job] | None = None
         self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._subscription = PolledSubscription(
             self, JointState, "joint_states", RECORDING, raw=True

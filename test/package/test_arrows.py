@@ -39,7 +39,7 @@ ARROWS: dict[str, set[str]] = {
 }
 FOR_ALL = {
     "arrays", "budget", "errors", "files", "lazy", "numbers", "progress", "record_json",
-    "sampling", "words", "__version__", "",
+    "sampling", "words", "worker", "__version__", "",
 }  # fmt: skip
 ROS = {"rclpy", "std_srvs", "rcl_interfaces", "builtin_interfaces", "ament_index_python", "launch"}
 

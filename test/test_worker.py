@@ -7,7 +7,7 @@ import pytest
 
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Result
-from lagrangian_ff.nodes.recorder.worker import Outcome, Worker
+from lagrangian_ff.worker import Outcome, Worker
 
 JOB = Identify(output="model.npz", bags=("nowhere",), joints=("a",), effort_scale={"a": 2.0})
 

@@ -1,10 +1,10 @@
-"""The process that does a job, seen from the node and from inside.
+"""The process that does a job, seen from the program that asked for it and from inside.
 
-A process, because compiled code that holds the interpreter would delay the recording, and because
-the node survives whatever happens to it. `python -m lagrangian_ff.nodes.recorder.worker JOB`
-writes one JSON object a line: {"progress", "label"} while it works, {"result"} or {"error"} at the
-end. Job and result are pickled, in hexadecimal digits. The process ends when its standard input
-does, so that it does not outlive a killed node.
+A process, because compiled code that holds the interpreter would delay a recording or a page, and
+because the program survives whatever happens to it. `python -m lagrangian_ff.worker JOB` writes one
+JSON object a line: {"progress", "label"} while it works, {"result"} or {"error"} at the end. Job
+and result are pickled, in hexadecimal digits. The process ends when its standard input does, so
+that it does not outlive a killed program.
 """
 
 import json
@@ -15,22 +15,38 @@ import threading
 import traceback
 from dataclasses import dataclass
 from subprocess import PIPE, Popen, TimeoutExpired
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.nodes.recorder.jobs.base import Job
-from lagrangian_ff.nodes.recorder.session import Result
+from lagrangian_ff.progress import Progress
+
+
+class Job(Protocol):
+    """What can be sent to a process: it can be pickled, and so can its result."""
+
+    def work(self, progress: Progress) -> Any:
+        """Do the job and return its result.
+
+        Args:
+            progress: receives the share done, 0 to 1, and what is done now.
+
+        Raises:
+            UserError: something that the user can mend.
+        """
+
+
+Given = TypeVar("Given", bound=Job)
 
 
 @dataclass(frozen=True)
 class Outcome:
     """The end of a job: its result, or None and the error in words."""
 
-    result: Result | None
+    result: Any
     error: str = ""
 
 
-class Worker:
+class Worker(Generic[Given]):
     """A process that does a job; the program `command` gets the job as its last argument.
 
     Attributes:
@@ -40,13 +56,13 @@ class Worker:
     """
 
     def __init__(
-        self, job: Job, command: tuple[str, ...] = (sys.executable, "-m", __name__)
+        self, job: Given, command: tuple[str, ...] = (sys.executable, "-m", __name__)
     ) -> None:
         self.job = job
         self.fraction = 0.0
         self.label = "starting"
         self._outcome: Outcome | None = None
-        # A new session: the Ctrl-C that ends the node must not reach the process first.
+        # A new session: the Ctrl-C that ends the program must not reach the process first.
         given = [*command, pickle.dumps(job).hex()]
         self._process = Popen(given, stdin=PIPE, stdout=PIPE, text=True, start_new_session=True)
         self._thread = threading.Thread(target=self._listen, name="worker", daemon=True)
@@ -101,7 +117,7 @@ def _read(pickled: str) -> Outcome:
 def main() -> int:
     """Do the job on the command line and return the exit code."""
     os.nice(5)  # recording and control come first
-    threading.Thread(target=_end_with_the_node, daemon=True).start()
+    threading.Thread(target=_end_with_its_parent, daemon=True).start()
     try:
         job: Job = pickle.loads(bytes.fromhex(sys.argv[1]))
         result = job.work(lambda share, label: _write({"progress": share, "label": label}))
@@ -121,7 +137,7 @@ def _write(event: dict[str, Any]) -> None:
     print(json.dumps(event), flush=True)
 
 
-def _end_with_the_node() -> None:
+def _end_with_its_parent() -> None:
     sys.stdin.read()
     os._exit(3)
 
