@@ -39,7 +39,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-oldest lint types format fuzz soak benchmark install clean
+.PHONY: help demo workbench test test-oldest lint types format fuzz soak benchmark install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -48,6 +48,10 @@ help:  ## list the targets
 demo:  ## record, identify and drive the simulated arm over ROS 2; pictures in out/
 	$(environment) $(EXTRAS)
 	@$(BIN)/lagrangian_ff demo $(ARGS)
+
+workbench:  ## the page: a simulated arm hides an effect, ready to be found
+	$(environment) $(EXTRAS)
+	@$(BIN)/lagrangian_ff workbench --try --session out/workbench $(ARGS)
 
 test:  ## everything CI checks: style, types, then all tests
 	@$(MAKE) --no-print-directory --jobs 2 lint types

@@ -53,6 +53,7 @@ RUNTIME = [
     "rich >=13.7.1, <16",
     "joblib >=1.3.2, <2",
     "pyyaml >=6.0.1, <7",
+    "tornado >=6.4, <7",
 ]
 
 EXTRAS = {
@@ -86,6 +87,8 @@ EXTRAS = {
         "ruamel.yaml >=0.17.21, <0.20",
         "sympy >=1.12, <2",
         "plotly >=5.15, <8",
+        "playwright >=1.49, <2",
+        "axe-playwright-python >=0.1.4, <0.2",
         "ruff >=0.17.5, <0.18",
         "mypy >=2.4.1, <2.5",
         "colcon-core >=0.21.3, <0.22",
@@ -121,7 +124,10 @@ setup(
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     ext_modules=LOOPS,
     cmdclass={"build_ext": BuildLoops},
-    package_data={"": ["py.typed", "*.pyi", "*.urdf", "*.css", "*.js", "*.html", "*.gz", "*.txt"]},
+    package_data={
+        "": ["py.typed", "*.pyi", "*.urdf", "*.css", "*.js", "*.html", "*.gz", "*.txt"],
+        f"{PACKAGE}.workbench": ["page/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

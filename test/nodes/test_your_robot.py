@@ -32,7 +32,7 @@ from lagrangian_ff.cli.main import main
 DOCUMENT = Path(__file__).parents[2] / "docs" / "your_robot.md"
 PROFILE = "gz_ros2_control"
 HIDDEN = "quadratic_drag@joint_2:0.2"
-FIRST, OTHER = (0, 30.0), (1, 12.0)  # seed and s of a motion
+FIRST, OTHER = (0, 30.0), (1, 10.0)  # seed and s of a motion
 JOBS = {"identify": "identification", "compare": "comparison", "diagnose": "diagnosis",
         "add": "addition"}  # fmt: skip
 PATIENCE = 120.0  # s
@@ -75,7 +75,7 @@ class Walk:
 
     def _do(self, line: str) -> None:
         if line.startswith("# move the robot by the feedforward"):
-            self.errors.append(self._move("feedforward", 3, 8.0))
+            self.errors.append(self._move("feedforward", 3, 6.0))
         elif line.startswith("# move the robot"):
             motion = OTHER if line.endswith("otherwise") else self.first
             self._move("joint_trajectory_controller", *motion)
@@ -154,7 +154,7 @@ class Walk:
         q, still = motion.q[[0, 0]], np.zeros((2, len(JOINTS)))
         q[0] = np.array(self.states[-1][1].position)
         self._follow(
-            server, planned(Trajectory(np.array([0.0, 3.0]), q, still, still), 3.0, JOINTS)
+            server, planned(Trajectory(np.array([0.0, 2.0]), q, still, still), 3.0, JOINTS)
         )
         seen = self._follow(server, planned(motion, 0.1, JOINTS))
         error = np.array([one.error.positions for one in seen])

@@ -34,8 +34,9 @@ ARROWS: dict[str, set[str]] = {
     "report": UNDERSTOOD,
     "nodes": {"arm", "report", *UNDERSTOOD},
     "studies": {"arm", "report", *UNDERSTOOD},
+    "workbench": {"report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
-    "cli": {"arm", "demo", "nodes", "report", "studies", *UNDERSTOOD},
+    "cli": {"arm", "demo", "nodes", "report", "studies", "workbench", *UNDERSTOOD},
 }
 FOR_ALL = {
     "arrays", "budget", "errors", "files", "lazy", "numbers", "progress", "record_json",

@@ -1,0 +1,69 @@
+"""`workbench`: the whole loop with the mouse, on a page."""
+
+import asyncio
+import webbrowser
+from argparse import ArgumentParser, Namespace
+from importlib.util import find_spec
+from pathlib import Path
+
+from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.console import Console
+from lagrangian_ff.cli.common.outputs import check_sources
+from lagrangian_ff.errors import UserError
+
+NAME = "workbench"
+SUMMARY = "open a page on which a model is learned, looked at and mended"
+USAGE = "[SOURCE ...] [options]"
+DESCRIPTION = """\
+Opens a page: drop a recording, learn a model, see where it fails and what is missing, add it, watch
+the error fall, take the model away. The page is on this machine alone, and needs no network."""
+EPILOG = """\
+examples:
+  lagrangian_ff workbench
+  lagrangian_ff workbench monday_bag tuesday_bag --session monday
+  lagrangian_ff workbench --try            a simulated arm with something hidden in it
+
+what stays:
+  the session is a folder, written at every change. Ctrl-C ends the server; the same command with
+  the same --session goes on where it ended."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    parser.add_argument("sources", type=Path, nargs="*", metavar="SOURCE", help="recordings")
+    options.add_rows(parser, (
+        ("--session", Path, "FOLDER", "folder of the session (default: workbench_session)"),
+        ("--try", bool, "", "begin with recordings of a simulated arm that hides an effect"),
+        ("--seed", int, "N", "with --try: which effect is hidden (default: 0)"),
+        ("--port", int, "N", "port of the page (default: 8765)"),
+        ("--host", str, "ADDRESS", "address to listen on; others than 127.0.0.1 ask for a token "
+         "(default: 127.0.0.1)"),
+        ("--no-browser", bool, "", "open no browser"),
+    ))  # fmt: skip
+
+
+def run(arguments: Namespace) -> int:
+    console = Console()
+    if find_spec("tornado") is None:
+        raise UserError(
+            "the workbench needs Tornado: apt install python3-tornado, or pip install tornado"
+        )
+    check_sources(arguments.sources)
+    from lagrangian_ff.workbench.server import serve
+    from lagrangian_ff.workbench.session import Session
+
+    folder = (arguments.session or Path("workbench_session")).absolute()
+    session = Session.open(folder)
+    sources = list(arguments.sources)
+    if getattr(arguments, "try") and not session.cards:
+        from lagrangian_ff.cli.common.trial import record
+
+        sources += record(folder, arguments.seed or 0)
+
+    def said(address: str) -> None:
+        console.say([f"workbench: {address}", f"session: {folder}", "Ctrl-C ends it"])
+        if not arguments.no_browser:
+            webbrowser.open(address)
+
+    port = 8765 if arguments.port is None else arguments.port
+    asyncio.run(serve(session, sources, port, arguments.host or "127.0.0.1", said))
+    return 0

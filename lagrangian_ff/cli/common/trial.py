@@ -1,0 +1,44 @@
+"""Recordings of a simulated arm that hides an effect, to try the workbench with."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from lagrangian_ff.cli.common.console import progress_bar
+from lagrangian_ff.errors import UserError
+
+HIDDEN = (
+    "quadratic_drag@joint_2:0.2",
+    "stribeck@joint_3:0.15",
+    "load_friction@joint_2:0.15",
+    "position_friction@joint_1:0.2",
+    "asymmetric_coulomb@joint_3:0.15",
+)
+MOTIONS = {"first motion": (0, 45.0), "second motion": (1, 30.0), "third motion": (2, 30.0)}
+"""Seed and s of each recording."""
+
+
+def record(folder: Path, seed: int) -> list[Path]:
+    """Write the recordings below a folder, and return them.
+
+    Raises:
+        UserError: PyBullet is missing.
+    """
+    if find_spec("pybullet") is None:
+        raise UserError("the simulated arm needs PyBullet: pip install pybullet")
+    from lagrangian_ff.arm import exciting_trajectory, simulate
+    from lagrangian_ff.arm.hiding import hidden, wanted
+    from lagrangian_ff.progress import part
+    from lagrangian_ff.recording import write_bag
+
+    place = folder / "arm"
+    place.mkdir(exist_ok=True)
+    made = []
+    asked = wanted([HIDDEN[seed % len(HIDDEN)]])
+    with progress_bar("moving the simulated arm") as progress:
+        for number, (name, (motion, seconds)) in enumerate(MOTIONS.items()):
+            reported = part(progress, number / len(MOTIONS), (number + 1) / len(MOTIONS))
+            inside = hidden(asked, motion, part(reported, 0.0, 0.3))
+            path = exciting_trajectory(4, seed=motion, duration=seconds)
+            done = simulate(path, **inside.arm, seed=motion, progress=part(reported, 0.3, 1.0))
+            made.append(write_bag(place / name, done.recording))
+    return made

@@ -1,0 +1,262 @@
+"""What the page can ask for: changes of the session, and work that goes on in processes."""
+
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.workbench import jobs
+from lagrangian_ff.workbench.session import Card, Node, Role, Session
+from lagrangian_ff.worker import Outcome, Worker
+
+Asked = dict[str, Any]
+
+
+@dataclass
+class Running:
+    """Work under way.
+
+    Attributes:
+        id: names it in the page.
+        title: in words.
+        about: the recording or model it is about.
+        worker: its process.
+        take: receives what came out.
+        failed: receives the error in words.
+        began: s, of the steady clock.
+    """
+
+    id: str
+    title: str
+    about: str
+    worker: Worker[Any]
+    take: Callable[[Any], None]
+    failed: Callable[[str], None]
+    began: float
+
+
+class Bench:
+    """A session and the work on it.
+
+    Args:
+        session: on disk.
+        changed: is called after every change that pages show.
+    """
+
+    def __init__(self, session: Session, changed: Callable[[], None]) -> None:
+        self.session = session
+        self._changed = changed
+        self._running: list[Running] = []
+        self._waiting: list[Callable[[], None]] = []
+        self._said = ""
+        self._asks: dict[str, Callable[[Asked], None]] = {
+            "role": self._role,
+            "remove": self._remove,
+            "learn": self._learn,
+            "compare": lambda asked: self.compare(),
+            "diagnose": self._diagnose,
+            "add": self._add,
+            "undo": lambda asked: self._then(self.session.undo),
+            "redo": lambda asked: self._then(self.session.redo),
+            "look": lambda asked: self._then(lambda: self.session.look_at(str(asked["model"]))),
+            "cancel": self._cancel,
+        }
+        for card in session.cards:
+            if card.looked is None and not card.error:
+                self._look(card)
+
+    def state(self) -> dict[str, Any]:
+        """Return all that a page shows."""
+        work = [
+            {"id": one.id, "title": one.title, "about": one.about, "share": one.worker.fraction,
+             "label": one.worker.label, "seconds": round(time.monotonic() - one.began, 1)}
+            for one in self._running
+        ]  # fmt: skip
+        return {**self.session.record(), "work": work, "said": self._said}
+
+    def ask(self, what: str, asked: Asked) -> None:
+        """Do what a page asks.
+
+        Raises:
+            UserError: it is not possible now, and why.
+        """
+        if what not in self._asks:
+            raise UserError(f"the page asks for {what!r}, which is not known; reload it")
+        self._said = ""
+        try:
+            self._asks[what](asked)
+        except (KeyError, ValueError, TypeError) as error:
+            raise UserError(f"the page asks for {what} in an unknown way: {error}") from error
+        self._changed()
+
+    def take_file(self, name: str, file: Path) -> Card:
+        """Take a recording that lies somewhere already."""
+        card = self.session.add_card(name, file)
+        self._look(card)
+        self._changed()
+        return card
+
+    def take_upload(self, name: str, uploaded: Path) -> Card:
+        """Take a file that a page sent; it moves into the session.
+
+        The name is only shown: the file is called by what kind it is.
+        """
+        card = self.session.add_card(name, uploaded)
+        suffixes = "".join(s for s in Path(name).suffixes[-2:] if s[1:].isalnum() and len(s) < 8)
+        place = self.session.folder / "recordings" / card.id
+        place.mkdir(parents=True)
+        card.file = str(place / f"recording{suffixes.lower()}")
+        shutil.move(uploaded, card.file)
+        self.session.save()
+        self._look(card)
+        self._changed()
+        return card
+
+    def tick(self) -> None:
+        """Take what has come out of processes; to be called several times a second."""
+        moved = False
+        for one in list(self._running):
+            outcome: Outcome | None = one.worker.outcome()
+            if outcome is None:
+                continue
+            moved = True
+            self._running.remove(one)
+            if outcome.result is None:
+                one.failed(outcome.error)
+            else:
+                one.take(outcome.result)
+        if not self._running and self._waiting:
+            self._waiting.pop(0)()
+            moved = True
+        if moved or self._running:
+            self._changed()
+
+    def close(self) -> None:
+        """End the work under way."""
+        for one in self._running:
+            one.worker.cancel()
+        self._running, self._waiting = [], []
+
+    def _begin(
+        self, title: str, about: str, job: Any, take: Callable[[Any], None],
+        failed: Callable[[str], None] | None = None,
+    ) -> None:  # fmt: skip
+        """Start work in a process, or after the work under way: it has all processors."""
+
+        def start() -> None:
+            running = Running(
+                self.session.name("w"), title, about, Worker(job), take,
+                failed or (lambda error: self._fail(title, error)), time.monotonic(),
+            )  # fmt: skip
+            self._running.append(running)
+
+        if self._running:
+            self._waiting.append(start)
+        else:
+            start()
+
+    def _fail(self, title: str, error: str) -> None:
+        self._said = f"{title} failed: {error}"
+
+    def _then(self, change: Callable[[], None]) -> None:
+        change()
+        if self.session.node().compared is None:
+            self.compare()
+
+    def _look(self, card: Card) -> None:
+        def take(found: Any) -> None:
+            card.looked = found
+            self.session.save()
+
+        def failed(error: str) -> None:
+            card.error = error
+            self.session.save()
+
+        self._begin(f"reading {card.name}", card.id, jobs.Look(card.id, card.file), take, failed)
+
+    def _role(self, asked: Asked) -> None:
+        card, role = self.session.card(str(asked["card"])), Role(asked["role"])
+        if card.role is not role:
+            card.role = role
+            self.session.save()
+
+    def _remove(self, asked: Asked) -> None:
+        self.session.remove_card(str(asked["card"]))
+
+    def _learn(self, asked: Asked) -> None:
+        sources = self.session.files(Role.LEARN)
+        if not sources:
+            raise UserError("there is nothing to learn from: put a recording under Learn from")
+        identity, name = self.session.name("m"), str(asked.get("model", ""))
+        file = str(self._place("models") / f"{identity}.npz")
+
+        def take(found: Any) -> None:
+            self.session.add_node(Node(identity, file, "", "learned", found))
+            self.compare()
+
+        self._begin("learning a model", identity, jobs.Learn(file, sources, name), take)
+
+    def compare(self) -> None:
+        """Compare the model that is looked at with what it has not seen."""
+        node, sources = self.session.node(), self.session.unseen()
+        if not sources:
+            raise UserError("there is no recording to compare with")
+        file = str(self._place("traces") / f"{node.id}.npz")
+
+        def take(found: Any) -> None:
+            node.compared, node.on = found, sources
+            self.session.save()
+
+        job = jobs.Compare(file, node.file, sources)
+        self._begin("comparing it with unseen motion", node.id, job, take)
+
+    def _diagnose(self, asked: Asked) -> None:
+        node = self.session.node()
+        sources = self.session.files(Role.SEARCH) or self.session.files(Role.LEARN)
+        confirm = self.session.files(Role.CONFIRM)
+        if not sources:
+            raise UserError("there is no recording to search: put one under Search")
+
+        def take(found: Any) -> None:
+            node.diagnosed = found
+            self.session.save()
+
+        job = jobs.Search(node.file, sources, confirm)
+        self._begin("looking for what is missing", node.id, job, take)
+
+    def _add(self, asked: Asked) -> None:
+        node = self.session.node()
+        effect, joint = str(asked["effect"]), str(asked["joint"])
+        found = (node.diagnosed or {}).get("findings", [])
+        known: Asked = next(
+            (one for one in found if (one["effect"], one["joint"]) == (effect, joint)), {}
+        )
+        why = known.get("why") or {"why": "added by hand"}
+        identity = self.session.name("m")
+        file = str(self._place("models") / f"{identity}.npz")
+        title = f"+ {effect.replace('_', ' ')} on {joint}"
+
+        def take(described: Any) -> None:
+            self.session.add_node(Node(identity, file, node.id, title, described))
+            self.compare()
+
+        job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why)
+        self._begin(f"adding {effect.replace('_', ' ')} on {joint}", identity, job, take)
+
+    def _cancel(self, asked: Asked) -> None:
+        wanted = str(asked["work"])
+        for one in list(self._running):
+            if one.id == wanted:
+                self._running.remove(one)
+                one.worker.cancel()
+                if isinstance(one.worker.job, jobs.Look):
+                    one.failed("reading was cancelled; take it away and add it again")
+                self._said = f"{one.title}: cancelled"
+
+    def _place(self, name: str) -> Path:
+        place = self.session.folder / name
+        place.mkdir(exist_ok=True)
+        return place

@@ -1,0 +1,308 @@
+"""The work of the workbench, each in its own process: a request, and what the page shows of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from lagrangian_ff.progress import Progress, part
+from lagrangian_ff.record_json import finite
+
+if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis.results import Diagnosis, Finding
+    from lagrangian_ff.identification import Model
+    from lagrangian_ff.identification.records import Estimate
+    from lagrangian_ff.recording import Motion
+
+BINS = 24
+Record = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Look:
+    """Read a recording, and say what it holds.
+
+    Attributes:
+        card: the recording it is about.
+        path: its file.
+    """
+
+    doing: ClassVar[str] = "reading"
+    card: str
+    path: str
+
+    def work(self, progress: Progress) -> Record:
+        """Return the joints, their ranges and coverage, and what was repaired."""
+        import numpy as np
+
+        from lagrangian_ff.recording import condition, inspect, load
+
+        recording = load(self.path, progress=part(progress, 0.0, 0.6))
+        inspection = inspect(recording)
+        progress(0.7, "making it ready")
+        motion = condition(recording)
+        progress(1.0, "read")
+
+        def spread(values: Any) -> list[int]:
+            counts, _ = np.histogram(values, bins=BINS)
+            return [int(count) for count in counts]
+
+        joints = [
+            {
+                "name": name,
+                "low": float(motion.q[:, n].min()),
+                "high": float(motion.q[:, n].max()),
+                "fastest": float(np.abs(motion.qd[:, n]).max()),
+                "torque": float(np.sqrt(np.mean(motion.tau[:, n] ** 2))),
+                "positions": spread(motion.q[:, n]),
+                "speeds": spread(motion.qd[:, n]),
+                "still": bool(inspection.joints[n].still),
+            }
+            for n, name in enumerate(motion.joints)
+        ]
+        at_rest = float(np.mean(np.abs(motion.qd).max(axis=1) < 0.01))
+        return finite({
+            "seconds": float(motion.time[-1] - motion.time[0]),
+            "samples": inspection.samples,
+            "rate": inspection.rate,
+            "gaps": len(inspection.gaps),
+            "rest": at_rest,
+            "joints": joints,
+            "notes": list(dict.fromkeys((*inspection.notes, *motion.notes))),
+        })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Learn:
+    """Identify a model.
+
+    Attributes:
+        output: the file to write.
+        sources: files of recordings.
+        model: kernel and effects, as `identify --model` names them; empty for the usual one.
+    """
+
+    doing: ClassVar[str] = "learning"
+    output: str
+    sources: tuple[str, ...]
+    model: str = ""
+
+    def work(self, progress: Progress) -> Record:
+        """Write the model and return its errors."""
+        from lagrangian_ff.identification import Settings, identify, joint_order
+        from lagrangian_ff.identification.settings import usual_model
+        from lagrangian_ff.recording import Conditioning, condition_alike, load
+
+        progress(0.0, "reading")
+        conditioning = Conditioning()
+        recordings = [load(source) for source in self.sources]
+        motions = condition_alike(recordings, conditioning)
+        name = self.model or usual_model(conditioning.effort)
+        order = joint_order(motions, name, None, part(progress, 0.1, 0.2))
+        motions = [motion.select(order.joints) for motion in motions]
+        found = identify(motions, Settings(model=name, train=1.0), part(progress, 0.2, 1.0))
+        found.model.save(Path(self.output))
+        return described(found.model)
+
+
+@dataclass(frozen=True)
+class Compare:
+    """Compare a model with recordings, and write what is drawn of it.
+
+    Attributes:
+        output: the file of arrays to write, see `traces`.
+        model: its file.
+        sources: files of recordings, compared together.
+    """
+
+    doing: ClassVar[str] = "comparing"
+    output: str
+    model: str
+    sources: tuple[str, ...]
+
+    def work(self, progress: Progress) -> Record:
+        """Write the arrays; return the errors per joint and where most of them lie."""
+        from lagrangian_ff.diagnosis import compare
+        from lagrangian_ff.diagnosis.where import locate
+        from lagrangian_ff.kernels.threads import one_blas_thread
+        from lagrangian_ff.recording import concatenate
+        from lagrangian_ff.workbench import traces
+
+        model = load_model(self.model)
+        motion = concatenate(motions_for(model, self.sources, part(progress, 0.0, 0.2)))
+        with one_blas_thread():
+            found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
+            where = locate(model, found, part(progress, 0.6, 0.95))
+        regions = [
+            {"joint": one.joint, "words": one.words, **one.record()} for one in where.regions
+        ]
+        return finite({
+            **found.record(),
+            "joint_names": list(model.joints),
+            "seconds": traces.write(Path(self.output), found),
+            "regions": regions,
+            "words": where.words(),
+            "warning": found.warning,
+        })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Search:
+    """Find out which effects a model lacks.
+
+    Attributes:
+        model: its file.
+        sources: files of recordings that are searched.
+        confirm: those that confirm; empty for the last third of the others.
+    """
+
+    doing: ClassVar[str] = "diagnosing"
+    model: str
+    sources: tuple[str, ...]
+    confirm: tuple[str, ...]
+
+    def work(self, progress: Progress) -> Record:
+        """Return the verdict, a card for each finding, and what cannot be seen here."""
+        from lagrangian_ff.diagnosis import diagnose, verdict, with_consequences
+        from lagrangian_ff.diagnosis.preflight import preflight
+        from lagrangian_ff.kernels.threads import one_blas_thread
+        from lagrangian_ff.recording import concatenate
+
+        model = load_model(self.model)
+        motions = motions_for(model, self.sources, part(progress, 0.0, 0.05))
+        confirm = motions_for(model, self.confirm, part(progress, 0.05, 0.1))
+        with one_blas_thread():
+            checks = preflight(model, concatenate(motions), confirm)
+            found = diagnose(model, motions, confirm, progress=part(progress, 0.15, 0.75))
+            found = with_consequences(found, part(progress, 0.75, 1.0))
+        serious = [{"finding": one.finding, "advice": one.advice} for one in checks if one.serious]
+        return finite({
+            "verdict": verdict(found),
+            "separate": found.separate,
+            "checks": serious,
+            "findings": [_card(one, found) for one in found.findings],
+            "not_observable": [
+                {"effect": one.effect, "joint": one.joint, "reason": one.reason,
+                 "motion": one.next_motion}
+                for one in found.not_observable
+            ],
+        })  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Add:
+    """Add an effect to a model.
+
+    Attributes:
+        output: the file to write.
+        model: the file of the model before.
+        effect, joint: names.
+        shape: its nonlinear parameters; those not given are searched.
+        why: for the model's history.
+    """
+
+    doing: ClassVar[str] = "adding"
+    output: str
+    model: str
+    effect: str
+    joint: str
+    shape: Mapping[str, float] = field(default_factory=dict)
+    why: Mapping[str, object] = field(default_factory=dict)
+
+    def work(self, progress: Progress) -> Record:
+        """Write the model with the effect, and return its errors."""
+        from lagrangian_ff.diagnosis import add
+
+        before = load_model(self.model)
+        shape = dict(self.shape) or None
+        after = add(before, self.effect, self.joint, shape, dict(self.why), progress)
+        after.save(Path(self.output))
+        return described(after)
+
+
+def load_model(file: str) -> "Model":
+    """Return a saved model."""
+    from lagrangian_ff.identification import Model
+
+    return Model.load(file)
+
+
+def motions_for(model: "Model", sources: tuple[str, ...], progress: Progress) -> "list[Motion]":
+    """Return the motions in recordings, read as those were that the model was identified from."""
+    from lagrangian_ff.recording import Conditioning, condition_alike, load
+
+    recordings = []
+    for number, source in enumerate(sources):
+        progress(number / len(sources), f"reading {Path(source).name}")
+        recording = load(source)
+        model.require_joints(recording.joints, recording.source, source)
+        recordings.append(recording.select(model.joints))
+    if not recordings:
+        return []
+    return condition_alike(recordings, model.identified.conditioning or Conditioning())
+
+
+def described(model: "Model") -> Record:
+    """Return what the page shows of a model."""
+    found = model.identified
+    effects = [
+        {
+            "effect": one.effect,
+            "joint": one.joint,
+            "formula": one.formula,
+            "parameters": {name: _estimate(value) for name, value in one.parameters.items()},
+        }
+        for one in found.effects
+    ]
+    return finite({
+        "name": model.name,
+        "joints": list(model.joints),
+        "score": found.score.record(),
+        "judged_on": found.judged_on,
+        "seconds": found.seconds,
+        "effects": effects,
+        "notes": list(found.notes),
+    })  # fmt: skip
+
+
+def _estimate(value: "Estimate") -> Record:
+    return {"value": value.value, "low": value.low, "high": value.high, "unit": value.unit}
+
+
+def _card(found: "Finding", diagnosis: "Diagnosis") -> Record:
+    from lagrangian_ff.diagnosis.adding import for_history
+
+    before, after = found.errors
+    rest, blocks = found.partial_residual, found.consequence
+    return {
+        "effect": found.effect.name,
+        "joint": found.joint,
+        "place": found.place(diagnosis.model.joints),
+        "meaning": found.effect.meaning,
+        "formula": found.effect.formula,
+        "verdict": found.verdict.value,
+        "said": found.said,
+        "doubt": found.doubt.words if found.doubt else "",
+        "gain": found.log_bayes_factor,
+        "p_value": found.p_value,
+        "size": found.size,
+        "before": before,
+        "after": after,
+        "rivals": list(found.rivals),
+        "told_apart_by": list(found.told_apart_by),
+        "shape": dict(found.shape),
+        "parameters": {name: _estimate(value) for name, value in found.parameters.items()},
+        "curve": {
+            "coordinate": rest.coordinate,
+            "unit": rest.unit,
+            **{name: getattr(rest, name).tolist()
+               for name in ("x", "residual", "low", "high", "effect")},
+        },
+        "blocks": {
+            "time": blocks.time.tolist(),
+            "before": blocks.before.tolist(),
+            "after": blocks.after.tolist(),
+        } if blocks else None,
+        "once": found.once,
+        "why": for_history(found, diagnosis),
+    }  # fmt: skip

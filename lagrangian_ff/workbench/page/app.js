@@ -1,0 +1,101 @@
+// The frame: steps on the left, the chosen one beside them, work under way above.
+import { h } from "./dom.js";
+import { ask, current, follow, open } from "./link.js";
+import { stairs } from "./figures.js";
+import * as data from "./data.js";
+import * as model from "./model.js";
+import * as compare from "./compare.js";
+import * as diagnose from "./diagnose.js";
+import * as history from "./history.js";
+import * as take from "./take.js";
+
+const STEPS = { data, model, compare, diagnose, history, take };
+let shown = "";
+let drawn = "";
+
+function chosen() {
+  const name = location.hash.slice(1);
+  return name in STEPS ? name : "data";
+}
+
+function drawSteps(state) {
+  const names = Object.entries(STEPS).map(([name, step]) =>
+    h("button", { "aria-current": name === chosen() ? "step" : null, onclick: () => go(name) },
+      step.TITLE, h("small", {}, step.status(state))));
+  const focused = [...document.querySelectorAll("#steps button")].indexOf(document.activeElement);
+  const figure = stairs(state, 170, 90);
+  const place = document.getElementById("steps");
+  place.replaceChildren(...names, ...(figure ? [h("div", { class: "stairs" }, figure)] : []));
+  if (focused >= 0) {
+    place.querySelectorAll("button")[focused]?.focus();
+  }
+}
+
+function drawWork(state) {
+  const place = document.getElementById("work");
+  const work = state.work[0];
+  if (!work) {
+    if (place.childElementCount) {
+      place.replaceChildren();
+    }
+    return;
+  }
+  const more = state.work.length > 1 ? `, ${state.work.length - 1} more` : "";
+  if (place.dataset.work !== work.id || !place.childElementCount) {
+    place.dataset.work = work.id;
+    place.replaceChildren(
+      h("span", {}), h("progress", { max: 1, "aria-label": work.title }),
+      h("button", { class: "plain", onclick: () => ask("cancel", { work: work.id }) }, "Cancel"));
+  }
+  const text = `${work.title} – ${work.label}${more}`;
+  if (place.firstChild.textContent !== text) {
+    place.firstChild.textContent = text;
+  }
+  place.querySelector("progress").value = work.share;
+}
+
+export function go(name) {
+  location.hash = name;
+}
+
+function draw(state) {
+  drawWork(state);
+  const key = [chosen(), state.version, state.work.length > 0].join();
+  if (key === drawn) {
+    return;
+  }
+  drawn = key;
+  drawSteps(state);
+  const place = document.getElementById("view");
+  const fresh = shown !== chosen();
+  shown = chosen();
+  const id = place.contains(document.activeElement) ? document.activeElement.dataset.key : null;
+  place.replaceChildren(...STEPS[shown].view(state, { go }));
+  document.title = `${STEPS[shown].TITLE} – Workbench`;
+  if (fresh) {
+    place.scrollIntoView({ block: "nearest" });
+  }
+  if (id) {
+    place.querySelector(`[data-key="${CSS.escape(id)}"]`)?.focus();
+  }
+  const said = document.getElementById("said");
+  if (state.said && said.dataset.told !== state.said) {
+    said.dataset.told = state.said;
+    import("./link.js").then((link) => link.say(state.said));
+  }
+}
+
+let latest = null;
+follow((state) => {
+  latest = state;
+  draw(state);
+});
+window.addEventListener("hashchange", () => {
+  if (latest) {
+    draw(latest);
+    document.getElementById("view").focus({ preventScroll: true });
+  }
+});
+open();
+
+export { current };

@@ -1,0 +1,47 @@
+// What was added, and the error after each step.
+import { h, head, number } from "./dom.js";
+import { ask, current } from "./link.js";
+import { line, stairs } from "./figures.js";
+
+export const TITLE = "Steps";
+
+export function status(state) {
+  const steps = line(state).length;
+  return steps > 1 ? `${steps - 1} added` : "watch the error fall";
+}
+
+function branch(state, parent, root) {
+  const children = state.nodes.filter((node) => node.parent === parent);
+  if (!children.length) {
+    return null;
+  }
+  return h("ul", { class: root ? "tree root" : "tree" }, children.map((node) =>
+    h("li", {}, h("button", { class: "pick", "data-key": node.id, "aria-current": node.id === state.current ? "true" : null,
+      onclick: () => ask("look", { model: node.id }) },
+      `${node.title}${node.compared ? ` – ${number(node.compared.rmse)} N·m` : ""}`), branch(state, node.id, false))));
+}
+
+export function view(state, { go }) {
+  const node = current(state);
+  if (!node) {
+    return [head("Steps", "Each effect that is added is a step; the error on unseen motion shows what it was worth."),
+      h("div", { class: "empty" }, h("h3", {}, "No model yet"), "Learn one first.")];
+  }
+  const steps = line(state).filter((one) => one.compared);
+  const joints = node.described.joints;
+  const busy = state.work.length > 0;
+  return [
+    head("Steps", busy ? state.work[0].title + "…" : "The error on motion that no model learned from, after each step.",
+      h("button", { class: "plain", "data-key": "undo", disabled: !node.parent, onclick: () => ask("undo") }, "Undo"),
+      h("button", { class: "plain", "data-key": "redo", disabled: !state.undone.length, onclick: () => ask("redo") }, "Redo"),
+      h("button", { class: "main", "data-key": "next", onclick: () => go("diagnose") }, "Look for more"),
+      h("button", { class: "plain", "data-key": "take", onclick: () => go("take") }, "Take it away")),
+    h("div", { class: "two" },
+      h("section", { class: "card" }, stairs(state, 640, 240),
+        h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "step"), joints.map((name) => h("th", { class: "number" }, name)), h("th", { class: "number" }, "all [N·m]"))),
+          h("tbody", {}, steps.map((one) => h("tr", {}, h("td", {}, one.title),
+            joints.map((name) => h("td", { class: "number" }, number(one.compared.joints[name]?.rmse))),
+            h("td", { class: "number" }, number(one.compared.rmse))))))),
+      h("section", { class: "card" }, h("h3", {}, "All models"), h("p", { class: "quiet" }, "Choose one to go on from it."), branch(state, "", true))),
+  ];
+}

@@ -1,0 +1,280 @@
+"""The server of the page: loopback only unless told, one session, any number of tabs.
+
+Tornado, since HTTP, uploads in pieces and events that last are in one library that Ubuntu packages.
+"""
+
+import asyncio
+import hmac
+import json
+import os
+import secrets
+import signal
+import tempfile
+from collections.abc import Awaitable, Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import tornado.httpserver
+import tornado.netutil
+import tornado.web
+from tornado.iostream import StreamClosedError
+
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.workbench import traces
+from lagrangian_ff.workbench.bench import Bench
+from lagrangian_ff.workbench.session import Session
+
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+LARGEST_UPLOAD = 4 * 2**30  # bytes
+LARGEST_QUESTION = 2**16
+TICK = 0.1  # s
+WIDEST = 4000  # pixels
+PAGE = Path(str(files(__package__).joinpath("page")))
+RULES = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
+)
+
+
+class Service:
+    """What the handlers share.
+
+    Args:
+        session: the one that is shown.
+        hosts: names by which the page may be asked for.
+        token: what a page must know; empty for none, on loopback.
+    """
+
+    def __init__(self, session: Session, hosts: Sequence[str], token: str) -> None:
+        self.hosts, self.token = frozenset(hosts), token
+        self.bench = Bench(session, self._changed)
+        self._news = asyncio.Event()
+
+    def _changed(self) -> None:
+        news, self._news = getattr(self, "_news", asyncio.Event()), asyncio.Event()
+        news.set()
+
+    async def news(self) -> None:
+        """Wait for the next change."""
+        await self._news.wait()
+
+
+class Handler(tornado.web.RequestHandler):
+    """Answers only pages that came from here."""
+
+    service: Service
+
+    def initialize(self, service: Service) -> None:
+        self.service = service
+
+    def set_default_headers(self) -> None:
+        self.set_header("Content-Security-Policy", RULES)
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+        self.clear_header("Server")
+
+    def prepare(self) -> Awaitable[None] | None:
+        """Refuse other hosts, other pages, and those without the token."""
+        host = urlsplit(f"//{self.request.host}").hostname or ""
+        if host not in self.service.hosts:
+            raise tornado.web.HTTPError(403, log_message="asked for by another name")
+        origin = self.request.headers.get("Origin")
+        if origin is not None and urlsplit(origin).netloc != self.request.host:
+            raise tornado.web.HTTPError(403, log_message="asked by another page")
+        if self.request.method == "POST" and origin is None:
+            raise tornado.web.HTTPError(403, log_message="asked by no page")
+        if self.service.token:
+            given = self.get_query_argument("token", "") or self.get_cookie("token") or ""
+            if not hmac.compare_digest(given.encode(), self.service.token.encode()):
+                raise tornado.web.HTTPError(401, log_message="without the token")
+        return None
+
+    def say(self, found: object) -> None:
+        """Answer in JSON."""
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.finish(json.dumps(found, ensure_ascii=False, allow_nan=False))
+
+    def write_error(self, status_code: int, **told: Any) -> None:
+        error = told.get("exc_info", (None, None))[1]
+        words = str(error) if isinstance(error, UserError) else self._reason
+        if isinstance(error, UserError):
+            self.set_status(400)
+        self.say({"error": words})
+
+    def log_exception(self, kind: Any, value: Any, trace: Any) -> None:
+        if not isinstance(value, UserError):
+            super().log_exception(kind, value, trace)
+
+
+class Index(Handler):
+    """The page."""
+
+    def get(self) -> None:
+        if self.service.token:
+            self.set_cookie("token", self.service.token, httponly=True, samesite="Strict")
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.finish((PAGE / "index.html").read_bytes())
+
+
+class Static(Handler, tornado.web.StaticFileHandler):
+    """The files of the page."""
+
+    def initialize(self, service: Service, path: str) -> None:  # type: ignore[override]
+        Handler.initialize(self, service)
+        tornado.web.StaticFileHandler.initialize(self, path)
+
+
+class State(Handler):
+    """All that is shown."""
+
+    def get(self) -> None:
+        self.say(self.service.bench.state())
+
+
+class Events(Handler):
+    """The state again after every change, as long as the page is open."""
+
+    async def get(self) -> None:
+        self.set_header("Content-Type", "text/event-stream")
+        try:
+            while True:
+                state = json.dumps(self.service.bench.state(), ensure_ascii=False)
+                self.write(f"data: {state}\n\n")
+                await self.flush()
+                await self.service.news()
+                await asyncio.sleep(0.05)  # several changes at once are told once
+        except StreamClosedError:
+            return
+
+
+class Ask(Handler):
+    """A change, or work to begin."""
+
+    def post(self, what: str) -> None:
+        if len(self.request.body) > LARGEST_QUESTION:
+            raise tornado.web.HTTPError(413)
+        try:
+            asked = json.loads(self.request.body or b"{}")
+        except ValueError:
+            raise tornado.web.HTTPError(400) from None
+        if not isinstance(asked, dict):
+            raise tornado.web.HTTPError(400)
+        self.service.bench.ask(what, asked)
+        self.say({"done": what})
+
+
+@tornado.web.stream_request_body
+class Upload(Handler):
+    """A recording, as it is, in the body of the request."""
+
+    def prepare(self) -> Awaitable[None] | None:
+        super().prepare()
+        self.request.connection.set_max_body_size(LARGEST_UPLOAD)  # type: ignore[union-attr]
+        place = self.service.bench.session.folder
+        number, name = tempfile.mkstemp(dir=place, prefix=".upload-")
+        self._file, self._path = os.fdopen(number, "wb"), Path(name)
+        return None
+
+    def data_received(self, chunk: bytes) -> None:
+        self._file.write(chunk)
+
+    def post(self) -> None:
+        self._file.close()
+        name = self.get_query_argument("name", "recording")[:200]
+        card = self.service.bench.take_upload(name, self._path)
+        self.say({"card": card.id})
+
+    def on_connection_close(self) -> None:
+        self._file.close()
+        self._path.unlink(missing_ok=True)
+
+
+class Trace(Handler):
+    """The curves of a comparison between two times."""
+
+    def get(self, node: str) -> None:
+        found = self.service.bench.session.node(node)
+        file = self.service.bench.session.folder / "traces" / f"{found.id}.npz"
+        if found.compared is None or not file.exists():
+            raise UserError("this model was not compared yet")
+        start, end = (float(self.get_query_argument(name)) for name in ("start", "end"))
+        width = min(WIDEST, max(1, int(self.get_query_argument("width"))))
+        asked = self.get_query_arguments("series")
+        names = tuple(name for name in traces.SERIES if name in asked)
+        curves = traces.opened(str(file), file.stat().st_mtime)
+        self.set_header("Content-Type", "application/octet-stream")
+        self.finish(curves.window(start, end, width, names))
+
+
+class Take(Handler):
+    """The file of a model, to keep."""
+
+    def get(self, node: str) -> None:
+        found = self.service.bench.session.node(node)
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="model_{found.id}.npz"')
+        self.finish(Path(found.file).read_bytes())
+
+
+def application(service: Service) -> tornado.web.Application:
+    """Return the handlers of a page."""
+    given = {"service": service}
+    return tornado.web.Application(
+        [
+            (r"/", Index, given),
+            (r"/page/(.*)", Static, {**given, "path": str(PAGE)}),
+            (r"/api/state", State, given),
+            (r"/api/events", Events, given),
+            (r"/api/upload", Upload, given),
+            (r"/api/ask/([a-z]+)", Ask, given),
+            (r"/api/trace/(\w+)", Trace, given),
+            (r"/api/take/(\w+)", Take, given),
+        ],
+        log_function=lambda handler: None,
+    )
+
+
+async def serve(session: Session, sources: Sequence[Path], port: int, host: str, said: Any) -> None:
+    """Serve a session until a signal ends it.
+
+    Args:
+        sources: recordings to take in first.
+        port: 0 for any that is free.
+        host: the address to listen on.
+        said: is called with the address of the page, once it can be opened.
+
+    Raises:
+        UserError: the port is taken.
+    """
+    alone = host in LOOPBACK
+    token = "" if alone else secrets.token_urlsafe(24)
+    service = Service(session, LOOPBACK if alone else (*LOOPBACK, host), token)
+    known = {card.file for card in session.cards}
+    for source in sources:
+        if str(source.resolve()) not in known:
+            service.bench.take_file(source.name, source.resolve())
+    server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_UPLOAD)
+    try:
+        sockets = tornado.netutil.bind_sockets(port, host)
+    except OSError as error:
+        raise UserError(f"--port {port}: cannot be used: {error.strerror or error}") from error
+    server.add_sockets(sockets)
+    number = sockets[0].getsockname()[1]
+    said(f"http://{host}:{number}/" + (f"?token={token}" if token else ""))
+    ended = asyncio.Event()
+    for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        asyncio.get_running_loop().add_signal_handler(one, ended.set)
+    try:
+        while not ended.is_set():
+            service.bench.tick()
+            try:
+                await asyncio.wait_for(ended.wait(), TICK)
+            except asyncio.TimeoutError:
+                continue
+    finally:
+        service.bench.close()
+        server.stop()

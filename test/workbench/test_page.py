@@ -1,0 +1,212 @@
+"""The page in a real browser: from an upload to the fallen error, and back again."""
+
+import shutil
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from workbench_examples import Served, moved
+
+from lagrangian_ff.identification import Model
+
+playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="there is no Chromium: apt install chromium"
+)
+STEPS = ("data", "model", "compare", "diagnose", "history", "take")
+LONG = 90_000  # ms
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    folder = tmp_path_factory.mktemp("recordings")
+    return [moved(folder / f"motion_{seed}.npz", seed) for seed in range(3)]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        made = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def page(browser: Any) -> Iterator[Any]:
+    yield from opened(browser)
+
+
+def opened(browser: Any, **options: Any) -> Iterator[Any]:
+    """Yield a page that says nothing on the console."""
+    made = browser.new_page(viewport={"width": 1366, "height": 768}, **options)
+    errors: list[str] = []
+    made.on("pageerror", lambda error: errors.append(str(error)))
+    made.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    yield made
+    made.close()
+    assert not [error for error in errors if "Failed to load resource" not in error]
+
+
+def idle(page: Any) -> None:
+    """Wait until the work is done."""
+    page.wait_for_timeout(250)
+    page.wait_for_selector("#work progress", state="detached", timeout=LONG)
+
+
+def uploaded(page: Any, files: list[Path]) -> None:
+    page.set_input_files("#choose", [str(file) for file in files])
+    page.wait_for_selector(f"article .joints >> nth={len(files) - 1}", timeout=LONG)
+    idle(page)
+
+
+@pytest.fixture(scope="module")
+def found(
+    browser: Any, recordings: list[Path], tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Served]:
+    """Return a workbench in which the missing effect was found, by clicks alone, and added."""
+    served = Served(tmp_path_factory.mktemp("bench") / "session")
+    for page in opened(browser):
+        page.goto(served.address)
+        assert page.get_by_text("Drop recordings here").is_visible()
+        uploaded(page, recordings)
+        page.get_by_role("button", name="Learn a model").click()
+        page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+        idle(page)
+        page.get_by_role("button", name="See where it fails").click()
+        page.get_by_role("button", name="Find what is missing").click()
+        page.locator("#view").get_by_role("button", name="Find what is missing").click()
+        add = page.get_by_role("button", name="Add it").first
+        add.wait_for(timeout=LONG)
+        assert page.get_by_text("quadratic drag on b", exact=False).first.is_visible()
+        add.click()
+        idle(page)
+    yield served
+    served.stop()
+
+
+def errors_shown(page: Any) -> list[float]:
+    """Return the error of each step over all joints."""
+    rows = page.locator("#view table tbody tr").all()
+    return [float(row.locator("td").last.inner_text()) for row in rows]
+
+
+def test_the_error_falls_and_the_step_can_be_undone(found: Served, page: Any) -> None:
+    page.goto(found.address + "#history")
+    page.get_by_role("button", name="Undo").wait_for()
+    before, after = errors_shown(page)
+    assert after < 0.6 * before
+    page.get_by_role("button", name="Undo").click()
+    playwright.expect(page.locator("#view table tbody tr")).to_have_count(1)
+    page.get_by_role("button", name="Redo").click()
+    playwright.expect(page.locator("#view table tbody tr")).to_have_count(2)
+
+
+def test_the_model_can_be_taken_away(found: Served, page: Any, tmp_path: Path) -> None:
+    page.goto(found.address + "#take")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Save the model").click()
+    download.value.save_as(tmp_path / "model.npz")
+    assert "quadratic_drag" in Model.load(tmp_path / "model.npz").name
+    commands = page.locator("pre").last.inner_text()
+    assert "lagrangian_ff add model.npz quadratic_drag --joint b" in commands
+
+
+def test_two_tabs_do_not_disturb_each_other(found: Served, page: Any, browser: Any) -> None:
+    page.goto(found.address + "#compare")
+    page.get_by_role("button", name="a", exact=True).click()
+    for other in opened(browser):
+        other.goto(found.address + "#compare")
+        theirs = other.get_by_role("button", name="a", exact=True)
+        theirs.wait_for()
+        ours = page.get_by_role("button", name="a", exact=True)
+        assert theirs.get_attribute("aria-pressed") == "true"
+        assert ours.get_attribute("aria-pressed") == "false"
+        other.goto(found.address + "#data")
+    assert page.get_by_role("heading", name="Where does it fail?").is_visible()
+
+
+def test_the_curves_zoom_by_keys_and_keep_their_window(found: Served, page: Any) -> None:
+    page.goto(found.address + "#compare")
+    curves = page.locator("canvas")
+    curves.wait_for()
+    page.wait_for_timeout(300)
+    whole = curves.screenshot()
+    curves.focus()
+    page.keyboard.press("+")
+    page.wait_for_timeout(300)
+    assert curves.screenshot() != whole
+
+
+def test_a_killed_server_loses_nothing(recordings: list[Path], page: Any, tmp_path: Path) -> None:
+    served = Served(tmp_path / "session", *recordings[:1])
+    page.goto(served.address + "#data")
+    page.wait_for_selector("article .joints", timeout=LONG)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+    served.stop(signal.SIGKILL)
+    again = Served(tmp_path / "session")
+    page.goto(again.address + "#model")
+    page.get_by_role("button", name="See where it fails").wait_for()
+    page.reload()
+    page.get_by_role("button", name="See where it fails").wait_for()
+    assert again.stop() == 0
+
+
+def test_work_can_be_cancelled(recordings: list[Path], page: Any, tmp_path: Path) -> None:
+    served = Served(tmp_path / "session", *recordings[:1])
+    page.goto(served.address)
+    page.wait_for_selector("article .joints", timeout=LONG)
+    idle(page)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_text("learning a model: cancelled").wait_for()
+    assert page.get_by_text("not learned yet").is_visible()
+    served.stop()
+
+
+def test_what_is_no_recording_is_said_on_its_card(page: Any, tmp_path: Path) -> None:
+    wrong = tmp_path / "notes.csv"
+    wrong.write_text("this is no recording\n")
+    served = Served(tmp_path / "session")
+    page.goto(served.address)
+    page.get_by_text("Drop recordings here").wait_for()
+    page.set_input_files("#choose", str(wrong))
+    page.locator("article .bad").wait_for(timeout=LONG)
+    assert "expected" in page.locator("article .bad").inner_text()
+    assert page.get_by_role("button", name="Learn a model").is_disabled()
+    page.get_by_role("button", name="take notes.csv away").click()
+    page.get_by_text("Drop recordings here").wait_for()
+    assert not list((tmp_path / "session" / "recordings").iterdir())
+    served.stop()
+
+
+def test_all_can_be_done_with_the_keyboard(
+    recordings: list[Path], page: Any, tmp_path: Path
+) -> None:
+    served = Served(tmp_path / "session", *recordings[:1])
+    page.goto(served.address)
+    page.wait_for_selector("article .joints", timeout=LONG)
+    idle(page)
+    for _ in range(30):
+        page.keyboard.press("Tab")
+        if page.locator("button:focus").all_inner_texts() == ["Learn a model"]:
+            break
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    served.stop()
+
+
+def test_axe_finds_nothing_serious(found: Served, browser: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    for scheme in ("light", "dark"):
+        for page in opened(browser, bypass_csp=True, color_scheme=scheme):
+            for step in STEPS:
+                page.goto(f"{found.address}#{step}")
+                page.wait_for_selector("#view h2")
+                page.wait_for_timeout(300)
+                violations = axe.Axe().run(page).response["violations"]
+                assert not [(one["id"], one["impact"]) for one in violations], (scheme, step)
