@@ -122,6 +122,8 @@ class Compare:
 
     def work(self, progress: Progress) -> Record:
         """Write the arrays; return the errors per joint and where most of them lie."""
+        import numpy as np
+
         from lagrangian_ff.diagnosis import compare
         from lagrangian_ff.diagnosis.where import locate
         from lagrangian_ff.kernels.threads import one_blas_thread
@@ -133,9 +135,14 @@ class Compare:
         with one_blas_thread():
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
             where = locate(model, found, part(progress, 0.6, 0.95))
-        regions = [
-            {"joint": one.joint, "words": one.words, **one.record()} for one in where.regions
-        ]
+        motion = where.series.motion
+        time = traces.running_time(motion.time, motion.segment)
+        regions = []
+        for one in where.regions:
+            n = model.joints.index(one.joint)
+            held = [condition.holds(where.series, n) for condition in one.conditions]
+            spans = traces.spans(time, np.logical_and.reduce(held))
+            regions.append({"joint": one.joint, "words": one.words, "spans": spans})
         return finite({
             **found.record(),
             "joint_names": list(model.joints),

@@ -6,6 +6,7 @@ Tornado, since HTTP, uploads in pieces and events that last are in one library t
 import asyncio
 import hmac
 import json
+import math
 import os
 import secrets
 import signal
@@ -31,6 +32,8 @@ LARGEST_UPLOAD = 4 * 2**30  # bytes
 LARGEST_QUESTION = 2**16
 TICK = 0.1  # s
 WIDEST = 4000  # pixels
+MAP_BINS = 36
+AXES = ("q", "qd", "tau", "load", "time")
 PAGE = Path(str(files(__package__).joinpath("page")))
 RULES = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -147,7 +150,7 @@ class Events(Handler):
                 await self.flush()
                 await self.service.news()
                 await asyncio.sleep(0.05)  # several changes at once are told once
-        except StreamClosedError:
+        except (StreamClosedError, asyncio.CancelledError):
             return
 
 
@@ -193,21 +196,78 @@ class Upload(Handler):
         self._path.unlink(missing_ok=True)
 
 
-class Trace(Handler):
-    """The curves of a comparison between two times."""
+class Curves(Handler):
+    """What is drawn of a comparison."""
 
-    def get(self, node: str) -> None:
+    def curves(self, node: str) -> traces.Traces:
+        """Return the curves of a model.
+
+        Raises:
+            UserError: it was not compared.
+        """
         found = self.service.bench.session.node(node)
         file = self.service.bench.session.folder / "traces" / f"{found.id}.npz"
         if found.compared is None or not file.exists():
             raise UserError("this model was not compared yet")
-        start, end = (float(self.get_query_argument(name)) for name in ("start", "end"))
-        width = min(WIDEST, max(1, int(self.get_query_argument("width"))))
+        return traces.opened(str(file), file.stat().st_mtime)
+
+    def axis(self, name: str, curves: traces.Traces) -> traces.Axis:
+        """Return the quantity that a page names, such as qd:2.
+
+        Raises:
+            UserError: there is none.
+        """
+        quantity, _, joint = self.get_query_argument(name).partition(":")
+        number = int(joint) if joint.isdigit() else 0
+        if quantity not in AXES or number >= curves.series["tau"].shape[1]:
+            raise UserError(f"there is no quantity {quantity}:{joint}")
+        return traces.Axis(quantity, number)
+
+    def number(self, name: str) -> float:
+        """Return a number that a page gives.
+
+        Raises:
+            UserError: it is none.
+        """
+        try:
+            value = float(self.get_query_argument(name))
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise UserError(f"{name} is no number")
+        return value
+
+
+class Trace(Curves):
+    """The curves of a comparison between two times."""
+
+    def get(self, node: str) -> None:
+        curves = self.curves(node)
+        start, end = (self.number(name) for name in ("start", "end"))
+        width = min(WIDEST, max(1, int(self.number("width"))))
         asked = self.get_query_arguments("series")
         names = tuple(name for name in traces.SERIES if name in asked)
-        curves = traces.opened(str(file), file.stat().st_mtime)
         self.set_header("Content-Type", "application/octet-stream")
         self.finish(curves.window(start, end, width, names))
+
+
+class Map(Curves):
+    """The error of a joint over two quantities."""
+
+    def get(self, node: str) -> None:
+        curves = self.curves(node)
+        x, y, joint = (self.axis(name, curves) for name in ("x", "y", "joint"))
+        self.say(curves.map(joint.joint, x, y, MAP_BINS))
+
+
+class Chosen(Curves):
+    """The stretches of time in which two quantities lie where a page has chosen."""
+
+    def get(self, node: str) -> None:
+        curves = self.curves(node)
+        x, y = (self.axis(name, curves) for name in ("x", "y"))
+        a, b, c, d = (self.number(name) for name in ("left", "right", "below", "above"))
+        self.say({"spans": curves.chosen(x, y, (a, b), (c, d))})
 
 
 class Take(Handler):
@@ -232,6 +292,8 @@ def application(service: Service) -> tornado.web.Application:
             (r"/api/upload", Upload, given),
             (r"/api/ask/([a-z]+)", Ask, given),
             (r"/api/trace/(\w+)", Trace, given),
+            (r"/api/map/(\w+)", Map, given),
+            (r"/api/chosen/(\w+)", Chosen, given),
             (r"/api/take/(\w+)", Take, given),
         ],
         log_function=lambda handler: None,

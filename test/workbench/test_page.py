@@ -130,7 +130,7 @@ def test_two_tabs_do_not_disturb_each_other(found: Served, page: Any, browser: A
 
 def test_the_curves_zoom_by_keys_and_keep_their_window(found: Served, page: Any) -> None:
     page.goto(found.address + "#compare")
-    curves = page.locator("canvas")
+    curves = page.locator("canvas").first
     curves.wait_for()
     page.wait_for_timeout(300)
     whole = curves.screenshot()
@@ -138,6 +138,23 @@ def test_the_curves_zoom_by_keys_and_keep_their_window(found: Served, page: Any)
     page.keyboard.press("+")
     page.wait_for_timeout(300)
     assert curves.screenshot() != whole
+
+
+def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, page: Any) -> None:
+    page.goto(found.address + "#history")
+    page.get_by_role("button", name="learned").click()
+    playwright.expect(page.locator("#view table tbody tr")).to_have_count(1)
+    page.goto(found.address + "#compare")
+    page.locator(".regions button").first.click()
+    page.get_by_text("Marked: b").wait_for()
+    page.locator("canvas").last.focus()
+    page.keyboard.press("Enter")
+    page.get_by_text("Marked: ", exact=False).wait_for()
+    assert " stretches." in page.get_by_text("Marked: ").inner_text()
+    page.get_by_label("across").select_option(label="position of a")
+    page.wait_for_timeout(200)
+    page.goto(found.address + "#history")
+    page.get_by_role("button", name="quadratic drag").click()
 
 
 def test_a_killed_server_loses_nothing(recordings: list[Path], page: Any, tmp_path: Path) -> None:

@@ -2,9 +2,10 @@
 import { h, head, number } from "./dom.js";
 import { current, trace } from "./link.js";
 import { ticks } from "./figures.js";
+import { ErrorMap } from "./map.js";
 
 export const TITLE = "Compare";
-const kept = { node: "", joints: null, window: null, cursor: null };
+const kept = { node: "", joints: null, window: null, cursor: null, spans: [], words: "" };
 
 export function status(state) {
   const node = current(state);
@@ -87,7 +88,7 @@ class Curves {
       return;
     }
     const asked = ++this.asked;
-    const found = await trace(this.node.id, ...kept.window, Math.max(50, width - LEFT - RIGHT), ["tau", "predicted", "residual"]);
+    const found = await trace(this.node.id, ...kept.window, Math.max(50, width - LEFT - RIGHT), ["tau", "predicted", "residual", "lower", "upper"]);
     if (found && asked === this.asked) {
       this.found = found;
       this.draw();
@@ -135,6 +136,22 @@ class Curves {
         paint.lineTo(width - RIGHT, y(0));
         paint.stroke();
       }
+      paint.fillStyle = colour("accent");
+      paint.globalAlpha = 0.14;
+      for (const [from, to] of kept.spans) {
+        if (to >= start && from <= end) {
+          const first = Math.max(LEFT, x(from));
+          paint.fillRect(first, top, Math.max(1, Math.min(width - RIGHT, x(to)) - first), tall);
+        }
+      }
+      if (curves.length > 1) {
+        paint.fillStyle = colour("predicted");
+        paint.beginPath();
+        series.upper[n].high.forEach((value, k) => paint.lineTo(x(time[k]), y(value)));
+        for (let k = time.length - 1; k >= 0; k--) paint.lineTo(x(time[k]), y(series.lower[n].low[k]));
+        paint.fill();
+      }
+      paint.globalAlpha = 1;
       for (const [name, tint, thick] of curves) {
         const { low, high } = series[name][n];
         paint.strokeStyle = colour(tint);
@@ -199,6 +216,7 @@ export function view(state, { go }) {
   if (kept.node !== node.id || !kept.window) {
     kept.window = kept.window && kept.node && kept.window[1] <= seconds ? kept.window : [0, seconds];
     kept.node = node.id;
+    kept.spans = [];
   }
   const curves = new Curves(node, seconds);
   const picks = names.map((name) => {
@@ -217,15 +235,27 @@ export function view(state, { go }) {
     h("li", {}, h("button", { class: "pick", "data-key": "region" + k, onclick: () => {
       kept.joints = new Set([one.joint]);
       picks.forEach((pick, n) => pick.setAttribute("aria-pressed", String(kept.joints.has(names[n]))));
-      curves.draw();
+      choose(one.spans, one.words);
     } }, one.words)));
+  const marked = h("p", { class: "quiet", "aria-live": "polite" });
+  const choose = (spans, words) => {
+    kept.spans = spans;
+    kept.words = words;
+    const length = spans.reduce((sum, [from, to]) => sum + to - from, 0);
+    marked.textContent = spans.length ? `Marked: ${words}; ${number(length)} s in ${spans.length} stretches.` : "";
+    curves.draw();
+  };
+  choose(kept.spans, kept.words);
+  const worst = names.reduce((a, b) => (node.compared.joints[a].nmse > node.compared.joints[b].nmse ? a : b));
+  const map = new ErrorMap(node, regions.length ? node.compared.regions[0].joint : worst, choose);
   return [
     head("Where does it fail?", node.compared.words[0] || "The error is spread evenly over the motion.",
       h("button", { class: "main", "data-key": "next", onclick: () => go("diagnose") }, "Find what is missing")),
     h("div", { class: "two" },
       h("section", {}, h("div", { class: "row", role: "group", "aria-label": "joints that are shown" }, picks), h("div", { class: "lead-up" }, curves.readout), curves.canvas,
-        h("p", { class: "quiet" }, "Grey: measured. Blue: predicted. Below them the residual, measured less predicted.")),
-      h("section", { class: "card" }, h("h3", {}, "Where most of the error lies"),
-        regions.length ? h("ul", { class: "regions" }, regions) : h("p", { class: "quiet" }, "Nowhere in particular."))),
+        h("p", { class: "quiet" }, "Grey: measured. Blue: predicted, with its 90 % interval. Below them the residual, measured less predicted."), marked),
+      h("div", {}, h("section", { class: "card" }, h("h3", {}, "Where most of the error lies"),
+        regions.length ? h("ul", { class: "regions" }, regions) : h("p", { class: "quiet" }, "Nowhere in particular.")),
+        h("section", { class: "card" }, h("h3", {}, "Error over two quantities"), map.element))),
   ];
 }

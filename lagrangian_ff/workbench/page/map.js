@@ -1,0 +1,160 @@
+// The error of a joint over two quantities; a rectangle drawn on it chooses those samples everywhere.
+import { h, number } from "./dom.js";
+import { say } from "./link.js";
+
+const SIZE = 300, LEFT = 46, BELOW = 34, TOP = 8, RIGHT = 8;
+const QUANTITIES = { q: ["position", "rad"], qd: ["speed", "rad/s"], tau: ["torque", "N·m"], load: ["load", "N·m"] };
+const kept = { x: null, y: null, joint: null };
+
+export class ErrorMap {
+  // chosen(spans, words) is called when samples are chosen.
+  constructor(node, joint, chosen) {
+    this.node = node;
+    this.chosen = chosen;
+    this.names = node.compared.joint_names;
+    this.joint = this.names.includes(kept.joint) ? kept.joint : joint;
+    kept.x = kept.x || `qd:${this.names.indexOf(this.joint)}`;
+    kept.y = kept.y || `load:${this.names.indexOf(this.joint)}`;
+    this.canvas = h("canvas", { tabindex: "0", role: "img", "data-key": "map",
+      "aria-label": "rms residual over two quantities; drag a rectangle, or press Enter for the worst place" });
+    this.canvas.addEventListener("pointerdown", (event) => {
+      this.canvas.setPointerCapture(event.pointerId);
+      this.from = this.to = this.place(event);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (this.from) {
+        this.to = this.place(event);
+        this.draw();
+      }
+    });
+    this.canvas.addEventListener("pointerup", () => this.choose());
+    this.canvas.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") {
+        this.worst();
+      }
+    });
+    const options = (value) => [h("option", { value: "time", selected: value === "time" }, "time"),
+      this.names.flatMap((name, n) => Object.entries(QUANTITIES).map(([key, [words]]) =>
+        h("option", { value: `${key}:${n}`, selected: value === `${key}:${n}` }, `${words} of ${name}`)))];
+    const pick = (label, key) => h("label", { class: "quiet" }, label + " ",
+      h("select", { class: "pick", "data-key": "map" + key, onchange: (event) => {
+        kept[key] = event.target.value;
+        this.fetch();
+      } }, options(kept[key])));
+    const joints = h("label", { class: "quiet" }, "error of ", h("select", { class: "pick", "data-key": "mapjoint", onchange: (event) => {
+      kept.joint = this.joint = event.target.value;
+      this.fetch();
+    } }, this.names.map((name) => h("option", { value: name, selected: name === this.joint }, name))));
+    this.element = h("div", {}, h("div", { class: "stack" }, joints, pick("across", "x"), pick("up", "y")), this.canvas,
+      h("p", { class: "quiet" }, "Darker: larger residual. Drag a rectangle to see those samples above."));
+    this.fetch();
+  }
+
+  get query() {
+    const at = this.names.indexOf(this.joint);
+    return `x=${kept.x}&y=${kept.y}&joint=q:${at}`;
+  }
+
+  async fetch() {
+    const response = await fetch(`api/map/${this.node.id}?${this.query}`);
+    if (response.ok) {
+      this.found = await response.json();
+      this.from = this.to = null;
+      this.draw();
+    }
+  }
+
+  place(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const wide = box.width - LEFT - RIGHT, tall = box.height - TOP - BELOW;
+    const share = (value) => Math.min(1, Math.max(0, value));
+    return [share((event.clientX - box.left - LEFT) / wide), share(1 - (event.clientY - box.top - TOP) / tall)];
+  }
+
+  async choose() {
+    if (!this.from || !this.found) {
+      return;
+    }
+    const [a, b] = [this.from, this.to];
+    this.from = null;
+    if (Math.abs(a[0] - b[0]) < 0.01 && Math.abs(a[1] - b[1]) < 0.01) {
+      this.to = null;
+      this.draw();
+      this.chosen([], "");
+      return;
+    }
+    this.box = [Math.min(a[0], b[0]), Math.max(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[1], b[1])];
+    await this.ask();
+  }
+
+  async ask() {
+    const at = (ends, share) => ends[0] + share * (ends[1] - ends[0]);
+    const { x, y } = this.found, [left, right, below, above] = this.box;
+    const ends = `left=${at(x, left)}&right=${at(x, right)}&below=${at(y, below)}&above=${at(y, above)}`;
+    const response = await fetch(`api/chosen/${this.node.id}?${this.query}&${ends}`);
+    if (!response.ok) {
+      say("What was chosen cannot be shown.");
+      return;
+    }
+    this.draw();
+    this.chosen((await response.json()).spans, `${number(at(x, left))} to ${number(at(x, right))}, ${number(at(y, below))} to ${number(at(y, above))}`);
+  }
+
+  // Chooses the bin with the largest error, for those who do not use a mouse.
+  worst() {
+    const { rms, count, bins } = this.found;
+    let best = 0, most = -1;
+    rms.forEach((value, k) => {
+      if (value !== null && value * value * count[k] > most) {
+        most = value * value * count[k];
+        best = k;
+      }
+    });
+    const column = best % bins, row = Math.floor(best / bins);
+    this.box = [column / bins, (column + 1) / bins, row / bins, (row + 1) / bins];
+    this.ask();
+  }
+
+  draw() {
+    const { canvas, found } = this;
+    const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth || SIZE;
+    canvas.style.height = `${SIZE}px`;
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(SIZE * ratio);
+    const paint = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
+    const colour = (name) => style.getPropertyValue("--" + name).trim();
+    paint.scale(ratio, ratio);
+    const wide = width - LEFT - RIGHT, tall = SIZE - TOP - BELOW, { bins } = found;
+    const known = found.rms.filter((value) => value !== null).sort((a, b) => a - b);
+    const top = known[Math.floor(0.98 * (known.length - 1))] || 1;
+    paint.fillStyle = colour("residual");
+    found.rms.forEach((value, k) => {
+      if (value === null) {
+        return;
+      }
+      paint.globalAlpha = 0.06 + 0.94 * Math.min(1, value / top);
+      paint.fillRect(LEFT + ((k % bins) * wide) / bins, TOP + tall - ((Math.floor(k / bins) + 1) * tall) / bins, wide / bins + 0.5, tall / bins + 0.5);
+    });
+    paint.globalAlpha = 1;
+    paint.strokeStyle = colour("line");
+    paint.strokeRect(LEFT, TOP, wide, tall);
+    paint.fillStyle = colour("soft");
+    paint.font = "11px system-ui, sans-serif";
+    const unit = (name) => (name === "time" ? "s" : QUANTITIES[name.split(":")[0]][1]);
+    paint.textAlign = "left";
+    paint.fillText(number(found.x[0]), LEFT, SIZE - 18);
+    paint.textAlign = "right";
+    paint.fillText(`${number(found.x[1])} ${unit(kept.x)}`, width - RIGHT, SIZE - 18);
+    paint.fillText(number(found.y[1]), LEFT - 4, TOP + 10);
+    paint.fillText(number(found.y[0]), LEFT - 4, TOP + tall);
+    paint.fillText(unit(kept.y), LEFT - 4, TOP + 24);
+    paint.textAlign = "center";
+    paint.fillText(`darkest: ${number(top)} N·m`, LEFT + wide / 2, SIZE - 4);
+    const box = this.from ? [this.from[0], this.to[0], this.from[1], this.to[1]] : this.box;
+    if (box) {
+      paint.strokeStyle = colour("accent");
+      paint.lineWidth = 2;
+      paint.strokeRect(LEFT + wide * Math.min(box[0], box[1]), TOP + tall * (1 - Math.max(box[2], box[3])), wide * Math.abs(box[1] - box[0]), tall * Math.abs(box[3] - box[2]));
+    }
+  }
+}
