@@ -22,6 +22,7 @@ import numpy as np
 from lagrangian_ff.effects import base
 from lagrangian_ff.effects.base import BROUGHT, Effect, Inputs, Origin
 from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS, effect_classes
+from lagrangian_ff.effects.formula import read_formulas
 from lagrangian_ff.effects.time_limit import in_time
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import KERNELS, States
@@ -32,7 +33,7 @@ WORDS = ("name", "formula", "source", "meaning", "coordinate", "shows_as", "next
 
 
 def load_effects(path: str | Path) -> list[Effect]:
-    """Import a Python file and add the effects that it defines to `EFFECTS`.
+    """Import a Python file, or read formulas from JSON, and add the effects to `EFFECTS`.
 
     All of them join, or none. Loading a file again replaces what came from it.
 
@@ -44,7 +45,8 @@ def load_effects(path: str | Path) -> list[Effect]:
     where = str(file)
     if not file.is_file():
         raise EffectError(f"{where}: no such file; expected Python that defines effects")
-    found = _effects_of(_imported(file), where)
+    formulas = file.suffix == ".json"
+    found = read_formulas(file) if formulas else _effects_of(_imported(file), where)
     if not found:
         raise EffectError(
             f"{where}: defines no effect; expected a class in it that derives from "

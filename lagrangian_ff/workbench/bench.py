@@ -59,6 +59,7 @@ class Bench:
             "compare": lambda asked: self.compare(),
             "diagnose": self._diagnose,
             "add": self._add,
+            "formula": self._formula,
             "undo": lambda asked: self._then(self.session.undo),
             "redo": lambda asked: self._then(self.session.redo),
             "look": lambda asked: self._then(lambda: self.session.look_at(str(asked["model"]))),
@@ -210,7 +211,7 @@ class Bench:
             node.compared, node.on = found, sources
             self.session.save()
 
-        job = jobs.Compare(file, node.file, sources)
+        job = jobs.Compare(file, node.file, sources, self._effects)
         self._begin("comparing it with unseen motion", node.id, job, take)
 
     def _diagnose(self, asked: Asked) -> None:
@@ -224,7 +225,7 @@ class Bench:
             node.diagnosed = found
             self.session.save()
 
-        job = jobs.Search(node.file, sources, confirm)
+        job = jobs.Search(node.file, sources, confirm, self._effects)
         self._begin("looking for what is missing", node.id, job, take)
 
     def _add(self, asked: Asked) -> None:
@@ -243,8 +244,25 @@ class Bench:
             self.session.add_node(Node(identity, file, node.id, title, described))
             self.compare()
 
-        job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why)
+        job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why,
+                       self._effects)  # fmt: skip
         self._begin(f"adding {effect.replace('_', ' ')} on {joint}", identity, job, take)
+
+    @property
+    def _effects(self) -> str:
+        return str(self.session.effects) if self.session.formulas else ""
+
+    def _formula(self, asked: Asked) -> None:
+        from lagrangian_ff.effects import EFFECTS
+        from lagrangian_ff.effects.formula import formula_effect
+        from lagrangian_ff.effects.user import check
+
+        name, text = str(asked["name"]).strip(), str(asked["formula"])
+        ranges = {str(k): (float(a), float(b)) for k, (a, b) in dict(asked["shapes"]).items()}
+        if name in EFFECTS:
+            raise UserError(f"{name} is an effect of the catalogue; choose another name")
+        check(formula_effect(name, text, ranges))
+        self.session.add_formula({"name": name, "formula": text, "shapes": ranges})
 
     def _cancel(self, asked: Asked) -> None:
         wanted = str(asked["work"])

@@ -113,12 +113,14 @@ class Compare:
         output: the file of arrays to write, see `traces`.
         model: its file.
         sources: files of recordings, compared together.
+        effects: the file of the user's formulas; empty for none.
     """
 
     doing: ClassVar[str] = "comparing"
     output: str
     model: str
     sources: tuple[str, ...]
+    effects: str = ""
 
     def work(self, progress: Progress) -> Record:
         """Write the arrays; return the errors per joint and where most of them lie."""
@@ -130,7 +132,7 @@ class Compare:
         from lagrangian_ff.recording import concatenate
         from lagrangian_ff.workbench import traces
 
-        model = load_model(self.model)
+        model = load_model(self.model, self.effects)
         motion = concatenate(motions_for(model, self.sources, part(progress, 0.0, 0.2)))
         with one_blas_thread():
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
@@ -161,12 +163,14 @@ class Search:
         model: its file.
         sources: files of recordings that are searched.
         confirm: those that confirm; empty for the last third of the others.
+        effects: the file of the user's formulas; empty for none.
     """
 
     doing: ClassVar[str] = "diagnosing"
     model: str
     sources: tuple[str, ...]
     confirm: tuple[str, ...]
+    effects: str = ""
 
     def work(self, progress: Progress) -> Record:
         """Return the verdict, a card for each finding, and what cannot be seen here."""
@@ -175,7 +179,7 @@ class Search:
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
 
-        model = load_model(self.model)
+        model = load_model(self.model, self.effects)
         motions = motions_for(model, self.sources, part(progress, 0.0, 0.05))
         confirm = motions_for(model, self.confirm, part(progress, 0.05, 0.1))
         with one_blas_thread():
@@ -206,6 +210,7 @@ class Add:
         effect, joint: names.
         shape: its nonlinear parameters; those not given are searched.
         why: for the model's history.
+        effects: the file of the user's formulas; empty for none.
     """
 
     doing: ClassVar[str] = "adding"
@@ -215,22 +220,26 @@ class Add:
     joint: str
     shape: Mapping[str, float] = field(default_factory=dict)
     why: Mapping[str, object] = field(default_factory=dict)
+    effects: str = ""
 
     def work(self, progress: Progress) -> Record:
         """Write the model with the effect, and return its errors."""
         from lagrangian_ff.diagnosis import add
 
-        before = load_model(self.model)
+        before = load_model(self.model, self.effects)
         shape = dict(self.shape) or None
         after = add(before, self.effect, self.joint, shape, dict(self.why), progress)
         after.save(Path(self.output))
         return described(after)
 
 
-def load_model(file: str) -> "Model":
-    """Return a saved model."""
+def load_model(file: str, effects: str) -> "Model":
+    """Return a saved model; the user's formulas are loaded first, since it may have some."""
+    from lagrangian_ff.effects.user import load_effects
     from lagrangian_ff.identification import Model
 
+    if effects:
+        load_effects(effects)
     return Model.load(file)
 
 

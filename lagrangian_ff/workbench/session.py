@@ -83,6 +83,7 @@ class Session:
         cards: recordings, in the order in which they came.
         nodes: models, in the order in which they were made.
         current: the model that is looked at; empty without one.
+        formulas: effects of the user's own, as `effects.formula` reads them.
         undone: models that `redo` goes back to, the next one last.
         count: how many things were named, so that no name comes twice.
         version: grows with each change; the page asks for what is newer.
@@ -92,6 +93,7 @@ class Session:
     cards: list[Card] = field(default_factory=list)
     nodes: list[Node] = field(default_factory=list)
     current: str = ""
+    formulas: list[dict[str, Any]] = field(default_factory=list)
     undone: list[str] = field(default_factory=list)
     count: int = 0
     version: int = 0
@@ -123,6 +125,7 @@ class Session:
         self.cards = [Card(**{**one, "role": Role(one["role"])}) for one in saved["cards"]]
         self.nodes = [Node(**{**one, "on": tuple(one["on"])}) for one in saved["nodes"]]
         self.current, self.undone = saved["current"], list(saved["undone"])
+        self.formulas = saved["formulas"]
         self.count, self.version = saved["count"], saved["version"]
 
     def save(self) -> None:
@@ -138,10 +141,24 @@ class Session:
             "cards": [{**asdict(one), "role": one.role.value} for one in self.cards],
             "nodes": [asdict(one) for one in self.nodes],
             "current": self.current,
+            "formulas": self.formulas,
             "undone": self.undone,
             "count": self.count,
             "version": self.version,
         })  # fmt: skip
+
+    def add_formula(self, formula: dict[str, Any]) -> None:
+        """Take an effect of the user's own; one of the same name goes."""
+        self.formulas = [one for one in self.formulas if one["name"] != formula["name"]]
+        self.formulas.append(formula)
+        with whole(self.effects) as made:
+            made.write_text(json.dumps({"effects": self.formulas}), encoding="utf-8")
+        self.save()
+
+    @property
+    def effects(self) -> Path:
+        """Return the file of the user's formulas."""
+        return self.folder / "formulas.json"
 
     def name(self, letter: str) -> str:
         """Return a name that was not there before."""

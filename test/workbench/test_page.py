@@ -157,6 +157,34 @@ def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, pa
     page.get_by_role("button", name="quadratic drag").click()
 
 
+def test_a_formula_of_ones_own_is_found_and_added(
+    recordings: list[Path], page: Any, tmp_path: Path
+) -> None:
+    served = Served(tmp_path / "session", *recordings[:1])
+    page.goto(served.address)
+    page.wait_for_selector("article .joints", timeout=LONG)
+    idle(page)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+    before = page.locator("#steps button").nth(2).inner_text()
+    page.goto(served.address + "#diagnose")
+    page.get_by_label("Name").fill("my_drag")
+    page.get_by_label("Torque").fill("__import__('os')")
+    page.get_by_role("button", name="Take it into the search").click()
+    page.get_by_text("expected numbers").wait_for()
+    page.get_by_label("Torque").fill("K*qd*abs(qd)^p")
+    page.get_by_label("Ranges").fill("p: 0.5 to 2")
+    page.get_by_role("button", name="Take it into the search").click()
+    page.get_by_label("joint of my_drag").select_option("b")
+    page.locator(".own").get_by_role("button", name="Add it").click()
+    idle(page)
+    playwright.expect(page.locator("#view table tbody tr")).to_have_count(2)
+    first, last = errors_shown(page)
+    assert last < 0.7 * first, before
+    assert served.stop() == 0
+
+
 def test_a_killed_server_loses_nothing(recordings: list[Path], page: Any, tmp_path: Path) -> None:
     served = Served(tmp_path / "session", *recordings[:1])
     page.goto(served.address + "#data")

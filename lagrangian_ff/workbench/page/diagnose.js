@@ -2,6 +2,7 @@
 import { h, head, number, spoken } from "./dom.js";
 import { ask, current } from "./link.js";
 import { blocks, curve } from "./figures.js";
+import { formulas } from "./formula.js";
 
 export const TITLE = "Diagnose";
 
@@ -46,7 +47,8 @@ export function view(state, { go }) {
   if (!node || !node.diagnosed) {
     return [head("What is missing?", "Every known effect is tried on every joint. Only what also helps on motion that was not searched is confirmed.", start),
       h("div", { class: "empty" }, h("h3", {}, !node ? "No model yet" : busy ? "Looking" : "Not looked yet"),
-        !node ? "Learn a model first." : busy ? "This takes some seconds to a minute." : "It takes some seconds to a minute.")];
+        !node ? "Learn a model first." : busy ? "This takes some seconds to a minute." : "It takes some seconds to a minute."),
+      node ? formulas(state, node, busy, go) : null].filter(Boolean);
   }
   const found = node.diagnosed;
   return [head("What is missing?", found.verdict, start),
@@ -56,5 +58,6 @@ export function view(state, { go }) {
     found.findings.length ? null : h("div", { class: "empty" }, h("h3", {}, "Nothing is missing that these recordings can show"),
       "The list below says what they could not show."),
     found.not_observable.length ? h("details", {}, h("summary", {}, `${found.not_observable.length} effects that this motion cannot show`),
-      h("ul", {}, found.not_observable.map((one) => h("li", {}, `${spoken(one.effect)} on ${one.joint}: ${one.reason}; ${one.motion}`)))) : null].filter(Boolean);
+      h("ul", {}, found.not_observable.map((one) => h("li", {}, `${spoken(one.effect)} on ${one.joint}: ${one.reason}; ${one.motion}`)))) : null,
+    formulas(state, node, busy, go)].filter(Boolean);
 }

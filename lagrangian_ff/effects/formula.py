@@ -1,0 +1,219 @@
+"""Effects that are written as a formula: parsed, never executed.
+
+A formula is a sum of terms, each with a parameter as a factor: `A exp(-(q/w)^2) + B qd abs(qd)`
+written `A*exp(-(q/w)^2) + B*qd*abs(qd)`. Names that are no input and have a range are shapes, which
+are searched; all others are parameters, which the torque is linear in.
+"""
+
+import ast
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lagrangian_ff import budget
+from lagrangian_ff.effects.base import Effect, Floats, Parameter, Shape, Values
+from lagrangian_ff.effects.inputs import SIGN_SPEED, Inputs
+from lagrangian_ff.errors import EffectError
+
+LONGEST = 400  # characters
+INPUTS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "load": "N·m"}
+CONSTANTS = {"pi": np.pi}
+FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {
+    "sin": np.sin, "cos": np.cos, "tan": np.tan, "tanh": np.tanh, "atan": np.arctan,
+    "exp": np.exp, "log": np.log, "sqrt": np.sqrt, "abs": np.abs,
+    "sign": lambda x: np.tanh(x / SIGN_SPEED),
+}  # fmt: skip
+OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
+    ast.Pow: np.power,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Sum:
+    """A torque that is linear in parameters.
+
+    Attributes:
+        parts: by parameter what it multiplies, (M,) or a number; "" for what has none.
+    """
+
+    parts: Mapping[str, Any]
+
+    @property
+    def plain(self) -> bool:
+        """Return whether no parameter is in it."""
+        return set(self.parts) <= {""}
+
+    @property
+    def value(self) -> Any:
+        """Return what it is without parameters."""
+        return self.parts.get("", 0.0)
+
+
+class _Formula(Effect):
+    tree: ClassVar[ast.expr]
+
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        given: dict[str, Any] = {name: getattr(x, name)[:, joint] for name in INPUTS}
+        found = self.torque({**given, **shape})
+        parts = [found.parts.get(one.name, 0.0) for one in self.parameters]
+        return np.column_stack([np.broadcast_to(np.asarray(one), len(x)) for one in parts])
+
+    def torque(self, given: Mapping[str, Any]) -> Sum:
+        """Return the torque for inputs and shapes by name."""
+        with np.errstate(all="ignore"):
+            return _evaluated(self.tree, {**CONSTANTS, **given}, self.name)
+
+
+def formula_effect(
+    name: str, formula: str, shapes: Mapping[str, tuple[float, float]], meaning: str = ""
+) -> Effect:
+    """Return an effect whose torque is a formula.
+
+    Args:
+        name: one word.
+        formula: see above.
+        shapes: the range of each number that is searched, by name.
+        meaning: what it is, in a few words.
+
+    Raises:
+        EffectError: the formula cannot be read, or is not linear in its parameters.
+    """
+    tree = _parsed(name, formula)
+    names = _names(tree)
+    unknown = [one for one in names if one not in {**INPUTS, **CONSTANTS}]
+    for shape, (low, high) in shapes.items():
+        if shape not in unknown:
+            raise _error(name, f"{shape} has a range and is not in the formula")
+        if not 0.0 < low < high < np.inf:
+            raise _error(name, f"{shape} has the range {low} to {high}, expected 0 < low < high")
+    own = [one for one in unknown if one not in shapes]
+    if not own:
+        raise _error(name, "it has no parameter; write one before each term, as in A*sin(q)")
+    content = {
+        "name": name,
+        "formula": formula,
+        "tree": tree,
+        "meaning": meaning or f"a formula of your own, {formula}",
+        "source": "a formula of the user",
+        "parameters": tuple(Parameter(one, "SI", "a factor of the formula") for one in own),
+        "shapes": tuple(
+            Shape(one, "SI", "a number of the formula", low, high, float(np.sqrt(low * high)))
+            for one, (low, high) in shapes.items()
+        ),
+        "uses": frozenset({"load"} & set(names)),
+        "coordinate": "velocity" if "qd" in names else "position",
+    }
+    effect: _Formula = type("Formula", (_Formula,), content)()
+    still: dict[str, Any] = {one: np.ones(1) for one in INPUTS}
+    found = effect.torque({**still, **{one.name: one.start for one in effect.shapes}})
+    if "" in found.parts and np.any(found.value != 0.0):
+        raise _error(name, "a term has no parameter as a factor; the torque must be linear in them")
+    return effect
+
+
+def read_formulas(file: Path) -> list[Effect]:
+    """Return the effects in a JSON file: {"effects": [{"name", "formula", "shapes", "meaning"}]}.
+
+    Raises:
+        EffectError: the file cannot be read, or holds something else.
+    """
+    try:
+        listed = json.loads(budget.text_of(file, EffectError))["effects"]
+        return [_read(one) for one in listed]
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise EffectError(
+            f'{file}: expected {{"effects": [{{"name": ..., "formula": ...}}]}}, got {error}'
+        ) from error
+
+
+def _read(one: Mapping[str, Any]) -> Effect:
+    ranges = one.get("shapes", {})
+    shapes = {str(name): (float(low), float(high)) for name, (low, high) in ranges.items()}
+    name, formula, meaning = (str(one.get(key, "")) for key in ("name", "formula", "meaning"))
+    return formula_effect(name, formula, shapes, meaning)
+
+
+def _error(name: str, words: str) -> EffectError:
+    return EffectError(f"effect '{name}': {words}")
+
+
+def _parsed(name: str, formula: str) -> ast.expr:
+    if not formula.strip() or len(formula) > LONGEST:
+        raise _error(name, f"expected a formula of 1 to {LONGEST} characters")
+    try:
+        tree = ast.parse(formula.strip().replace("^", "**"), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        where = f" at character {error.offset}" if isinstance(error, SyntaxError) else ""
+        raise _error(name, f"{formula!r} is no formula{where}") from None
+    for node in ast.walk(tree):
+        if not _allowed(node):
+            raise _error(
+                name,
+                f"{formula!r} holds {ast.unparse(node) if isinstance(node, ast.expr) else node!r}; "
+                f"expected numbers, + - * / ^, {', '.join(INPUTS)}, names of your own and "
+                f"{', '.join(FUNCTIONS)}",
+            )
+    return tree
+
+
+def _allowed(node: ast.AST) -> bool:
+    if isinstance(node, ast.Call):
+        called = isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS
+        return called and len(node.args) == 1 and not node.keywords
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, int | float) and abs(node.value) < 1e12
+    if isinstance(node, ast.Name):
+        return node.id.isidentifier() and not node.id.startswith("_")
+    kinds = (ast.BinOp, ast.UnaryOp, ast.USub, ast.UAdd, ast.Load, *OPERATORS)
+    return isinstance(node, kinds)
+
+
+def _names(tree: ast.expr) -> list[str]:
+    """Return the names in the order in which they come, functions not."""
+    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    names = [n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called]
+    names.sort(key=lambda node: (node.lineno, node.col_offset))
+    return list(dict.fromkeys(node.id for node in names))
+
+
+def _evaluated(node: ast.expr, given: Mapping[str, Any], name: str) -> Sum:
+    if isinstance(node, ast.Constant):
+        return Sum({"": float(node.value)})  # type: ignore[arg-type]
+    if isinstance(node, ast.Name):
+        return Sum({"": given[node.id]}) if node.id in given else Sum({node.id: 1.0})
+    if isinstance(node, ast.UnaryOp):
+        inner = _evaluated(node.operand, given, name)
+        sign = -1.0 if isinstance(node.op, ast.USub) else 1.0
+        return Sum({key: sign * value for key, value in inner.parts.items()})
+    if isinstance(node, ast.Call):
+        inner = _evaluated(node.args[0], given, name)
+        assert isinstance(node.func, ast.Name)
+        if not inner.plain:
+            raise _nonlinear(name, inner)
+        return Sum({"": FUNCTIONS[node.func.id](np.asarray(inner.value, dtype=np.float64))})
+    assert isinstance(node, ast.BinOp)
+    left, right = _evaluated(node.left, given, name), _evaluated(node.right, given, name)
+    operate = OPERATORS[type(node.op)]
+    if isinstance(node.op, ast.Add | ast.Sub):
+        keys = dict.fromkeys([*left.parts, *right.parts])
+        return Sum({k: operate(left.parts.get(k, 0.0), right.parts.get(k, 0.0)) for k in keys})
+    if isinstance(node.op, ast.Mult) and left.plain:
+        return Sum({key: operate(left.value, value) for key, value in right.parts.items()})
+    if isinstance(node.op, ast.Mult | ast.Div) and right.plain:
+        return Sum({key: operate(value, right.value) for key, value in left.parts.items()})
+    if left.plain and right.plain:
+        base = np.asarray(left.value, dtype=np.float64)
+        return Sum({"": operate(base, np.asarray(right.value, dtype=np.float64))})
+    raise _nonlinear(name, right if left.plain else left)
+
+
+def _nonlinear(name: str, found: Sum) -> EffectError:
+    of = ", ".join(key for key in found.parts if key)
+    return _error(
+        name, f"the torque is not linear in {of}; give {of} a range, so that it is searched"
+    )

@@ -1,0 +1,87 @@
+"""Effects written as formulas: what they compute, and what is refused without being run."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects.formula import formula_effect
+from lagrangian_ff.effects.user import check, load_effects, trial_motion
+from lagrangian_ff.errors import EffectError
+
+
+def test_a_formula_is_the_effect_that_python_defines() -> None:
+    x = trial_motion()
+    drag = formula_effect("mine", "C*qd*abs(qd)", {})
+    np.testing.assert_allclose(
+        drag.columns(x, 1, {}), EFFECTS["quadratic_drag"].columns(x, 1, {}), atol=1e-12
+    )
+    check(drag)
+
+
+def test_parameters_are_factors_and_what_has_a_range_is_searched() -> None:
+    x = trial_motion()
+    bump = formula_effect("bump", "A*exp(-(q/w)^2) - 2*B*sin(q)/pi + A*qd", {"w": (0.1, 1.0)})
+    assert [one.name for one in bump.parameters] == ["A", "B"]
+    assert [one.name for one in bump.shapes] == ["w"]
+    columns = bump.columns(x, 0, {"w": 0.5})
+    q, qd = x.q[:, 0], x.qd[:, 0]
+    np.testing.assert_allclose(columns[:, 0], np.exp(-((q / 0.5) ** 2)) + qd, atol=1e-12)
+    np.testing.assert_allclose(columns[:, 1], -2.0 * np.sin(q) / np.pi, atol=1e-12)
+    check(bump)
+
+
+@pytest.mark.parametrize(
+    ("formula", "shapes", "words"),
+    [
+        ("", {}, "expected a formula"),
+        ("A*qd)", {}, "is no formula"),
+        ("qd", {}, "no parameter"),
+        ("A*qd + sin(q)", {}, "no parameter as a factor"),
+        ("A*sin(B*q)", {}, "not linear in B"),
+        ("A*B*q", {}, "not linear in A"),
+        ("qd^A", {}, "not linear in A"),
+        ("A*qd", {"w": (0.1, 1.0)}, "not in the formula"),
+        ("A*sin(w*q)", {"w": (1.0, 0.1)}, "0 < low < high"),
+        ("__import__('os').system('true')", {}, "holds"),
+        ("A*q.real", {}, "holds"),
+        ("A*[x for x in q]", {}, "holds"),
+        ("A*(lambda: 1)()", {}, "holds"),
+        ("A*open(q)", {}, "holds"),
+        ("A*9**9**9**9", {}, "finite"),
+        ("A*1e300", {}, "holds"),
+    ],
+)
+def test_what_is_no_such_formula_is_said(
+    formula: str, shapes: dict[str, tuple[float, float]], words: str
+) -> None:
+    with pytest.raises(EffectError, match=words):
+        check(formula_effect("mine", formula, shapes))
+
+
+@given(st.text("AqBd()+-*/^.1 sinexp", max_size=40))
+def test_any_text_is_a_formula_or_refused_in_words(text: str) -> None:
+    try:
+        effect = formula_effect("mine", text, {})
+    except EffectError:
+        return
+    assert effect.columns(trial_motion(), 0, {}).shape == (1000, len(effect.parameters))
+
+
+def test_a_file_of_formulas_takes_part_like_one_of_python(tmp_path: Path) -> None:
+    file = tmp_path / "mine.json"
+    one = {"name": "my_bump", "formula": "A*exp(-(q/w)^2)", "shapes": {"w": [0.1, 1.0]}}
+    file.write_text(json.dumps({"effects": [one]}))
+    try:
+        (effect,) = load_effects(file)
+        assert EFFECTS["my_bump"] is effect
+    finally:
+        EFFECTS.pop("my_bump", None)
+    for wrong in ("[]", "{", '{"effects": [{"formula": 3}]}', '{"effects": 5}'):
+        file.write_text(wrong)
+        with pytest.raises(EffectError):
+            load_effects(file)
