@@ -58,6 +58,7 @@ class Bench:
             "learn": self._learn,
             "compare": lambda asked: self.compare(),
             "diagnose": self._diagnose,
+            "whatif": self._what_if,
             "add": self._add,
             "formula": self._formula,
             "undo": lambda asked: self._then(self.session.undo),
@@ -222,11 +223,25 @@ class Bench:
             raise UserError("there is no recording to search: put one under Search")
 
         def take(found: Any) -> None:
-            node.diagnosed = found
+            node.diagnosed, node.what_if = found, None
             self.session.save()
 
         job = jobs.Search(node.file, sources, confirm, self._effects)
         self._begin("looking for what is missing", node.id, job, take)
+
+    def _what_if(self, asked: Asked) -> None:
+        node = self.session.node()
+        found = [one for one in (node.diagnosed or {}).get("findings", []) if not one["once"]]
+        if not found:
+            raise UserError("there is nothing to try: look for what is missing first")
+
+        def take(tried: Any) -> None:
+            node.what_if = tried
+            self.session.save()
+
+        tried = tuple((one["effect"], one["joint"], one["shape"]) for one in found)
+        job = jobs.WhatIf(node.file, self.session.unseen(), tried[: jobs.MOST_TRIED], self._effects)
+        self._begin("trying combinations", node.id, job, take)
 
     def _add(self, asked: Asked) -> None:
         node = self.session.node()

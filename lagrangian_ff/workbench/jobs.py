@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from lagrangian_ff.recording import Motion
 
 BINS = 24
+MOST_TRIED = 4
 Record = dict[str, Any]
 
 
@@ -231,6 +233,53 @@ class Add:
         after = add(before, self.effect, self.joint, shape, dict(self.why), progress)
         after.save(Path(self.output))
         return described(after)
+
+
+@dataclass(frozen=True)
+class WhatIf:
+    """Try every combination of effects, on motion that took no part.
+
+    Attributes:
+        model: the file of the model without them.
+        sources: files of the recordings to judge on.
+        tried: effect, joint and shape of each; at most `MOST_TRIED`.
+        effects: the file of the user's formulas; empty for none.
+    """
+
+    doing: ClassVar[str] = "trying combinations"
+    model: str
+    sources: tuple[str, ...]
+    tried: tuple[tuple[str, str, Mapping[str, float]], ...]
+    effects: str = ""
+
+    def work(self, progress: Progress) -> Record:
+        """Return the rms error of each combination, None where it is impossible."""
+        from lagrangian_ff.diagnosis import add, compare
+        from lagrangian_ff.errors import ModelError
+        from lagrangian_ff.kernels.threads import one_blas_thread
+        from lagrangian_ff.recording import concatenate
+
+        model = load_model(self.model, self.effects)
+        motion = concatenate(motions_for(model, self.sources, part(progress, 0.0, 0.1)))
+        numbers = range(len(self.tried))
+        every = [one for size in range(len(numbers) + 1) for one in combinations(numbers, size)]
+        made: dict[tuple[int, ...], Model | None] = {(): model}
+        found = []
+        with one_blas_thread():
+            for number, chosen in enumerate(every):
+                progress(0.1 + 0.9 * number / len(every), f"{number} of {len(every)} combinations")
+                before = made[chosen[:-1]]
+                if chosen and before is not None:
+                    effect, joint, shape = self.tried[chosen[-1]]
+                    try:
+                        made[chosen] = add(before, effect, joint, dict(shape) or None)
+                    except ModelError:  # it has the effect by another name
+                        made[chosen] = None
+                after = made.setdefault(chosen, None)
+                error = None if after is None else compare(after, motion).score.total
+                found.append({"with": list(chosen), "rmse": error})
+        names = [f"{effect.replace('_', ' ')} on {joint}" for effect, joint, _ in self.tried]
+        return finite({"names": names, "combinations": found})
 
 
 def load_model(file: str, effects: str) -> "Model":

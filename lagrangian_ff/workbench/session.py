@@ -62,6 +62,7 @@ class Node:
         compared: see `jobs.Compare`; None before.
         on: the recordings that it was compared with.
         diagnosed: see `jobs.Search`; None before.
+        what_if: see `jobs.WhatIf`; None before.
     """
 
     id: str
@@ -72,6 +73,7 @@ class Node:
     compared: dict[str, Any] | None = None
     on: tuple[str, ...] = ()
     diagnosed: dict[str, Any] | None = None
+    what_if: dict[str, Any] | None = None
 
 
 @dataclass

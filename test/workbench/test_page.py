@@ -157,6 +157,20 @@ def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, pa
     page.get_by_role("button", name="quadratic drag").click()
 
 
+def test_every_combination_is_tried(found: Served, page: Any) -> None:
+    page.goto(found.address + "#history")
+    page.get_by_role("button", name="learned").click()
+    playwright.expect(page.locator("#view table tbody tr")).to_have_count(1)
+    page.goto(found.address + "#diagnose")
+    page.get_by_role("button", name="Try all combinations").click()
+    page.get_by_text("without any of them").wait_for(timeout=LONG)
+    page.get_by_label("quadratic drag on b").check()
+    page.get_by_text("% against none of them").wait_for()
+    assert "-" in page.get_by_text("% against none of them").inner_text()
+    page.goto(found.address + "#history")
+    page.get_by_role("button", name="quadratic drag").first.click()
+
+
 def test_a_formula_of_ones_own_is_found_and_added(
     recordings: list[Path], page: Any, tmp_path: Path
 ) -> None:

@@ -3,6 +3,7 @@ import { h, head, number, spoken } from "./dom.js";
 import { ask, current } from "./link.js";
 import { blocks, curve } from "./figures.js";
 import { formulas } from "./formula.js";
+import { whatIf } from "./whatif.js";
 
 export const TITLE = "Diagnose";
 
@@ -55,6 +56,7 @@ export function view(state, { go }) {
     found.checks.length ? h("section", { class: "card" }, h("h3", { class: "bad" }, "Mend the measurement first"),
       h("ul", {}, found.checks.map((one) => h("li", {}, `${one.finding}. ${one.advice}`)))) : null,
     ...found.findings.map((one) => card(one, busy, go)),
+    whatIf(node, busy),
     found.findings.length ? null : h("div", { class: "empty" }, h("h3", {}, "Nothing is missing that these recordings can show"),
       "The list below says what they could not show."),
     found.not_observable.length ? h("details", {}, h("summary", {}, `${found.not_observable.length} effects that this motion cannot show`),
