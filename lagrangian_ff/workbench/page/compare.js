@@ -12,7 +12,7 @@ export function status(state) {
   return node && node.compared ? `${number(node.compared.rmse)} N·m unseen` : "where does it fail?";
 }
 
-const TORQUE = 96, REST = 44, GAP = 18, LEFT = 56, RIGHT = 12, BELOW = 24;
+const GAP = 18, LEFT = 56, RIGHT = 12, BELOW = 24;
 
 class Curves {
   constructor(node, seconds) {
@@ -101,6 +101,7 @@ class Curves {
     }
     const names = this.node.compared.joint_names, ratio = window.devicePixelRatio || 1;
     const shown = names.map((_, n) => n).filter((n) => this.joints.has(names[n]));
+    const TORQUE = Math.max(96, Math.min(240, 400 / shown.length)), REST = TORQUE * 0.45;
     const each = TORQUE + REST + GAP + 8, height = shown.length * each + BELOW, width = this.canvas.clientWidth;
     this.canvas.style.height = `${height}px`;
     this.canvas.width = Math.round(width * ratio);
