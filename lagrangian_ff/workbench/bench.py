@@ -212,7 +212,7 @@ class Bench:
             node.compared, node.on = found, sources
             self.session.save()
 
-        job = jobs.Compare(file, node.file, sources, self._effects)
+        job = jobs.Compare(file, self._page("compare", node), node.file, sources, self._effects)
         self._begin("comparing it with unseen motion", node.id, job, take)
 
     def _diagnose(self, asked: Asked) -> None:
@@ -226,7 +226,7 @@ class Bench:
             node.diagnosed, node.what_if = found, None
             self.session.save()
 
-        job = jobs.Search(node.file, sources, confirm, self._effects)
+        job = jobs.Search(self._page("diagnose", node), node.file, sources, confirm, self._effects)
         self._begin("looking for what is missing", node.id, job, take)
 
     def _what_if(self, asked: Asked) -> None:
@@ -288,6 +288,9 @@ class Bench:
                 if isinstance(one.worker.job, jobs.Look):
                     one.failed("reading was cancelled; take it away and add it again")
                 self._said = f"{one.title}: cancelled"
+
+    def _page(self, kind: str, node: Node) -> str:
+        return str(self._place("pages") / f"{kind}_{node.id}.html")
 
     def _place(self, name: str) -> Path:
         place = self.session.folder / name

@@ -113,6 +113,7 @@ class Compare:
 
     Attributes:
         output: the file of arrays to write, see `traces`.
+        page: the file of the report to write.
         model: its file.
         sources: files of recordings, compared together.
         effects: the file of the user's formulas; empty for none.
@@ -120,6 +121,7 @@ class Compare:
 
     doing: ClassVar[str] = "comparing"
     output: str
+    page: str
     model: str
     sources: tuple[str, ...]
     effects: str = ""
@@ -129,9 +131,10 @@ class Compare:
         import numpy as np
 
         from lagrangian_ff.diagnosis import compare
-        from lagrangian_ff.diagnosis.where import locate
+        from lagrangian_ff.diagnosis.where import Compared, locate
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
+        from lagrangian_ff.report import compare_page
         from lagrangian_ff.workbench import traces
 
         model = load_model(self.model, self.effects)
@@ -139,6 +142,8 @@ class Compare:
         with one_blas_thread():
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
             where = locate(model, found, part(progress, 0.6, 0.95))
+        progress(0.95, "writing the page")
+        compare_page(self.page, Compared(self.model, self.sources, where))
         motion = where.series.motion
         time = traces.running_time(motion.time, motion.segment)
         regions = []
@@ -162,6 +167,7 @@ class Search:
     """Find out which effects a model lacks.
 
     Attributes:
+        page: the file of the report to write.
         model: its file.
         sources: files of recordings that are searched.
         confirm: those that confirm; empty for the last third of the others.
@@ -169,6 +175,7 @@ class Search:
     """
 
     doing: ClassVar[str] = "diagnosing"
+    page: str
     model: str
     sources: tuple[str, ...]
     confirm: tuple[str, ...]
@@ -176,10 +183,17 @@ class Search:
 
     def work(self, progress: Progress) -> Record:
         """Return the verdict, a card for each finding, and what cannot be seen here."""
-        from lagrangian_ff.diagnosis import diagnose, verdict, with_consequences
+        from lagrangian_ff.diagnosis import (
+            DiagnosisRun,
+            Round,
+            diagnose,
+            verdict,
+            with_consequences,
+        )
         from lagrangian_ff.diagnosis.preflight import preflight
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
+        from lagrangian_ff.report import diagnose_page
 
         model = load_model(self.model, self.effects)
         motions = motions_for(model, self.sources, part(progress, 0.0, 0.05))
@@ -187,7 +201,11 @@ class Search:
         with one_blas_thread():
             checks = preflight(model, concatenate(motions), confirm)
             found = diagnose(model, motions, confirm, progress=part(progress, 0.15, 0.75))
-            found = with_consequences(found, part(progress, 0.75, 1.0))
+            found = with_consequences(found, part(progress, 0.75, 0.97))
+        rounds = (Round(found),)
+        checks = sorted(checks, key=lambda one: not one.serious)
+        run = DiagnosisRun(self.model, self.sources, self.confirm, rounds, tuple(checks))
+        diagnose_page(self.page, run)
         serious = [{"finding": one.finding, "advice": one.advice} for one in checks if one.serious]
         return finite({
             "verdict": verdict(found),

@@ -280,6 +280,19 @@ class Take(Handler):
         self.finish(Path(found.file).read_bytes())
 
 
+class Page(Handler):
+    """A report, to keep: it is not shown here, since it has scripts of its own."""
+
+    def get(self, kind: str, node: str) -> None:
+        session = self.service.bench.session
+        file = session.folder / "pages" / f"{kind}_{session.node(node).id}.html"
+        if not file.exists():
+            raise UserError("there is no such page yet")
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="{kind}.html"')
+        self.finish(file.read_bytes())
+
+
 def application(service: Service) -> tornado.web.Application:
     """Return the handlers of a page."""
     given = {"service": service}
@@ -294,6 +307,7 @@ def application(service: Service) -> tornado.web.Application:
             (r"/api/trace/(\w+)", Trace, given),
             (r"/api/map/(\w+)", Map, given),
             (r"/api/chosen/(\w+)", Chosen, given),
+            (r"/api/page/(compare|diagnose)/(\w+)", Page, given),
             (r"/api/take/(\w+)", Take, given),
         ],
         log_function=lambda handler: None,

@@ -110,6 +110,15 @@ def test_the_model_can_be_taken_away(found: Served, page: Any, tmp_path: Path) -
         page.get_by_role("link", name="Save the model").click()
     download.value.save_as(tmp_path / "model.npz")
     assert "quadratic_drag" in Model.load(tmp_path / "model.npz").name
+    for name, words in (("Page of the comparison", "<html"), ("Save as YAML", "joints: [a, b]")):
+        with page.expect_download() as download:
+            page.locator("#view").get_by_text(name).click()
+        assert words in Path(download.value.path()).read_text()
+    page.goto(found.address + "#history")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="save the figure steps").click()
+    assert Path(download.value.path()).read_text().startswith("<svg")
+    page.goto(found.address + "#take")
     commands = page.locator("pre").last.inner_text()
     assert "lagrangian_ff add model.npz quadratic_drag --joint b" in commands
 

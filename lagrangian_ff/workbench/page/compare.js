@@ -3,6 +3,7 @@ import { h, head, number } from "./dom.js";
 import { current, trace } from "./link.js";
 import { ticks } from "./figures.js";
 import { ErrorMap } from "./map.js";
+import { saver } from "./save.js";
 
 export const TITLE = "Compare";
 const kept = { node: "", joints: null, window: null, cursor: null, spans: [], words: "" };
@@ -253,10 +254,10 @@ export function view(state, { go }) {
     head("Where does it fail?", node.compared.words[0] || "The error is spread evenly over the motion.",
       h("button", { class: "main", "data-key": "next", onclick: () => go("diagnose") }, "Find what is missing")),
     h("div", { class: "two" },
-      h("section", {}, h("div", { class: "row", role: "group", "aria-label": "joints that are shown" }, picks), h("div", { class: "lead-up" }, curves.readout), curves.canvas,
+      h("section", {}, h("div", { class: "row", role: "group", "aria-label": "joints that are shown" }, picks), h("div", { class: "lead-up row" }, curves.readout, saver(curves.canvas, "torque")), curves.canvas,
         h("p", { class: "quiet" }, "Grey: measured. Blue: predicted, with its 90 % interval. Below them the residual, measured less predicted."), marked),
       h("div", {}, h("section", { class: "card" }, h("h3", {}, "Where most of the error lies"),
         regions.length ? h("ul", { class: "regions" }, regions) : h("p", { class: "quiet" }, "Nowhere in particular.")),
-        h("section", { class: "card" }, h("h3", {}, "Error over two quantities"), map.element))),
+        h("section", { class: "card" }, h("h3", {}, "Error over two quantities"), map.element, saver(map.canvas, "error_map")))),
   ];
 }

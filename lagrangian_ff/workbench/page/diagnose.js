@@ -2,6 +2,7 @@
 import { h, head, number, spoken } from "./dom.js";
 import { ask, current } from "./link.js";
 import { blocks, curve } from "./figures.js";
+import { saver } from "./save.js";
 import { formulas } from "./formula.js";
 import { whatIf } from "./whatif.js";
 
@@ -37,7 +38,13 @@ function card(found, busy, go) {
             go("history");
           }
         } }, "Add it")),
-    h("div", {}, curve(found), found.blocks ? blocks(found) : null));
+    drawn(found));
+}
+
+function drawn(found) {
+  const name = `${found.effect}_${found.joint}`, over = curve(found), fall = found.blocks ? blocks(found) : null;
+  return h("div", {}, h("div", { class: "drawn" }, over, saver(over, name)),
+    fall ? h("div", { class: "drawn" }, fall, saver(fall, name + "_blocks")) : null);
 }
 
 export function view(state, { go }) {

@@ -2,6 +2,7 @@
 import { h, head, number } from "./dom.js";
 import { ask, current } from "./link.js";
 import { line, stairs } from "./figures.js";
+import { saver } from "./save.js";
 
 export const TITLE = "Steps";
 
@@ -29,7 +30,7 @@ export function view(state, { go }) {
   }
   const steps = line(state).filter((one) => one.compared);
   const joints = node.described.joints;
-  const busy = state.work.length > 0;
+  const busy = state.work.length > 0, figure = stairs(state, 640, 240);
   return [
     head("Steps", busy ? state.work[0].title + "…" : "The error on motion that no model learned from, after each step.",
       h("button", { class: "plain", "data-key": "undo", disabled: !node.parent, onclick: () => ask("undo") }, "Undo"),
@@ -37,7 +38,7 @@ export function view(state, { go }) {
       h("button", { class: "main", "data-key": "next", onclick: () => go("diagnose") }, "Look for more"),
       h("button", { class: "plain", "data-key": "take", onclick: () => go("take") }, "Take it away")),
     h("div", { class: "two" },
-      h("section", { class: "card" }, stairs(state, 640, 240),
+      h("section", { class: "card drawn" }, figure, figure ? saver(figure, "steps") : null,
         h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "step"), joints.map((name) => h("th", { class: "number" }, name)), h("th", { class: "number" }, "all [N·m]"))),
           h("tbody", {}, steps.map((one) => h("tr", {}, h("td", {}, one.title),
             joints.map((name) => h("td", { class: "number" }, number(one.compared.joints[name]?.rmse))),

@@ -2,6 +2,7 @@
 import { h, head } from "./dom.js";
 import { current } from "./link.js";
 import { line } from "./figures.js";
+import { download } from "./save.js";
 
 export const TITLE = "Take away";
 
@@ -37,8 +38,10 @@ export function view(state) {
   }
   const parameters = `/**:\n  ros__parameters:\n    model_file: /path/of/model_${node.id}.npz\n    joints: [${node.described.joints.join(", ")}]`;
   return [
-    head("Take away", `${node.described.name}: ${node.title}`, h("a", { class: "plain", href: `api/take/${node.id}`, download: `model_${node.id}.npz` }, "Save the model")),
-    h("section", { class: "card" }, h("h3", {}, "Parameters of feedforward"), h("pre", { tabindex: "0" }, parameters)),
-    h("section", { class: "card" }, h("h3", {}, "The same in a shell"), h("pre", { tabindex: "0" }, commands(state))),
+    head("Take away", `${node.described.name}: ${node.title}`, h("a", { class: "main", href: `api/take/${node.id}`, download: `model_${node.id}.npz` }, "Save the model"),
+      node.compared ? h("a", { class: "plain", href: `api/page/compare/${node.id}`, download: "compare.html" }, "Page of the comparison") : null,
+      node.diagnosed ? h("a", { class: "plain", href: `api/page/diagnose/${node.id}`, download: "diagnose.html" }, "Page of the diagnosis") : null),
+    h("section", { class: "card" }, h("h3", {}, "Parameters of feedforward"), h("pre", { tabindex: "0" }, parameters), download(parameters, "feedforward.yaml", "Save as YAML")),
+    h("section", { class: "card" }, h("h3", {}, "The same in a shell"), h("pre", { tabindex: "0" }, commands(state)), download(commands(state) + "\n", "commands.sh", "Save as a script")),
   ];
 }
