@@ -2,7 +2,7 @@
 
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,10 +44,14 @@ class Bench:
     Args:
         session: on disk.
         changed: is called after every change that pages show.
+        skeleton: of the arm, see `skeleton.read_skeleton`.
     """
 
-    def __init__(self, session: Session, changed: Callable[[], None]) -> None:
+    def __init__(
+        self, session: Session, changed: Callable[[], None], skeleton: Sequence[dict[str, Any]] = ()
+    ) -> None:
         self.session = session
+        self._skeleton = list(skeleton)
         self._changed = changed
         self._running: list[Running] = []
         self._waiting: list[Callable[[], None]] = []
@@ -77,7 +81,8 @@ class Bench:
              "label": one.worker.label, "seconds": round(time.monotonic() - one.began, 1)}
             for one in self._running
         ]  # fmt: skip
-        return {**self.session.record(), "work": work, "said": self._said}
+        return {**self.session.record(), "work": work, "said": self._said,
+                "skeleton": self._skeleton}  # fmt: skip
 
     def ask(self, what: str, asked: Asked) -> None:
         """Do what a page asks.

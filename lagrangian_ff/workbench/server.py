@@ -49,11 +49,18 @@ class Service:
         session: the one that is shown.
         hosts: names by which the page may be asked for.
         token: what a page must know; empty for none, on loopback.
+        skeleton: of the arm that is drawn.
     """
 
-    def __init__(self, session: Session, hosts: Sequence[str], token: str) -> None:
+    def __init__(
+        self,
+        session: Session,
+        hosts: Sequence[str],
+        token: str,
+        skeleton: Sequence[dict[str, Any]] = (),
+    ) -> None:
         self.hosts, self.token = frozenset(hosts), token
-        self.bench = Bench(session, self._changed)
+        self.bench = Bench(session, self._changed, skeleton)
         self._news = asyncio.Event()
 
     def _changed(self) -> None:
@@ -314,13 +321,21 @@ def application(service: Service) -> tornado.web.Application:
     )
 
 
-async def serve(session: Session, sources: Sequence[Path], port: int, host: str, said: Any) -> None:
+async def serve(
+    session: Session,
+    sources: Sequence[Path],
+    port: int,
+    host: str,
+    said: Any,
+    skeleton: Sequence[dict[str, Any]] = (),
+) -> None:
     """Serve a session until a signal ends it.
 
     Args:
         sources: recordings to take in first.
         port: 0 for any that is free.
         host: the address to listen on.
+        skeleton: of the arm that is drawn; empty for none.
         said: is called with the address of the page, once it can be opened.
 
     Raises:
@@ -328,7 +343,7 @@ async def serve(session: Session, sources: Sequence[Path], port: int, host: str,
     """
     alone = host in LOOPBACK
     token = "" if alone else secrets.token_urlsafe(24)
-    service = Service(session, LOOPBACK if alone else (*LOOPBACK, host), token)
+    service = Service(session, LOOPBACK if alone else (*LOOPBACK, host), token, skeleton)
     known = {card.file for card in session.cards}
     for source in sources:
         if str(source.resolve()) not in known:

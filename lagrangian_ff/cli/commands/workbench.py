@@ -3,6 +3,7 @@
 import asyncio
 import webbrowser
 from argparse import ArgumentParser, Namespace
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -34,6 +35,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--session", Path, "FOLDER", "folder of the session (default: workbench_session)"),
         ("--try", bool, "", "begin with recordings of a simulated arm that hides an effect"),
         ("--seed", int, "N", "with --try: which effect is hidden (default: 0)"),
+        ("--urdf", Path, "FILE", "description of the robot, to draw the arm at the cursor"),
         ("--port", int, "N", "port of the page (default: 8765)"),
         ("--host", str, "ADDRESS", "address to listen on; others than 127.0.0.1 ask for a token "
          "(default: 127.0.0.1)"),
@@ -50,14 +52,18 @@ def run(arguments: Namespace) -> int:
     check_sources(arguments.sources)
     from lagrangian_ff.workbench.server import serve
     from lagrangian_ff.workbench.session import Session
+    from lagrangian_ff.workbench.skeleton import read_skeleton
 
     folder = (arguments.session or Path("workbench_session")).absolute()
     session = Session.open(folder)
-    sources = list(arguments.sources)
+    sources, urdf = list(arguments.sources), arguments.urdf
     if getattr(arguments, "try") and not session.cards:
         from lagrangian_ff.cli.common.trial import record
 
         sources += record(folder, arguments.seed or 0)
+    if getattr(arguments, "try") and urdf is None:
+        urdf = Path(str(files("lagrangian_ff"))) / "arm" / "arm6.urdf"
+    skeleton = [] if urdf is None else read_skeleton(urdf)
 
     def said(address: str) -> None:
         console.say([f"workbench: {address}", f"session: {folder}", "Ctrl-C ends it"])
@@ -65,5 +71,5 @@ def run(arguments: Namespace) -> int:
             webbrowser.open(address)
 
     port = 8765 if arguments.port is None else arguments.port
-    asyncio.run(serve(session, sources, port, arguments.host or "127.0.0.1", said))
+    asyncio.run(serve(session, sources, port, arguments.host or "127.0.0.1", said, skeleton))
     return 0

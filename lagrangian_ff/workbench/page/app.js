@@ -73,7 +73,7 @@ function draw(state) {
   place.replaceChildren(...STEPS[shown].view(state, { go }));
   document.title = `${STEPS[shown].TITLE} – Workbench`;
   if (fresh) {
-    place.scrollIntoView({ block: "nearest" });
+    window.scrollTo(0, 0);
   }
   if (id) {
     place.querySelector(`[data-key="${CSS.escape(id)}"]`)?.focus();

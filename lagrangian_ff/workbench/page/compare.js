@@ -4,6 +4,7 @@ import { current, trace } from "./link.js";
 import { ticks } from "./figures.js";
 import { ErrorMap } from "./map.js";
 import { saver } from "./save.js";
+import { Arm } from "./arm.js";
 
 export const TITLE = "Compare";
 const kept = { node: "", joints: null, window: null, cursor: null, spans: [], words: "" };
@@ -24,6 +25,7 @@ class Curves {
     this.readout = h("p", { class: "quiet", "aria-live": "off" }, "Drag to zoom, double-click to see all; the arrow keys, + and − do the same.");
     this.drag = null;
     this.asked = 0;
+    this.posed = () => {};
     this.canvas.addEventListener("pointerdown", (event) => this.down(event));
     this.canvas.addEventListener("pointermove", (event) => this.move(event));
     this.canvas.addEventListener("pointerup", (event) => this.up(event));
@@ -89,7 +91,7 @@ class Curves {
       return;
     }
     const asked = ++this.asked;
-    const found = await trace(this.node.id, ...kept.window, Math.max(50, width - LEFT - RIGHT), ["tau", "predicted", "residual", "lower", "upper"]);
+    const found = await trace(this.node.id, ...kept.window, Math.max(50, width - LEFT - RIGHT), ["tau", "predicted", "residual", "lower", "upper", "q"]);
     if (found && asked === this.asked) {
       this.found = found;
       this.draw();
@@ -198,6 +200,7 @@ class Curves {
       paint.stroke();
       let k = 0;
       while (k < time.length - 1 && time[k + 1] <= kept.cursor) k++;
+      this.posed(Object.fromEntries(names.map((name, n) => [name, series.q[n].high[k]])));
       this.readout.textContent = `${kept.cursor.toFixed(3)} s   ` + shown.map((n) =>
         `${names[n]} ${number(series.tau[n].high[k])}, predicted ${number(series.predicted[n].high[k])}`).join("   ");
     }
@@ -221,6 +224,30 @@ export function view(state, { go }) {
     kept.spans = [];
   }
   const curves = new Curves(node, seconds);
+  const arm = state.skeleton.length ? new Arm(state.skeleton) : null;
+  const play = h("button", { class: "plain", "data-key": "play", onclick: () => {
+    const playing = play.textContent === "Stop";
+    play.textContent = playing ? "Play" : "Stop";
+    let before = null;
+    const step = (now) => {
+      if (play.textContent !== "Stop" || !play.isConnected) {
+        return;
+      }
+      kept.cursor = (kept.cursor ?? kept.window[0]) + (before === null ? 0 : (now - before) / 1000);
+      if (kept.cursor > kept.window[1] || kept.cursor < kept.window[0]) {
+        kept.cursor = kept.window[0];
+      }
+      before = now;
+      curves.draw();
+      requestAnimationFrame(step);
+    };
+    if (!playing) {
+      requestAnimationFrame(step);
+    }
+  } }, "Play");
+  if (arm) {
+    curves.posed = (positions) => arm.pose(positions);
+  }
   const picks = names.map((name) => {
     const pick = h("button", { class: "pick", "aria-pressed": String(kept.joints.has(name)), "data-key": "joint" + name, onclick: () => {
       if (kept.joints.has(name) && kept.joints.size > 1) {
@@ -258,6 +285,8 @@ export function view(state, { go }) {
         h("p", { class: "quiet" }, "Grey: measured. Blue: predicted, with its 90 % interval. Below them the residual, measured less predicted."), marked),
       h("div", {}, h("section", { class: "card" }, h("h3", {}, "Where most of the error lies"),
         regions.length ? h("ul", { class: "regions" }, regions) : h("p", { class: "quiet" }, "Nowhere in particular.")),
+        h("section", { class: "card" }, h("h3", {}, "The arm at the cursor"), arm ? [arm.canvas, play]
+          : h("p", { class: "quiet" }, "Start the workbench with --urdf FILE to see it.")),
         h("section", { class: "card" }, h("h3", {}, "Error over two quantities"), map.element, saver(map.canvas, "error_map")))),
   ];
 }

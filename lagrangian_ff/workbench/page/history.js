@@ -22,6 +22,36 @@ function branch(state, parent, root) {
       `${node.title}${node.compared ? ` – ${number(node.compared.rmse)} N·m` : ""}`), branch(state, node.id, false))));
 }
 
+const pair = { a: "", b: "" };
+
+// Two models beside each other, on the motion that both were judged on.
+function versus(state) {
+  const known = state.nodes.filter((node) => node.compared);
+  if (known.length < 2) {
+    return null;
+  }
+  for (const [key, usual] of [["a", known.at(-2)], ["b", known.at(-1)]]) {
+    pair[key] = known.some((node) => node.id === pair[key]) ? pair[key] : usual.id;
+  }
+  const body = h("tbody"), note = h("p", { class: "quiet" });
+  const show = () => {
+    const [a, b] = [pair.a, pair.b].map((id) => known.find((node) => node.id === id));
+    note.textContent = a.on.join() === b.on.join() ? "" : "They were judged on different recordings.";
+    const row = (name, before, after) => h("tr", {}, h("td", {}, name), h("td", { class: "number" }, number(before)),
+      h("td", { class: "number" }, number(after)), h("td", { class: "number" }, before ? `${number(100 * (after / before - 1))} %` : "–"));
+    body.replaceChildren(...a.compared.joint_names.map((name) => row(name, a.compared.joints[name].rmse, b.compared.joints[name]?.rmse)),
+      row("all", a.compared.rmse, b.compared.rmse));
+  };
+  const pick = (key, label) => h("select", { class: "pick", "data-key": "pair" + key, "aria-label": label,
+    onchange: (event) => {
+      pair[key] = event.target.value;
+      show();
+    } }, known.map((node, k) => h("option", { value: node.id, selected: node.id === pair[key] }, `${k + 1}: ${node.title}`)));
+  show();
+  return h("section", { class: "card" }, h("h3", {}, "Two models"), h("div", { class: "row" }, pick("a", "first model"), "against", pick("b", "second model")), note,
+    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ["first [N·m]", "second [N·m]", "change"].map((text) => h("th", { class: "number" }, text)))), body));
+}
+
 export function view(state, { go }) {
   const node = current(state);
   if (!node) {
@@ -43,6 +73,6 @@ export function view(state, { go }) {
           h("tbody", {}, steps.map((one) => h("tr", {}, h("td", {}, one.title),
             joints.map((name) => h("td", { class: "number" }, number(one.compared.joints[name]?.rmse))),
             h("td", { class: "number" }, number(one.compared.rmse))))))),
-      h("section", { class: "card" }, h("h3", {}, "All models"), h("p", { class: "quiet" }, "Choose one to go on from it."), branch(state, "", true))),
+      h("div", {}, h("section", { class: "card" }, h("h3", {}, "All models"), h("p", { class: "quiet" }, "Choose one to go on from it."), branch(state, "", true)), versus(state))),
   ];
 }
