@@ -38,7 +38,7 @@ function versus(state) {
     const [a, b] = [pair.a, pair.b].map((id) => known.find((node) => node.id === id));
     note.textContent = a.on.join() === b.on.join() ? "" : "They were judged on different recordings.";
     const row = (name, before, after) => h("tr", {}, h("td", {}, name), h("td", { class: "number" }, number(before)),
-      h("td", { class: "number" }, number(after)), h("td", { class: "number" }, before ? `${number(100 * (after / before - 1))} %` : "–"));
+      h("td", { class: "number" }, number(after)), h("td", { class: "number" }, before ? `${(100 * (after / before - 1)).toFixed(1)} %` : "–"));
     body.replaceChildren(...a.compared.joint_names.map((name) => row(name, a.compared.joints[name].rmse, b.compared.joints[name]?.rmse)),
       row("all", a.compared.rmse, b.compared.rmse));
   };
@@ -48,8 +48,8 @@ function versus(state) {
       show();
     } }, known.map((node, k) => h("option", { value: node.id, selected: node.id === pair[key] }, `${k + 1}: ${node.title}`)));
   show();
-  return h("section", { class: "card" }, h("h3", {}, "Two models"), h("div", { class: "row" }, pick("a", "first model"), "against", pick("b", "second model")), note,
-    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ["first [N·m]", "second [N·m]", "change"].map((text) => h("th", { class: "number" }, text)))), body));
+  return h("section", { class: "card" }, h("h3", {}, "Two models"), h("div", { class: "stack" }, pick("a", "first model"), pick("b", "second model")), note, h("p", { class: "quiet" }, "Unseen error of each, N·m."),
+    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ["first", "second", "change"].map((text) => h("th", { class: "number" }, text)))), body));
 }
 
 export function view(state, { go }) {
