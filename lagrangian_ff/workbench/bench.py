@@ -74,15 +74,18 @@ class Bench:
             if card.looked is None and not card.error:
                 self._look(card)
 
-    def state(self) -> dict[str, Any]:
-        """Return all that a page shows."""
+    def progress(self) -> dict[str, Any]:
+        """Return the work under way, and what went wrong with the last."""
         work = [
             {"id": one.id, "title": one.title, "about": one.about, "share": one.worker.fraction,
              "label": one.worker.label, "seconds": round(time.monotonic() - one.began, 1)}
             for one in self._running
         ]  # fmt: skip
-        return {**self.session.record(), "work": work, "said": self._said,
-                "skeleton": self._skeleton}  # fmt: skip
+        return {"work": work, "said": self._said}
+
+    def state(self) -> dict[str, Any]:
+        """Return all that a page shows."""
+        return {**self.session.record(), **self.progress(), "skeleton": self._skeleton}
 
     def ask(self, what: str, asked: Asked) -> None:
         """Do what a page asks.
@@ -182,7 +185,7 @@ class Bench:
             card.error = error
             self.session.save()
 
-        self._begin(f"reading {card.name}", card.id, jobs.Look(card.id, card.file), take, failed)
+        self._begin(f"reading {card.name}", card.id, jobs.Look(card.file), take, failed)
 
     def _role(self, asked: Asked) -> None:
         card, role = self.session.card(str(asked["card"])), Role(asked["role"])

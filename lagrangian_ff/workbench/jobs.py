@@ -22,15 +22,9 @@ Record = dict[str, Any]
 
 @dataclass(frozen=True)
 class Look:
-    """Read a recording, and say what it holds.
-
-    Attributes:
-        card: the recording it is about.
-        path: its file.
-    """
+    """Read the recording at `path`, and say what it holds."""
 
     doing: ClassVar[str] = "reading"
-    card: str
     path: str
 
     def work(self, progress: Progress) -> Record:

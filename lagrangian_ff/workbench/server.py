@@ -60,11 +60,11 @@ class Service:
         skeleton: Sequence[dict[str, Any]] = (),
     ) -> None:
         self.hosts, self.token = frozenset(hosts), token
-        self.bench = Bench(session, self._changed, skeleton)
         self._news = asyncio.Event()
+        self.bench = Bench(session, self._changed, skeleton)
 
     def _changed(self) -> None:
-        news, self._news = getattr(self, "_news", asyncio.Event()), asyncio.Event()
+        news, self._news = self._news, asyncio.Event()
         news.set()
 
     async def news(self) -> None:
@@ -146,14 +146,17 @@ class State(Handler):
 
 
 class Events(Handler):
-    """The state again after every change, as long as the page is open."""
+    """The state after every change, as long as the page is open; of work its progress alone."""
 
     async def get(self) -> None:
         self.set_header("Content-Type", "text/event-stream")
+        bench, told = self.service.bench, -1
         try:
             while True:
-                state = json.dumps(self.service.bench.state(), ensure_ascii=False)
-                self.write(f"data: {state}\n\n")
+                same = bench.session.version == told
+                state = bench.progress() if same else bench.state()
+                told = bench.session.version
+                self.write(f"data: {json.dumps(state, ensure_ascii=False)}\n\n")
                 await self.flush()
                 await self.service.news()
                 await asyncio.sleep(0.05)  # several changes at once are told once

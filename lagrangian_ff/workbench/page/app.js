@@ -1,6 +1,6 @@
 // The frame: steps on the left, the chosen one beside them, work under way above.
 import { h } from "./dom.js";
-import { ask, current, follow, open } from "./link.js";
+import { ask, follow, open, say } from "./link.js";
 import { stairs } from "./figures.js";
 import * as data from "./data.js";
 import * as model from "./model.js";
@@ -81,7 +81,7 @@ function draw(state) {
   const said = document.getElementById("said");
   if (state.said && said.dataset.told !== state.said) {
     said.dataset.told = state.said;
-    import("./link.js").then((link) => link.say(state.said));
+    say(state.said);
   }
 }
 
@@ -97,5 +97,3 @@ window.addEventListener("hashchange", () => {
   }
 });
 open();
-
-export { current };

@@ -8,7 +8,7 @@ export function follow(listener) {
 export function open() {
   const source = new EventSource("api/events");
   source.onmessage = (event) => {
-    link.state = JSON.parse(event.data);
+    link.state = { ...link.state, ...JSON.parse(event.data) };
     link.listeners.forEach((listener) => listener(link.state));
   };
   source.onerror = () => say("The server does not answer. It goes on where it was when it is started again.");
