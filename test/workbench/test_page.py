@@ -2,12 +2,12 @@
 
 import shutil
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from workbench_examples import Served, moved
+from workbench_examples import Served, moved, serving
 
 from lagrangian_ff.identification import Model
 
@@ -18,6 +18,11 @@ pytestmark = pytest.mark.skipif(
 )
 STEPS = ("data", "model", "compare", "diagnose", "history", "take")
 LONG = 90_000  # ms
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[..., Served]]:
+    yield from serving()
 
 
 @pytest.fixture(scope="module")
@@ -67,24 +72,24 @@ def found(
     browser: Any, recordings: list[Path], tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Served]:
     """Return a workbench in which the missing effect was found, by clicks alone, and added."""
-    served = Served(tmp_path_factory.mktemp("bench") / "session")
-    for page in opened(browser):
-        page.goto(served.address)
-        assert page.get_by_text("Drop recordings here").is_visible()
-        uploaded(page, recordings)
-        page.get_by_role("button", name="Learn a model").click()
-        page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-        idle(page)
-        page.get_by_role("button", name="See where it fails").click()
-        page.get_by_role("button", name="Find what is missing").click()
-        page.locator("#view").get_by_role("button", name="Find what is missing").click()
-        add = page.get_by_role("button", name="Add it").first
-        add.wait_for(timeout=LONG)
-        assert page.get_by_text("quadratic drag on b", exact=False).first.is_visible()
-        add.click()
-        idle(page)
-    yield served
-    served.stop()
+    for serve in serving():
+        served = serve(tmp_path_factory.mktemp("bench") / "session")
+        for page in opened(browser):
+            page.goto(served.address)
+            assert page.get_by_text("Drop recordings here").is_visible()
+            uploaded(page, recordings)
+            page.get_by_role("button", name="Learn a model").click()
+            page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+            idle(page)
+            page.get_by_role("button", name="See where it fails").click()
+            page.get_by_role("button", name="Find what is missing").click()
+            page.locator("#view").get_by_role("button", name="Find what is missing").click()
+            add = page.get_by_role("button", name="Add it").first
+            add.wait_for(timeout=LONG)
+            assert page.get_by_text("quadratic drag on b", exact=False).first.is_visible()
+            add.click()
+            idle(page)
+        yield served
 
 
 def errors_shown(page: Any) -> list[float]:
@@ -183,9 +188,9 @@ def test_every_combination_is_tried(found: Served, page: Any) -> None:
 
 
 def test_a_formula_of_ones_own_is_found_and_added(
-    recordings: list[Path], page: Any, tmp_path: Path
+    recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
-    served = Served(tmp_path / "session", *recordings[:1])
+    served = serve(tmp_path / "session", *recordings[:1])
     page.goto(served.address)
     page.wait_for_selector("article .joints", timeout=LONG)
     idle(page)
@@ -210,15 +215,17 @@ def test_a_formula_of_ones_own_is_found_and_added(
     assert served.stop() == 0
 
 
-def test_a_killed_server_loses_nothing(recordings: list[Path], page: Any, tmp_path: Path) -> None:
-    served = Served(tmp_path / "session", *recordings[:1])
+def test_a_killed_server_loses_nothing(
+    recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
+) -> None:
+    served = serve(tmp_path / "session", *recordings[:1])
     page.goto(served.address + "#data")
     page.wait_for_selector("article .joints", timeout=LONG)
     page.get_by_role("button", name="Learn a model").click()
     page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
     idle(page)
     served.stop(signal.SIGKILL)
-    again = Served(tmp_path / "session")
+    again = serve(tmp_path / "session")
     page.goto(again.address + "#model")
     page.get_by_role("button", name="See where it fails").wait_for()
     page.reload()
@@ -226,8 +233,10 @@ def test_a_killed_server_loses_nothing(recordings: list[Path], page: Any, tmp_pa
     assert again.stop() == 0
 
 
-def test_work_can_be_cancelled(recordings: list[Path], page: Any, tmp_path: Path) -> None:
-    served = Served(tmp_path / "session", *recordings[:1])
+def test_work_can_be_cancelled(
+    recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
+) -> None:
+    served = serve(tmp_path / "session", *recordings[:1])
     page.goto(served.address)
     page.wait_for_selector("article .joints", timeout=LONG)
     idle(page)
@@ -238,10 +247,12 @@ def test_work_can_be_cancelled(recordings: list[Path], page: Any, tmp_path: Path
     served.stop()
 
 
-def test_what_is_no_recording_is_said_on_its_card(page: Any, tmp_path: Path) -> None:
+def test_what_is_no_recording_is_said_on_its_card(
+    page: Any, tmp_path: Path, serve: Callable[..., Served]
+) -> None:
     wrong = tmp_path / "notes.csv"
     wrong.write_text("this is no recording\n")
-    served = Served(tmp_path / "session")
+    served = serve(tmp_path / "session")
     page.goto(served.address)
     page.get_by_text("Drop recordings here").wait_for()
     page.set_input_files("#choose", str(wrong))
@@ -255,9 +266,9 @@ def test_what_is_no_recording_is_said_on_its_card(page: Any, tmp_path: Path) -> 
 
 
 def test_all_can_be_done_with_the_keyboard(
-    recordings: list[Path], page: Any, tmp_path: Path
+    recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
-    served = Served(tmp_path / "session", *recordings[:1])
+    served = serve(tmp_path / "session", *recordings[:1])
     page.goto(served.address)
     page.wait_for_selector("article .joints", timeout=LONG)
     idle(page)

@@ -1,18 +1,24 @@
 """The server against those who are not its page."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from workbench_examples import Served, moved
+from workbench_examples import Served, moved, serving
+
+
+@pytest.fixture
+def serve() -> Iterator[Callable[..., Served]]:
+    yield from serving()
 
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    made = Served(tmp_path_factory.mktemp("server") / "session")
-    yield made
-    assert made.stop() == 0
+    for serve in serving():
+        made = serve(tmp_path_factory.mktemp("server") / "session")
+        yield made
+        assert made.stop() == 0
 
 
 def origin(served: Served) -> str:
@@ -70,8 +76,10 @@ def test_the_name_of_an_upload_is_no_path(served: Served, tmp_path: Path) -> Non
     assert not list(served.session.glob(".upload-*"))
 
 
-def test_others_than_this_machine_need_the_token(tmp_path: Path) -> None:
-    served = Served(tmp_path / "session", "--host", "0.0.0.0")
+def test_others_than_this_machine_need_the_token(
+    tmp_path: Path, serve: Callable[..., Served]
+) -> None:
+    served = serve(tmp_path / "session", "--host", "0.0.0.0")
     base, _, token = served.address.partition("?token=")
     port = base.rsplit(":", 1)[1]
     served.address = f"http://127.0.0.1:{port}"

@@ -7,7 +7,9 @@ import sys
 import time
 import urllib.error
 import urllib.request
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -69,3 +71,24 @@ class Served:
                 return answer.status, answer.read()
         except urllib.error.HTTPError as error:
             return error.code, error.read()
+
+    def end(self) -> None:
+        """End it if it still runs."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.wait(PATIENCE)
+
+
+def serving() -> Iterator[Callable[..., Served]]:
+    """Yield what starts workbenches, and end those that still run."""
+    made: list[Served] = []
+
+    def start(*given: Any) -> Served:
+        made.append(Served(*given))
+        return made[-1]
+
+    try:
+        yield start
+    finally:
+        for one in made:
+            one.end()
