@@ -1,4 +1,4 @@
-"""How long the page of the workbench waits, with a recording of 10 minutes, 500 Hz and 7 joints.
+"""Measure how long the workbench takes to answer: 10 minutes of 7 joints at 500 Hz.
 
     python benchmark/workbench.py [--minutes 10]
 

@@ -1,4 +1,4 @@
-"""What writes the file of a bag: the library mcap where it is installed, otherwise rosbag2_py.
+"""Writes the file of a bag: with the library mcap if it is installed, else with rosbag2_py.
 
 The first hands every message to the operating system at once; rosbag2 keeps up to 4 KiB, which a
 kill of the process loses.

@@ -1,7 +1,6 @@
-"""What the page can ask for: changes of the session, and work that goes on in processes."""
+"""Does what the page asks: it changes the session and starts work in processes."""
 
 import shutil
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,20 +21,16 @@ class Running:
     Attributes:
         id: names it in the page.
         title: in words.
-        about: the recording or model it is about.
         worker: its process.
         take: receives what came out.
         failed: receives the error in words.
-        began: s, of the steady clock.
     """
 
     id: str
     title: str
-    about: str
     worker: Worker[Any]
     take: Callable[[Any], None]
     failed: Callable[[str], None]
-    began: float
 
 
 class Bench:
@@ -60,7 +55,6 @@ class Bench:
             "role": self._role,
             "remove": self._remove,
             "learn": self._learn,
-            "compare": lambda asked: self.compare(),
             "diagnose": self._diagnose,
             "whatif": self._what_if,
             "add": self._add,
@@ -77,10 +71,14 @@ class Bench:
     def progress(self) -> dict[str, Any]:
         """Return the work under way, and what went wrong with the last."""
         work = [
-            {"id": one.id, "title": one.title, "about": one.about, "share": one.worker.fraction,
-             "label": one.worker.label, "seconds": round(time.monotonic() - one.began, 1)}
+            {
+                "id": one.id,
+                "title": one.title,
+                "share": one.worker.fraction,
+                "label": one.worker.label,
+            }
             for one in self._running
-        ]  # fmt: skip
+        ]
         return {"work": work, "said": self._said}
 
     def state(self) -> dict[str, Any]:
@@ -151,17 +149,17 @@ class Bench:
         self._running, self._waiting = [], []
 
     def _begin(
-        self, title: str, about: str, job: Any, take: Callable[[Any], None],
+        self,
+        title: str,
+        job: Any,
+        take: Callable[[Any], None],
         failed: Callable[[str], None] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Start work in a process, or after the work under way: it has all processors."""
 
         def start() -> None:
-            running = Running(
-                self.session.name("w"), title, about, Worker(job), take,
-                failed or (lambda error: self._fail(title, error)), time.monotonic(),
-            )  # fmt: skip
-            self._running.append(running)
+            told = failed or (lambda error: self._fail(title, error))
+            self._running.append(Running(self.session.name("w"), title, Worker(job), take, told))
 
         if self._running:
             self._waiting.append(start)
@@ -174,7 +172,7 @@ class Bench:
     def _then(self, change: Callable[[], None]) -> None:
         change()
         if self.session.node().compared is None:
-            self.compare()
+            self._compare()
 
     def _look(self, card: Card) -> None:
         def take(found: Any) -> None:
@@ -185,7 +183,7 @@ class Bench:
             card.error = error
             self.session.save()
 
-        self._begin(f"reading {card.name}", card.id, jobs.Look(card.file), take, failed)
+        self._begin(f"reading {card.name}", jobs.Look(card.file), take, failed)
 
     def _role(self, asked: Asked) -> None:
         card, role = self.session.card(str(asked["card"])), Role(asked["role"])
@@ -200,16 +198,15 @@ class Bench:
         sources = self.session.files(Role.LEARN)
         if not sources:
             raise UserError("there is nothing to learn from: put a recording under Learn from")
-        identity, name = self.session.name("m"), str(asked.get("model", ""))
-        file = str(self._place("models") / f"{identity}.npz")
+        (identity, file), name = self._new_model(), str(asked.get("model", ""))
 
         def take(found: Any) -> None:
             self.session.add_node(Node(identity, file, "", "learned", found))
-            self.compare()
+            self._compare()
 
-        self._begin("learning a model", identity, jobs.Learn(file, sources, name), take)
+        self._begin("learning a model", jobs.Learn(file, sources, name), take)
 
-    def compare(self) -> None:
+    def _compare(self) -> None:
         """Compare the model that is looked at with what it has not seen."""
         node, sources = self.session.node(), self.session.unseen()
         if not sources:
@@ -221,7 +218,7 @@ class Bench:
             self.session.save()
 
         job = jobs.Compare(file, self._page("compare", node), node.file, sources, self._effects)
-        self._begin("comparing it with unseen motion", node.id, job, take)
+        self._begin("comparing it with unseen motion", job, take)
 
     def _diagnose(self, asked: Asked) -> None:
         node = self.session.node()
@@ -235,7 +232,7 @@ class Bench:
             self.session.save()
 
         job = jobs.Search(self._page("diagnose", node), node.file, sources, confirm, self._effects)
-        self._begin("looking for what is missing", node.id, job, take)
+        self._begin("looking for what is missing", job, take)
 
     def _what_if(self, asked: Asked) -> None:
         node = self.session.node()
@@ -249,7 +246,7 @@ class Bench:
 
         tried = tuple((one["effect"], one["joint"], one["shape"]) for one in found)
         job = jobs.WhatIf(node.file, self.session.unseen(), tried[: jobs.MOST_TRIED], self._effects)
-        self._begin("trying combinations", node.id, job, take)
+        self._begin("trying combinations", job, take)
 
     def _add(self, asked: Asked) -> None:
         node = self.session.node()
@@ -259,17 +256,16 @@ class Bench:
             (one for one in found if (one["effect"], one["joint"]) == (effect, joint)), {}
         )
         why = known.get("why") or {"why": "added by hand"}
-        identity = self.session.name("m")
-        file = str(self._place("models") / f"{identity}.npz")
+        identity, file = self._new_model()
         title = f"+ {effect.replace('_', ' ')} on {joint}"
 
         def take(described: Any) -> None:
             self.session.add_node(Node(identity, file, node.id, title, described))
-            self.compare()
+            self._compare()
 
         job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why,
                        self._effects)  # fmt: skip
-        self._begin(f"adding {effect.replace('_', ' ')} on {joint}", identity, job, take)
+        self._begin(f"adding {effect.replace('_', ' ')} on {joint}", job, take)
 
     @property
     def _effects(self) -> str:
@@ -296,6 +292,11 @@ class Bench:
                 if isinstance(one.worker.job, jobs.Look):
                     one.failed("reading was cancelled; take it away and add it again")
                 self._said = f"{one.title}: cancelled"
+
+    def _new_model(self) -> tuple[str, str]:
+        """Return the name of the next model in the page, and its file."""
+        identity = self.session.name("m")
+        return identity, str(self._place("models") / f"{identity}.npz")
 
     def _page(self, kind: str, node: Node) -> str:
         return str(self._place("pages") / f"{kind}_{node.id}.html")

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.record_json import finite
@@ -24,7 +24,6 @@ Record = dict[str, Any]
 class Look:
     """Read the recording at `path`, and say what it holds."""
 
-    doing: ClassVar[str] = "reading"
     path: str
 
     def work(self, progress: Progress) -> Record:
@@ -49,17 +48,14 @@ class Look:
                 "low": float(motion.q[:, n].min()),
                 "high": float(motion.q[:, n].max()),
                 "fastest": float(np.abs(motion.qd[:, n]).max()),
-                "torque": float(np.sqrt(np.mean(motion.tau[:, n] ** 2))),
                 "positions": spread(motion.q[:, n]),
                 "speeds": spread(motion.qd[:, n]),
-                "still": bool(inspection.joints[n].still),
             }
             for n, name in enumerate(motion.joints)
         ]
         at_rest = float(np.mean(np.abs(motion.qd).max(axis=1) < 0.01))
         return finite({
             "seconds": float(motion.time[-1] - motion.time[0]),
-            "samples": inspection.samples,
             "rate": inspection.rate,
             "gaps": len(inspection.gaps),
             "rest": at_rest,
@@ -78,7 +74,6 @@ class Learn:
         model: kernel and effects, as `identify --model` names them; empty for the usual one.
     """
 
-    doing: ClassVar[str] = "learning"
     output: str
     sources: tuple[str, ...]
     model: str = ""
@@ -113,7 +108,6 @@ class Compare:
         effects: the file of the user's formulas; empty for none.
     """
 
-    doing: ClassVar[str] = "comparing"
     output: str
     page: str
     model: str
@@ -132,7 +126,7 @@ class Compare:
         from lagrangian_ff.workbench import traces
 
         model = load_model(self.model, self.effects)
-        motion = concatenate(motions_for(model, self.sources, part(progress, 0.0, 0.2)))
+        motion = concatenate(motions_for(self.model, model, self.sources, part(progress, 0.0, 0.2)))
         with one_blas_thread():
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
             where = locate(model, found, part(progress, 0.6, 0.95))
@@ -168,7 +162,6 @@ class Search:
         effects: the file of the user's formulas; empty for none.
     """
 
-    doing: ClassVar[str] = "diagnosing"
     page: str
     model: str
     sources: tuple[str, ...]
@@ -190,20 +183,18 @@ class Search:
         from lagrangian_ff.report import diagnose_page
 
         model = load_model(self.model, self.effects)
-        motions = motions_for(model, self.sources, part(progress, 0.0, 0.05))
-        confirm = motions_for(model, self.confirm, part(progress, 0.05, 0.1))
+        motions = motions_for(self.model, model, self.sources, part(progress, 0.0, 0.05))
+        confirm = motions_for(self.model, model, self.confirm, part(progress, 0.05, 0.1))
         with one_blas_thread():
             checks = preflight(model, concatenate(motions), confirm)
             found = diagnose(model, motions, confirm, progress=part(progress, 0.15, 0.75))
             found = with_consequences(found, part(progress, 0.75, 0.97))
         rounds = (Round(found),)
-        checks = sorted(checks, key=lambda one: not one.serious)
         run = DiagnosisRun(self.model, self.sources, self.confirm, rounds, tuple(checks))
         diagnose_page(self.page, run)
         serious = [{"finding": one.finding, "advice": one.advice} for one in checks if one.serious]
         return finite({
             "verdict": verdict(found),
-            "separate": found.separate,
             "checks": serious,
             "findings": [_card(one, found) for one in found.findings],
             "not_observable": [
@@ -227,7 +218,6 @@ class Add:
         effects: the file of the user's formulas; empty for none.
     """
 
-    doing: ClassVar[str] = "adding"
     output: str
     model: str
     effect: str
@@ -258,21 +248,20 @@ class WhatIf:
         effects: the file of the user's formulas; empty for none.
     """
 
-    doing: ClassVar[str] = "trying combinations"
     model: str
     sources: tuple[str, ...]
     tried: tuple[tuple[str, str, Mapping[str, float]], ...]
     effects: str = ""
 
     def work(self, progress: Progress) -> Record:
-        """Return the rms error of each combination, None where it is impossible."""
+        """Return the rms error with each combination; None for effects that exclude each other."""
         from lagrangian_ff.diagnosis import add, compare
         from lagrangian_ff.errors import ModelError
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
 
         model = load_model(self.model, self.effects)
-        motion = concatenate(motions_for(model, self.sources, part(progress, 0.0, 0.1)))
+        motion = concatenate(motions_for(self.model, model, self.sources, part(progress, 0.0, 0.1)))
         numbers = range(len(self.tried))
         every = [one for size in range(len(numbers) + 1) for one in combinations(numbers, size)]
         made: dict[tuple[int, ...], Model | None] = {(): model}
@@ -304,7 +293,9 @@ def load_model(file: str, effects: str) -> "Model":
     return Model.load(file)
 
 
-def motions_for(model: "Model", sources: tuple[str, ...], progress: Progress) -> "list[Motion]":
+def motions_for(
+    file: str, model: "Model", sources: tuple[str, ...], progress: Progress
+) -> "list[Motion]":
     """Return the motions in recordings, read as those were that the model was identified from."""
     from lagrangian_ff.recording import Conditioning, condition_alike, load
 
@@ -312,7 +303,7 @@ def motions_for(model: "Model", sources: tuple[str, ...], progress: Progress) ->
     for number, source in enumerate(sources):
         progress(number / len(sources), f"reading {Path(source).name}")
         recording = load(source)
-        model.require_joints(recording.joints, recording.source, source)
+        model.require_joints(recording.joints, recording.source, file)
         recordings.append(recording.select(model.joints))
     if not recordings:
         return []
@@ -334,8 +325,6 @@ def described(model: "Model") -> Record:
     return finite({
         "name": model.name,
         "joints": list(model.joints),
-        "score": found.score.record(),
-        "judged_on": found.judged_on,
         "seconds": found.seconds,
         "effects": effects,
         "notes": list(found.notes),
@@ -362,10 +351,8 @@ def _card(found: "Finding", diagnosis: "Diagnosis") -> Record:
         "doubt": found.doubt.words if found.doubt else "",
         "gain": found.log_bayes_factor,
         "p_value": found.p_value,
-        "size": found.size,
         "before": before,
         "after": after,
-        "rivals": list(found.rivals),
         "told_apart_by": list(found.told_apart_by),
         "shape": dict(found.shape),
         "parameters": {name: _estimate(value) for name, value in found.parameters.items()},
@@ -376,7 +363,6 @@ def _card(found: "Finding", diagnosis: "Diagnosis") -> Record:
                for name in ("x", "residual", "low", "high", "effect")},
         },
         "blocks": {
-            "time": blocks.time.tolist(),
             "before": blocks.before.tolist(),
             "after": blocks.after.tolist(),
         } if blocks else None,

@@ -43,7 +43,7 @@ RULES = (
 
 
 class Service:
-    """What the handlers share.
+    """State shared by the handlers.
 
     Args:
         session: the one that is shown.
@@ -159,7 +159,7 @@ class Events(Handler):
                 self.write(f"data: {json.dumps(state, ensure_ascii=False)}\n\n")
                 await self.flush()
                 await self.service.news()
-                await asyncio.sleep(0.05)  # several changes at once are told once
+                await asyncio.sleep(0.05)  # changes that come together are sent once
         except (StreamClosedError, asyncio.CancelledError):
             return
 
@@ -184,6 +184,8 @@ class Ask(Handler):
 class Upload(Handler):
     """A recording, as it is, in the body of the request."""
 
+    _path: Path | None = None
+
     def prepare(self) -> Awaitable[None] | None:
         super().prepare()
         self.request.connection.set_max_body_size(LARGEST_UPLOAD)  # type: ignore[union-attr]
@@ -198,12 +200,14 @@ class Upload(Handler):
     def post(self) -> None:
         self._file.close()
         name = self.get_query_argument("name", "recording")[:200]
+        assert self._path is not None
         card = self.service.bench.take_upload(name, self._path)
         self.say({"card": card.id})
 
     def on_connection_close(self) -> None:
-        self._file.close()
-        self._path.unlink(missing_ok=True)
+        if self._path is not None:  # a request that was refused has none
+            self._file.close()
+            self._path.unlink(missing_ok=True)
 
 
 class Curves(Handler):
@@ -280,27 +284,37 @@ class Chosen(Curves):
         self.say({"spans": curves.chosen(x, y, (a, b), (c, d))})
 
 
-class Take(Handler):
-    """The file of a model, to keep."""
+class Download(Handler):
+    """A file to keep: nothing of it is shown here, since a report has scripts of its own."""
+
+    def send(self, file: Path, name: str) -> None:
+        """Answer with a file.
+
+        Raises:
+            UserError: it was not made yet.
+        """
+        if not file.exists():
+            raise UserError(f"there is no {name} yet")
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+        self.finish(file.read_bytes())
+
+
+class Take(Download):
+    """The file of a model."""
 
     def get(self, node: str) -> None:
         found = self.service.bench.session.node(node)
-        self.set_header("Content-Type", "application/octet-stream")
-        self.set_header("Content-Disposition", f'attachment; filename="model_{found.id}.npz"')
-        self.finish(Path(found.file).read_bytes())
+        self.send(Path(found.file), f"model_{found.id}.npz")
 
 
-class Page(Handler):
-    """A report, to keep: it is not shown here, since it has scripts of its own."""
+class Page(Download):
+    """A report."""
 
     def get(self, kind: str, node: str) -> None:
         session = self.service.bench.session
         file = session.folder / "pages" / f"{kind}_{session.node(node).id}.html"
-        if not file.exists():
-            raise UserError("there is no such page yet")
-        self.set_header("Content-Type", "application/octet-stream")
-        self.set_header("Content-Disposition", f'attachment; filename="{kind}.html"')
-        self.finish(file.read_bytes())
+        self.send(file, f"{kind}.html")
 
 
 def application(service: Service) -> tornado.web.Application:

@@ -5,7 +5,6 @@
 
 import json
 import shutil
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -254,11 +253,3 @@ class Session:
         """Look at another model."""
         self.current, self.undone = self.node(identity).id, []
         self.save()
-
-    def line(self) -> Iterator[Node]:
-        """Yield the model that is looked at and those before it, the last first."""
-        at = self.current
-        while at:
-            node = self.node(at)
-            yield node
-            at = node.parent

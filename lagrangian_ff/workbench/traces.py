@@ -112,7 +112,7 @@ class Traces:
             where there is no sample.
         """
         x, y, rest = across.of(self), up.of(self), self.series["residual"][:, joint]
-        ends = [(float(v.min()), float(v.max()) or 1e-9) for v in (x, y)]
+        ends = [(float(v.min()), float(v.max())) for v in (x, y)]
         at = [
             np.minimum((bins * (v - low) / max(high - low, 1e-12)).astype(np.int64), bins - 1)
             for v, (low, high) in zip((x, y), ends, strict=True)

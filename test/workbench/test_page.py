@@ -61,6 +61,20 @@ def idle(page: Any) -> None:
     page.wait_for_selector("#work progress", state="detached", timeout=LONG)
 
 
+def shown(page: Any, served: Served) -> None:
+    """Open the page of a workbench, and wait until its recordings are read."""
+    page.goto(served.address)
+    page.wait_for_selector("article .joints", timeout=LONG)
+    idle(page)
+
+
+def learn(page: Any) -> None:
+    """Click for a model, and wait for it and its comparison."""
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+
+
 def uploaded(page: Any, files: list[Path]) -> None:
     page.set_input_files("#choose", [str(file) for file in files])
     page.wait_for_selector(f"article .joints >> nth={len(files) - 1}", timeout=LONG)
@@ -78,9 +92,7 @@ def found(
             page.goto(served.address)
             assert page.get_by_text("Drop recordings here").is_visible()
             uploaded(page, recordings)
-            page.get_by_role("button", name="Learn a model").click()
-            page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-            idle(page)
+            learn(page)
             page.get_by_role("button", name="See where it fails").click()
             page.get_by_role("button", name="Find what is missing").click()
             page.locator("#view").get_by_role("button", name="Find what is missing").click()
@@ -191,12 +203,8 @@ def test_a_formula_of_ones_own_is_found_and_added(
     recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
     served = serve(tmp_path / "session", *recordings[:1])
-    page.goto(served.address)
-    page.wait_for_selector("article .joints", timeout=LONG)
-    idle(page)
-    page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-    idle(page)
+    shown(page, served)
+    learn(page)
     before = page.locator("#steps button").nth(2).inner_text()
     page.goto(served.address + "#diagnose")
     page.get_by_label("Name").fill("my_drag")
@@ -219,11 +227,8 @@ def test_a_killed_server_loses_nothing(
     recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
     served = serve(tmp_path / "session", *recordings[:1])
-    page.goto(served.address + "#data")
-    page.wait_for_selector("article .joints", timeout=LONG)
-    page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-    idle(page)
+    shown(page, served)
+    learn(page)
     served.stop(signal.SIGKILL)
     again = serve(tmp_path / "session")
     page.goto(again.address + "#model")
@@ -237,9 +242,7 @@ def test_work_can_be_cancelled(
     recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
     served = serve(tmp_path / "session", *recordings[:1])
-    page.goto(served.address)
-    page.wait_for_selector("article .joints", timeout=LONG)
-    idle(page)
+    shown(page, served)
     page.get_by_role("button", name="Learn a model").click()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_text("learning a model: cancelled").wait_for()
@@ -269,9 +272,7 @@ def test_all_can_be_done_with_the_keyboard(
     recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
     served = serve(tmp_path / "session", *recordings[:1])
-    page.goto(served.address)
-    page.wait_for_selector("article .joints", timeout=LONG)
-    idle(page)
+    shown(page, served)
     for _ in range(30):
         page.keyboard.press("Tab")
         if page.locator("button:focus").all_inner_texts() == ["Learn a model"]:

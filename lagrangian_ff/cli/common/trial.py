@@ -1,10 +1,8 @@
 """Recordings of a simulated arm that hides an effect, to try the workbench with."""
 
-from importlib.util import find_spec
 from pathlib import Path
 
 from lagrangian_ff.cli.common.console import progress_bar
-from lagrangian_ff.errors import UserError
 
 HIDDEN = (
     "quadratic_drag@joint_2:0.2",
@@ -21,10 +19,8 @@ def record(folder: Path, seed: int) -> list[Path]:
     """Write the recordings below a folder, and return them.
 
     Raises:
-        UserError: PyBullet is missing.
+        ArmError: PyBullet is missing.
     """
-    if find_spec("pybullet") is None:
-        raise UserError("the simulated arm needs PyBullet: pip install pybullet")
     from lagrangian_ff.arm import exciting_trajectory, simulate
     from lagrangian_ff.arm.hiding import hidden, wanted
     from lagrangian_ff.progress import part

@@ -1,4 +1,4 @@
-"""What unpacks recordings, within the budget of a file, by libraries that may be missing."""
+"""Unpacks compressed recordings, up to a limit of size. The libraries for it are optional."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

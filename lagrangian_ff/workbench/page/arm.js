@@ -1,5 +1,5 @@
 // The arm as its URDF places its joints, posed at a moment; drag to look from elsewhere.
-import { h } from "./dom.js";
+import { drawing, h } from "./dom.js";
 
 const SIZE = 260;
 const view = { turn: 0.7, tilt: 0.35 };
@@ -80,16 +80,10 @@ export class Arm {
   }
 
   draw() {
-    const { canvas } = this, width = canvas.clientWidth, ratio = window.devicePixelRatio || 1;
-    if (!width) {
+    if (!this.canvas.clientWidth) {
       return;
     }
-    canvas.style.height = `${SIZE}px`;
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(SIZE * ratio);
-    const paint = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
-    const colour = (name) => style.getPropertyValue("--" + name).trim();
-    paint.scale(ratio, ratio);
+    const { paint, width, colour } = drawing(this.canvas, SIZE);
     const reach = this.joints.reduce((sum, joint) => sum + Math.hypot(...joint.origin), 0) || 1;
     const size = (0.8 * SIZE) / reach, [a, b] = [view.turn, view.tilt];
     const seen = ([x, y, z]) => {

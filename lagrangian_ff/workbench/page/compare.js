@@ -1,5 +1,5 @@
 // Measured and predicted torque of the joints on one time axis, the residual below.
-import { h, head, number } from "./dom.js";
+import { drawing, h, head, number } from "./dom.js";
 import { current, trace } from "./link.js";
 import { ticks } from "./figures.js";
 import { ErrorMap } from "./map.js";
@@ -102,16 +102,11 @@ class Curves {
     if (!this.found || !this.canvas.isConnected) {
       return;
     }
-    const names = this.node.compared.joint_names, ratio = window.devicePixelRatio || 1;
+    const names = this.node.compared.joint_names;
     const shown = names.map((_, n) => n).filter((n) => this.joints.has(names[n]));
     const TORQUE = Math.max(96, Math.min(240, 400 / shown.length)), REST = TORQUE * 0.45;
-    const each = TORQUE + REST + GAP + 8, height = shown.length * each + BELOW, width = this.canvas.clientWidth;
-    this.canvas.style.height = `${height}px`;
-    this.canvas.width = Math.round(width * ratio);
-    this.canvas.height = Math.round(height * ratio);
-    const paint = this.canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
-    const colour = (name) => style.getPropertyValue("--" + name).trim();
-    paint.scale(ratio, ratio);
+    const each = TORQUE + REST + GAP + 8, height = shown.length * each + BELOW;
+    const { paint, width, colour } = drawing(this.canvas, height);
     paint.font = "12px system-ui, sans-serif";
     const { time, series } = this.found, [start, end] = kept.window;
     const x = (at) => LEFT + ((at - start) / (end - start)) * (width - LEFT - RIGHT);

@@ -43,3 +43,14 @@ export function head(title, lead, ...actions) {
   return h("div", { class: "head" }, h("div", {}, h("h2", {}, title), h("p", {}, lead)),
     h("div", { class: "row" }, actions));
 }
+
+// Sizes a canvas to its place, sharp on every screen, and returns what to draw with.
+export function drawing(canvas, height) {
+  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth;
+  canvas.style.height = `${height}px`;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const paint = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
+  paint.scale(ratio, ratio);
+  return { paint, width, colour: (name) => style.getPropertyValue("--" + name).trim() };
+}

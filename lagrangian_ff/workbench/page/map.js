@@ -1,5 +1,5 @@
 // The error of a joint over two quantities; a rectangle drawn on it chooses those samples everywhere.
-import { h, number } from "./dom.js";
+import { drawing, h, number } from "./dom.js";
 import { say } from "./link.js";
 
 const SIZE = 300, LEFT = 46, BELOW = 34, TOP = 8, RIGHT = 8;
@@ -116,14 +116,7 @@ export class ErrorMap {
   }
 
   draw() {
-    const { canvas, found } = this;
-    const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth || SIZE;
-    canvas.style.height = `${SIZE}px`;
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(SIZE * ratio);
-    const paint = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
-    const colour = (name) => style.getPropertyValue("--" + name).trim();
-    paint.scale(ratio, ratio);
+    const { found } = this, { paint, width, colour } = drawing(this.canvas, SIZE);
     const wide = width - LEFT - RIGHT, tall = SIZE - TOP - BELOW, { bins } = found;
     const known = found.rms.filter((value) => value !== null).sort((a, b) => a - b);
     const top = known[Math.floor(0.98 * (known.length - 1))] || 1;
