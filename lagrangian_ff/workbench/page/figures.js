@@ -86,7 +86,7 @@ export function curve(found) {
 // The error of each block of unseen motion, before and after.
 export function blocks(found) {
   const { before, after } = found.blocks;
-  const width = 560, height = 70, most = Math.max(...before, ...after);
+  const width = 560, height = 74, most = Math.max(...before, ...after);
   const wide = width / before.length;
   return s("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "error of each block of unseen motion before and after adding it" },
     before.map((value, k) => [
