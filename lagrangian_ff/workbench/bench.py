@@ -8,6 +8,7 @@ from typing import Any
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench import jobs
+from lagrangian_ff.workbench.moving import Move
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
 from lagrangian_ff.worker import Outcome, Worker
 
@@ -59,6 +60,7 @@ class Bench:
             "whatif": self._what_if,
             "add": self._add,
             "formula": self._formula,
+            "move": self._move,
             "undo": lambda asked: self._then(self.session.undo),
             "redo": lambda asked: self._then(self.session.redo),
             "look": lambda asked: self._then(lambda: self.session.look_at(str(asked["model"]))),
@@ -260,12 +262,25 @@ class Bench:
         title = f"+ {effect.replace('_', ' ')} on {joint}"
 
         def take(described: Any) -> None:
-            self.session.add_node(Node(identity, file, node.id, title, described))
+            self.session.add_node(Node(identity, file, node.id, title, described, why=why))
             self._compare()
 
         job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why,
                        self._effects)  # fmt: skip
         self._begin(f"adding {effect.replace('_', ' ')} on {joint}", job, take)
+
+    def _move(self, asked: Asked) -> None:
+        node, effect, joint = self.session.node(), str(asked["effect"]), str(asked["joint"])
+        identity = self.session.name("t")
+        file = str(self._place("motions") / f"{identity}.csv")
+        title = f"{effect.replace('_', ' ')}" + (f" on {joint}" if joint else "")
+
+        def take(made: Any) -> None:
+            self.session.motions.append({"id": identity, "title": title, "file": file, **made})
+            self.session.save()
+
+        job = Move(file, node.file, effect, joint, self._effects)
+        self._begin(f"making a motion that shows {title}", job, take)
 
     @property
     def _effects(self) -> str:

@@ -4,9 +4,7 @@ Tornado, since HTTP, uploads in pieces and events that last are in one library t
 """
 
 import asyncio
-import hmac
 import json
-import math
 import os
 import secrets
 import signal
@@ -15,7 +13,6 @@ from collections.abc import Awaitable, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import tornado.httpserver
 import tornado.netutil
@@ -23,101 +20,15 @@ import tornado.web
 from tornado.iostream import StreamClosedError
 
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.workbench import traces
-from lagrangian_ff.workbench.bench import Bench
+from lagrangian_ff.workbench.curve_handlers import Chosen, Lit, Map, Trace
+from lagrangian_ff.workbench.handler import Handler, Service
 from lagrangian_ff.workbench.session import Session
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_UPLOAD = 4 * 2**30  # bytes
 LARGEST_QUESTION = 2**16
 TICK = 0.1  # s
-WIDEST = 4000  # pixels
-MAP_BINS = 36
-AXES = ("q", "qd", "tau", "load", "time")
 PAGE = Path(str(files(__package__).joinpath("page")))
-RULES = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'"
-)
-
-
-class Service:
-    """State shared by the handlers.
-
-    Args:
-        session: the one that is shown.
-        hosts: names by which the page may be asked for.
-        token: what a page must know; empty for none, on loopback.
-        skeleton: of the arm that is drawn.
-    """
-
-    def __init__(
-        self,
-        session: Session,
-        hosts: Sequence[str],
-        token: str,
-        skeleton: Sequence[dict[str, Any]] = (),
-    ) -> None:
-        self.hosts, self.token = frozenset(hosts), token
-        self._news = asyncio.Event()
-        self.bench = Bench(session, self._changed, skeleton)
-
-    def _changed(self) -> None:
-        news, self._news = self._news, asyncio.Event()
-        news.set()
-
-    async def news(self) -> None:
-        """Wait for the next change."""
-        await self._news.wait()
-
-
-class Handler(tornado.web.RequestHandler):
-    """Answers only pages that came from here."""
-
-    service: Service
-
-    def initialize(self, service: Service) -> None:
-        self.service = service
-
-    def set_default_headers(self) -> None:
-        self.set_header("Content-Security-Policy", RULES)
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("Cache-Control", "no-store")
-        self.clear_header("Server")
-
-    def prepare(self) -> Awaitable[None] | None:
-        """Refuse other hosts, other pages, and those without the token."""
-        host = urlsplit(f"//{self.request.host}").hostname or ""
-        if host not in self.service.hosts:
-            raise tornado.web.HTTPError(403, log_message="asked for by another name")
-        origin = self.request.headers.get("Origin")
-        if origin is not None and urlsplit(origin).netloc != self.request.host:
-            raise tornado.web.HTTPError(403, log_message="asked by another page")
-        if self.request.method == "POST" and origin is None:
-            raise tornado.web.HTTPError(403, log_message="asked by no page")
-        if self.service.token:
-            given = self.get_query_argument("token", "") or self.get_cookie("token") or ""
-            if not hmac.compare_digest(given.encode(), self.service.token.encode()):
-                raise tornado.web.HTTPError(401, log_message="without the token")
-        return None
-
-    def say(self, found: object) -> None:
-        """Answer in JSON."""
-        self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.finish(json.dumps(found, ensure_ascii=False, allow_nan=False))
-
-    def write_error(self, status_code: int, **told: Any) -> None:
-        error = told.get("exc_info", (None, None))[1]
-        words = str(error) if isinstance(error, UserError) else self._reason
-        if isinstance(error, UserError):
-            self.set_status(400)
-        self.say({"error": words})
-
-    def log_exception(self, kind: Any, value: Any, trace: Any) -> None:
-        if not isinstance(value, UserError):
-            super().log_exception(kind, value, trace)
 
 
 class Index(Handler):
@@ -210,80 +121,6 @@ class Upload(Handler):
             self._path.unlink(missing_ok=True)
 
 
-class Curves(Handler):
-    """What is drawn of a comparison."""
-
-    def curves(self, node: str) -> traces.Traces:
-        """Return the curves of a model.
-
-        Raises:
-            UserError: it was not compared.
-        """
-        found = self.service.bench.session.node(node)
-        file = self.service.bench.session.folder / "traces" / f"{found.id}.npz"
-        if found.compared is None or not file.exists():
-            raise UserError("this model was not compared yet")
-        return traces.opened(str(file), file.stat().st_mtime)
-
-    def axis(self, name: str, curves: traces.Traces) -> traces.Axis:
-        """Return the quantity that a page names, such as qd:2.
-
-        Raises:
-            UserError: there is none.
-        """
-        quantity, _, joint = self.get_query_argument(name).partition(":")
-        number = int(joint) if joint.isdigit() else 0
-        if quantity not in AXES or number >= curves.series["tau"].shape[1]:
-            raise UserError(f"there is no quantity {quantity}:{joint}")
-        return traces.Axis(quantity, number)
-
-    def number(self, name: str) -> float:
-        """Return a number that a page gives.
-
-        Raises:
-            UserError: it is none.
-        """
-        try:
-            value = float(self.get_query_argument(name))
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise UserError(f"{name} is no number")
-        return value
-
-
-class Trace(Curves):
-    """The curves of a comparison between two times."""
-
-    def get(self, node: str) -> None:
-        curves = self.curves(node)
-        start, end = (self.number(name) for name in ("start", "end"))
-        width = min(WIDEST, max(1, int(self.number("width"))))
-        asked = self.get_query_arguments("series")
-        names = tuple(name for name in traces.SERIES if name in asked)
-        self.set_header("Content-Type", "application/octet-stream")
-        self.finish(curves.window(start, end, width, names))
-
-
-class Map(Curves):
-    """The error of a joint over two quantities."""
-
-    def get(self, node: str) -> None:
-        curves = self.curves(node)
-        x, y, joint = (self.axis(name, curves) for name in ("x", "y", "joint"))
-        self.say(curves.map(joint.joint, x, y, MAP_BINS))
-
-
-class Chosen(Curves):
-    """The stretches of time in which two quantities lie where a page has chosen."""
-
-    def get(self, node: str) -> None:
-        curves = self.curves(node)
-        x, y = (self.axis(name, curves) for name in ("x", "y"))
-        a, b, c, d = (self.number(name) for name in ("left", "right", "below", "above"))
-        self.say({"spans": curves.chosen(x, y, (a, b), (c, d))})
-
-
 class Download(Handler):
     """A file to keep: nothing of it is shown here, since a report has scripts of its own."""
 
@@ -306,6 +143,15 @@ class Take(Download):
     def get(self, node: str) -> None:
         found = self.service.bench.session.node(node)
         self.send(Path(found.file), f"model_{found.id}.npz")
+
+
+class Motion(Download):
+    """The trajectory of a motion."""
+
+    def get(self, motion: str) -> None:
+        found = self.service.bench.session.motion(motion)
+        name = f"{found['motion']}_{found['title']}".replace(" ", "_")
+        self.send(Path(found["file"]), f"{name}.csv")
 
 
 class Page(Download):
@@ -331,7 +177,9 @@ def application(service: Service) -> tornado.web.Application:
             (r"/api/trace/(\w+)", Trace, given),
             (r"/api/map/(\w+)", Map, given),
             (r"/api/chosen/(\w+)", Chosen, given),
+            (r"/api/lit/(\w+)", Lit, given),
             (r"/api/page/(compare|diagnose)/(\w+)", Page, given),
+            (r"/api/motion/(\w+)", Motion, given),
             (r"/api/take/(\w+)", Take, given),
         ],
         log_function=lambda handler: None,

@@ -62,6 +62,7 @@ class Node:
         on: the recordings that it was compared with.
         diagnosed: see `jobs.Search`; None before.
         what_if: see `jobs.WhatIf`; None before.
+        why: the evidence for the effect that was added, as the model's history has it.
     """
 
     id: str
@@ -73,6 +74,7 @@ class Node:
     on: tuple[str, ...] = ()
     diagnosed: dict[str, Any] | None = None
     what_if: dict[str, Any] | None = None
+    why: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -85,6 +87,7 @@ class Session:
         nodes: models, in the order in which they were made.
         current: the model that is looked at; empty without one.
         formulas: effects of the user's own, as `effects.formula` reads them.
+        motions: those to record next, see `moving.Move`, each with `id`, `title` and `file`.
         undone: models that `redo` goes back to, the next one last.
         count: how many things were named, so that no name comes twice.
         version: grows with each change; the page asks for what is newer.
@@ -95,6 +98,7 @@ class Session:
     nodes: list[Node] = field(default_factory=list)
     current: str = ""
     formulas: list[dict[str, Any]] = field(default_factory=list)
+    motions: list[dict[str, Any]] = field(default_factory=list)
     undone: list[str] = field(default_factory=list)
     count: int = 0
     version: int = 0
@@ -126,7 +130,7 @@ class Session:
         self.cards = [Card(**{**one, "role": Role(one["role"])}) for one in saved["cards"]]
         self.nodes = [Node(**{**one, "on": tuple(one["on"])}) for one in saved["nodes"]]
         self.current, self.undone = saved["current"], list(saved["undone"])
-        self.formulas = saved["formulas"]
+        self.formulas, self.motions = saved["formulas"], saved.get("motions", [])
         self.count, self.version = saved["count"], saved["version"]
 
     def save(self) -> None:
@@ -143,6 +147,7 @@ class Session:
             "nodes": [asdict(one) for one in self.nodes],
             "current": self.current,
             "formulas": self.formulas,
+            "motions": self.motions,
             "undone": self.undone,
             "count": self.count,
             "version": self.version,
@@ -155,6 +160,17 @@ class Session:
         with whole(self.effects) as made:
             made.write_text(json.dumps({"effects": self.formulas}), encoding="utf-8")
         self.save()
+
+    def motion(self, identity: str) -> dict[str, Any]:
+        """Return a motion by its name in the page.
+
+        Raises:
+            UserError: there is none.
+        """
+        found = next((one for one in self.motions if one["id"] == identity), None)
+        if found is None:
+            raise UserError("this motion is no longer there; reload the page")
+        return found
 
     @property
     def effects(self) -> Path:

@@ -1,5 +1,6 @@
 """The curves of a comparison: kept in a file of arrays, and drawn from as many points as pixels."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -111,13 +112,9 @@ class Traces:
             `x` and `y`, the ends of the map; `rms` N·m and `count`, row by row from below; None
             where there is no sample.
         """
-        x, y, rest = across.of(self), up.of(self), self.series["residual"][:, joint]
-        ends = [(float(v.min()), float(v.max())) for v in (x, y)]
-        at = [
-            np.minimum((bins * (v - low) / max(high - low, 1e-12)).astype(np.int64), bins - 1)
-            for v, (low, high) in zip((x, y), ends, strict=True)
-        ]
-        place = at[1] * bins + at[0]
+        rest = self.series["residual"][:, joint]
+        ends = [(float(v.min()), float(v.max())) for v in (across.of(self), up.of(self))]
+        place = self._places(across, up, bins)
         count = np.bincount(place, minlength=bins * bins)
         total = np.bincount(place, weights=rest**2, minlength=bins * bins)
         rms = [
@@ -125,6 +122,24 @@ class Traces:
             for t, n in zip(total.tolist(), count.tolist(), strict=True)
         ]
         return {"x": ends[0], "y": ends[1], "rms": rms, "count": count.tolist(), "bins": bins}
+
+    def lit(
+        self, across: Axis, up: Axis, bins: int, spans: Sequence[tuple[float, float]]
+    ) -> list[int]:
+        """Return the bins of a map in which samples of these stretches of time lie."""
+        inside = np.zeros(len(self.time), dtype=bool)
+        for start, end in spans:
+            first, last = np.searchsorted(self.time, (start, end))
+            inside[first : last + 1] = True
+        return [int(k) for k in np.unique(self._places(across, up, bins)[inside])]
+
+    def _places(self, across: Axis, up: Axis, bins: int) -> Ints:
+        """Return (M,) the bin of each sample on a map, row by row from below."""
+        columns, rows = (
+            np.minimum((bins * (v - v.min()) / max(np.ptp(v), 1e-12)).astype(np.int64), bins - 1)
+            for v in (across.of(self), up.of(self))
+        )
+        return np.asarray(rows * bins + columns)
 
     def chosen(
         self, across: Axis, up: Axis, x: tuple[float, float], y: tuple[float, float]

@@ -34,7 +34,7 @@ ARROWS: dict[str, set[str]] = {
     "report": UNDERSTOOD,
     "nodes": {"arm", "report", *UNDERSTOOD},
     "studies": {"arm", "report", *UNDERSTOOD},
-    "workbench": {"report", *UNDERSTOOD},
+    "workbench": {"arm", "report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
     "cli": {"arm", "demo", "nodes", "report", "studies", "workbench", *UNDERSTOOD},
 }

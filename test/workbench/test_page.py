@@ -1,5 +1,6 @@
 """The page in a real browser: from an upload to the fallen error, and back again."""
 
+import re
 import shutil
 import signal
 from collections.abc import Callable, Iterator
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 from workbench_examples import Served, moved, serving
 
+from lagrangian_ff.arm import read_trajectory
 from lagrangian_ff.identification import Model
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
@@ -107,7 +109,7 @@ def found(
 def errors_shown(page: Any) -> list[float]:
     """Return the error of each step over all joints."""
     rows = page.locator("#view table").first.locator("tbody tr").all()
-    return [float(row.locator("td").last.inner_text()) for row in rows]
+    return [float(row.locator("td.total").inner_text()) for row in rows]
 
 
 def test_the_error_falls_and_the_step_can_be_undone(found: Served, page: Any) -> None:
@@ -115,6 +117,7 @@ def test_the_error_falls_and_the_step_can_be_undone(found: Served, page: Any) ->
     page.get_by_role("button", name="Undo").wait_for()
     before, after = errors_shown(page)
     assert after < 0.6 * before
+    assert page.get_by_text("confirmed, log Bayes factor").is_visible()
     change = page.locator("section", has_text="Two models").locator("tbody tr").last
     assert "-" in change.locator("td").last.inner_text()
     page.get_by_role("button", name="Undo").click()
@@ -183,6 +186,51 @@ def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, pa
     page.wait_for_timeout(200)
     page.goto(found.address + "#history")
     page.get_by_role("button", name="quadratic drag").click()
+
+
+def test_a_stretch_of_time_is_marked_by_mouse_and_keys(found: Served, page: Any) -> None:
+    page.goto(found.address + "#compare")
+    curves = page.locator("canvas").first
+    curves.wait_for()
+    page.wait_for_timeout(300)
+    page.get_by_role("button", name="mark", exact=True).click()
+    map_ = page.locator("canvas").last
+    dark = map_.screenshot()
+    curves.scroll_into_view_if_needed()
+    box = curves.bounding_box()
+    with page.expect_response(lambda answer: "/api/lit/" in answer.url) as lit:
+        page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 40)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 40)
+        page.mouse.up()
+    assert lit.value.json()["bins"]
+    page.get_by_text("in 1 stretch.").wait_for()
+    page.wait_for_timeout(200)
+    assert map_.screenshot() != dark
+    curves.focus()
+    page.keyboard.press("+")
+    page.wait_for_timeout(300)
+    with page.expect_response(lambda answer: "/api/lit/" in answer.url) as lit:
+        page.keyboard.press("m")
+    assert lit.value.ok
+
+
+def test_the_next_motion_is_drawn_and_saved(found: Served, page: Any, tmp_path: Path) -> None:
+    page.goto(found.address + "#diagnose")
+    start = page.locator("#view").get_by_role("button", name=re.compile("Find what|Look again"))
+    start.click()
+    idle(page)
+    page.locator("summary", has_text="cannot show").click()
+    page.get_by_role("button", name="Make this motion").first.click()
+    page.get_by_role("heading", name="The next motion").wait_for(timeout=LONG)
+    assert page.locator("section.finding svg path").count() >= 1
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Save the motion").click()
+    download.value.save_as(tmp_path / "motion.csv")
+    motion = read_trajectory(tmp_path / "motion.csv")
+    assert set(motion.joints) == {"a", "b"}
+    assert (abs(motion.q) <= 0.95).all()
+    assert not motion.qd[[0, -1]].any()
 
 
 def test_every_combination_is_tried(found: Served, page: Any) -> None:
@@ -271,14 +319,19 @@ def test_what_is_no_recording_is_said_on_its_card(
 def test_all_can_be_done_with_the_keyboard(
     recordings: list[Path], page: Any, tmp_path: Path, serve: Callable[..., Served]
 ) -> None:
-    served = serve(tmp_path / "session", *recordings[:1])
+    served = serve(tmp_path / "session", *recordings)
     shown(page, served)
-    for _ in range(30):
-        page.keyboard.press("Tab")
-        if page.locator("button:focus").all_inner_texts() == ["Learn a model"]:
-            break
-    page.keyboard.press("Enter")
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    for name in ("Learn a model", "See where it fails", *2 * ("Find what is missing",), "Add it"):
+        page.locator("#view").get_by_role("button", name=name).first.wait_for(timeout=LONG)
+        idle(page)
+        for _ in range(60):
+            page.keyboard.press("Tab")
+            if page.locator("#view button:focus").all_inner_texts() == [name]:
+                break
+        page.keyboard.press("Enter")
+    idle(page)
+    first, last = errors_shown(page)
+    assert last < 0.6 * first
     served.stop()
 
 

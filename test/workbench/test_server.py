@@ -65,6 +65,29 @@ def test_questions_that_make_no_sense_are_mistakes_in_words(
     assert served.asked("api/state")[0] == 200
 
 
+@pytest.mark.parametrize(
+    ("what", "body", "words"),
+    [("learn", b"{}", "nothing to learn from: put a recording under Learn from"),
+     ("diagnose", b"{}", "no model yet: learn one first"),
+     ("whatif", b"{}", "no model yet: learn one first"),
+     ("add", b'{"effect": "stribeck", "joint": "a"}', "no model yet: learn one first"),
+     ("move", b'{"effect": "stribeck", "joint": "a"}', "no model yet: learn one first"),
+     ("undo", b"{}", "no model yet: learn one first"),
+     ("redo", b"{}", "nothing to do again"),
+     ("remove", b'{"card": "r9"}', "this recording is no longer there; reload the page"),
+     ("formula", b'{"name": "stribeck", "formula": "A*q", "shapes": {}}', "choose another name"),
+     ("formula", b'{"name": "mine", "formula": "import os", "shapes": {}}', "mine"),
+     ("formula", b'{"name": "mine", "formula": "A*q", "shapes": {"w": [1]}}', "unknown way"),
+     ("nonsense", b"{}", "not known; reload it")],
+)  # fmt: skip
+def test_what_is_not_possible_now_is_said(
+    served: Served, what: str, body: bytes, words: str
+) -> None:
+    status, answer = served.asked(f"api/ask/{what}", body, Origin=origin(served))
+    assert status == 400
+    assert words in json.loads(answer)["error"]
+
+
 def test_the_name_of_an_upload_is_no_path(served: Served, tmp_path: Path) -> None:
     data = moved(tmp_path / "motion.npz", 0, seconds=12.0).read_bytes()
     name = "..%2F..%2F..%2Ftmp%2Fevil%0A.npz"

@@ -70,6 +70,18 @@ def test_what_is_chosen_lies_inside(traces: Traces) -> None:
     assert traces.chosen(Axis("q", 0), Axis("time"), (5.0, 6.0), (0.0, 4.0)) == []
 
 
+def test_what_is_chosen_on_a_map_lights_up_there(traces: Traces) -> None:
+    across, up, bins = Axis("q", 0), Axis("time"), 20
+    everywhere = traces.lit(across, up, bins, [(0.0, float(traces.time[-1]))])
+    count = np.array(traces.map(1, across, up, bins)["count"])
+    np.testing.assert_array_equal(everywhere, np.flatnonzero(count))
+    assert traces.lit(across, up, bins, []) == []
+    rows = np.array(traces.lit(across, up, bins, [(2.0, 3.0)])) // bins
+    assert set(rows) == {4, 5, 6}  # 10 s in 20 rows
+    (span,) = traces.chosen(across, up, (0.5, 2.0), (0.0, 4.0))
+    assert all(k % bins >= 14 for k in traces.lit(across, up, bins, [span]))
+
+
 @given(st.lists(st.booleans(), min_size=1, max_size=60))
 def test_spans_hold_the_samples_and_close_short_pauses(inside: list[bool]) -> None:
     time, flags = 0.05 * np.arange(len(inside)), np.array(inside)

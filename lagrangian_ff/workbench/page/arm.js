@@ -1,7 +1,7 @@
 // The arm as its URDF places its joints, posed at a moment; drag to look from elsewhere.
-import { drawing, h } from "./dom.js";
+import { drawing, em, h } from "./dom.js";
 
-const SIZE = 260;
+const HEIGHT = 260;
 const view = { turn: 0.7, tilt: 0.35 };
 
 function multiplied(a, b) {
@@ -41,6 +41,14 @@ export function placed(joints, positions) {
     frames.push({ place, turn, parent: joint.parent, moves: joint.kind !== "fixed" });
   }
   return frames;
+}
+
+// A serial arm of equal links, for joints of which only the names are known.
+export function stick(names) {
+  const axes = [[0, 0, 1], [0, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 0], [0, 0, 1]];
+  const joints = names.map((name, k) => ({ name, kind: "revolute", parent: k - 1,
+    origin: [0, 0, k ? 1 : 0.4], rotation: EYE, axis: axes[k % axes.length] }));
+  return [...joints, { name: "", kind: "fixed", parent: names.length - 1, origin: [0, 0, 0.6], rotation: EYE, axis: [0, 0, 1] }];
 }
 
 export class Arm {
@@ -83,7 +91,7 @@ export class Arm {
     if (!this.canvas.clientWidth) {
       return;
     }
-    const { paint, width, colour } = drawing(this.canvas, SIZE);
+    const SIZE = HEIGHT * em(), { paint, width, colour } = drawing(this.canvas, SIZE);
     const reach = this.joints.reduce((sum, joint) => sum + Math.hypot(...joint.origin), 0) || 1;
     const size = (0.8 * SIZE) / reach, [a, b] = [view.turn, view.tilt];
     const seen = ([x, y, z]) => {

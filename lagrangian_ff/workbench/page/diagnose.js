@@ -5,6 +5,7 @@ import { blocks, curve } from "./figures.js";
 import { saver } from "./save.js";
 import { formulas } from "./formula.js";
 import { whatIf } from "./whatif.js";
+import { motions, mover } from "./motion.js";
 
 export const TITLE = "Diagnose";
 
@@ -32,12 +33,13 @@ function card(found, busy, go) {
         h("li", {}, `${name} = ${number(value.value)} ${value.unit}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`)))),
       found.doubt ? h("p", { class: "quiet" }, `Only suggested: ${found.doubt}.`) : null,
       found.told_apart_by.map((text) => h("p", { class: "quiet" }, "Told apart by: " + text)),
-      found.once ? null : h("button", { class: found.verdict === "confirmed" ? "main" : "plain", disabled: busy,
+      h("div", { class: "row" }, found.once ? null : h("button", { class: found.verdict === "confirmed" ? "main" : "plain", disabled: busy,
         "data-key": "add" + found.effect + found.joint, onclick: async () => {
           if (await ask("add", { effect: found.effect, joint: found.joint })) {
             go("history");
           }
-        } }, "Add it")),
+        } }, "Add it"),
+        found.verdict === "confirmed" ? null : mover(found.effect, found.joint, busy, "Make the motion that decides"))),
     drawn(found));
 }
 
@@ -63,10 +65,12 @@ export function view(state, { go }) {
     found.checks.length ? h("section", { class: "card" }, h("h3", { class: "bad" }, "Mend the measurement first"),
       h("ul", {}, found.checks.map((one) => h("li", {}, `${one.finding}. ${one.advice}`)))) : null,
     ...found.findings.map((one) => card(one, busy, go)),
+    ...motions(state),
     whatIf(node, busy),
     found.findings.length ? null : h("div", { class: "empty" }, h("h3", {}, "Nothing is missing that these recordings can show"),
       "The list below says what they could not show."),
     found.not_observable.length ? h("details", {}, h("summary", {}, `${found.not_observable.length} effects that this motion cannot show`),
-      h("ul", {}, found.not_observable.map((one) => h("li", {}, `${spoken(one.effect)} on ${one.joint}: ${one.reason}; ${one.motion}`)))) : null,
+      h("ul", { class: "hidden-effects" }, found.not_observable.map((one) => h("li", {}, h("span", {}, `${spoken(one.effect)} on ${one.joint}: ${one.reason}; ${one.motion}`),
+        mover(one.effect, one.joint === "all" ? "" : one.joint, busy, "Make this motion"))))) : null,
     formulas(state, node, busy, go)].filter(Boolean);
 }

@@ -44,6 +44,11 @@ export function head(title, lead, ...actions) {
     h("div", { class: "row" }, actions));
 }
 
+// The size of text, in units of that for which drawings are laid out.
+export function em() {
+  return parseFloat(getComputedStyle(document.documentElement).fontSize) / 15;
+}
+
 // Sizes a canvas to its place, sharp on every screen, and returns what to draw with.
 export function drawing(canvas, height) {
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth;

@@ -22,6 +22,15 @@ function branch(state, parent, root) {
       `${node.title}${node.compared ? ` – ${number(node.compared.rmse)} N·m` : ""}`), branch(state, node.id, false))));
 }
 
+// The evidence for the effect that a step added.
+function evidence(node) {
+  const { verdict, evidence_gain: gain, p_value: p } = node.why;
+  if (gain === undefined) {
+    return node.parent ? "by hand" : "–";
+  }
+  return `${verdict}, log Bayes factor ${number(gain)}` + (p === null || p === undefined ? "" : `, p ${number(p)}`);
+}
+
 const pair = { a: "", b: "" };
 
 // Two models beside each other, on the motion that both were judged on.
@@ -69,10 +78,11 @@ export function view(state, { go }) {
       h("button", { class: "plain", "data-key": "take", onclick: () => go("take") }, "Take it away")),
     h("div", { class: "two" },
       h("section", { class: "card drawn" }, figure, figure ? saver(figure, "steps") : null,
-        h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "step"), joints.map((name) => h("th", { class: "number" }, name)), h("th", { class: "number" }, "all [N·m]"))),
+        h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "step"), joints.map((name) => h("th", { class: "number" }, name)), h("th", { class: "number" }, "all [N·m]"), h("th", {}, "evidence"))),
           h("tbody", {}, steps.map((one) => h("tr", {}, h("td", {}, one.title),
             joints.map((name) => h("td", { class: "number" }, number(one.compared.joints[name]?.rmse))),
-            h("td", { class: "number" }, number(one.compared.rmse))))))),
+            h("td", { class: "number total" }, number(one.compared.rmse)),
+            h("td", { class: "quiet" }, evidence(one))))))),
       h("div", {}, h("section", { class: "card" }, h("h3", {}, "All models"), h("p", { class: "quiet" }, "Choose one to go on from it."), branch(state, "", true)), versus(state))),
   ];
 }

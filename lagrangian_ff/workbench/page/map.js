@@ -1,16 +1,23 @@
 // The error of a joint over two quantities; a rectangle drawn on it chooses those samples everywhere.
-import { drawing, h, number } from "./dom.js";
+import { drawing, em, h, number } from "./dom.js";
 import { say } from "./link.js";
 
-const SIZE = 300, LEFT = 46, BELOW = 34, TOP = 8, RIGHT = 8;
+const SIDES = { size: 300, left: 46, below: 34, top: 8, right: 8 };
 const QUANTITIES = { q: ["position", "rad"], qd: ["speed", "rad/s"], tau: ["torque", "N·m"], load: ["load", "N·m"] };
 const kept = { x: null, y: null, joint: null };
+
+// The sides of the map in pixels.
+function sides() {
+  return Object.fromEntries(Object.entries(SIDES).map(([name, value]) => [name, value * em()]));
+}
 
 export class ErrorMap {
   // chosen(spans, words) is called when samples are chosen.
   constructor(node, joint, chosen) {
     this.node = node;
     this.chosen = chosen;
+    this.spans = [];
+    this.lit = [];
     this.names = node.compared.joint_names;
     this.joint = this.names.includes(kept.joint) ? kept.joint : joint;
     kept.x = kept.x || `qd:${this.names.indexOf(this.joint)}`;
@@ -46,7 +53,7 @@ export class ErrorMap {
       this.fetch();
     } }, this.names.map((name) => h("option", { value: name, selected: name === this.joint }, name))));
     this.element = h("div", {}, h("div", { class: "stack" }, joints, pick("across", "x"), pick("up", "y")), this.canvas,
-      h("p", { class: "quiet" }, "Darker: larger residual. Drag a rectangle to see those samples above."));
+      h("p", { class: "quiet" }, "Darker: larger residual. Drag a rectangle to mark those samples in the curves; what is marked there has a frame here."));
     this.fetch();
   }
 
@@ -60,15 +67,16 @@ export class ErrorMap {
     if (response.ok) {
       this.found = await response.json();
       this.from = this.to = null;
-      this.draw();
+      await this.light(this.spans);
     }
   }
 
   place(event) {
     const box = this.canvas.getBoundingClientRect();
-    const wide = box.width - LEFT - RIGHT, tall = box.height - TOP - BELOW;
+    const { left, right, top, below } = sides();
+    const wide = box.width - left - right, tall = box.height - top - below;
     const share = (value) => Math.min(1, Math.max(0, value));
-    return [share((event.clientX - box.left - LEFT) / wide), share(1 - (event.clientY - box.top - TOP) / tall)];
+    return [share((event.clientX - box.left - left) / wide), share(1 - (event.clientY - box.top - top) / tall)];
   }
 
   async choose() {
@@ -79,7 +87,7 @@ export class ErrorMap {
     this.from = null;
     if (Math.abs(a[0] - b[0]) < 0.01 && Math.abs(a[1] - b[1]) < 0.01) {
       this.to = null;
-      this.draw();
+      await this.light([]);
       this.chosen([], "");
       return;
     }
@@ -96,6 +104,8 @@ export class ErrorMap {
       say("What was chosen cannot be shown.");
       return;
     }
+    this.spans = [];
+    this.lit = [];
     this.draw();
     this.chosen((await response.json()).spans, `${number(at(x, left))} to ${number(at(x, right))}, ${number(at(y, below))} to ${number(at(y, above))}`);
   }
@@ -115,39 +125,61 @@ export class ErrorMap {
     this.ask();
   }
 
+  // Lights up where the samples of stretches of time lie, [start, end] in s each.
+  async light(spans) {
+    this.spans = spans;
+    this.box = null;
+    this.lit = [];
+    if (spans.length) {
+      const response = await fetch(`api/lit/${this.node.id}?${this.query}&spans=${spans.map(([from, to]) => `${from}:${to}`).join()}`);
+      if (response.ok && this.spans === spans) {
+        this.lit = (await response.json()).bins;
+      }
+    }
+    this.draw();
+  }
+
   draw() {
+    if (!this.found || !this.canvas.isConnected) {
+      return;
+    }
+    const size = em(), SIZE = SIDES.size * size, { left, right, top, below } = sides();
     const { found } = this, { paint, width, colour } = drawing(this.canvas, SIZE);
-    const wide = width - LEFT - RIGHT, tall = SIZE - TOP - BELOW, { bins } = found;
+    const wide = width - left - right, tall = SIZE - top - below, { bins } = found;
     const known = found.rms.filter((value) => value !== null).sort((a, b) => a - b);
-    const top = known[Math.floor(0.98 * (known.length - 1))] || 1;
+    const most = known[Math.floor(0.98 * (known.length - 1))] || 1;
+    const cell = (k, grown) => [left + ((k % bins) * wide) / bins, top + tall - ((Math.floor(k / bins) + 1) * tall) / bins, wide / bins + grown, tall / bins + grown];
     paint.fillStyle = colour("residual");
     found.rms.forEach((value, k) => {
-      if (value === null) {
-        return;
+      if (value !== null) {
+        paint.globalAlpha = 0.06 + 0.94 * Math.min(1, value / most);
+        paint.fillRect(...cell(k, 0.5));
       }
-      paint.globalAlpha = 0.06 + 0.94 * Math.min(1, value / top);
-      paint.fillRect(LEFT + ((k % bins) * wide) / bins, TOP + tall - ((Math.floor(k / bins) + 1) * tall) / bins, wide / bins + 0.5, tall / bins + 0.5);
     });
     paint.globalAlpha = 1;
+    paint.strokeStyle = colour("accent");
+    paint.lineWidth = 1.5 * size;
+    this.lit.forEach((k) => paint.strokeRect(...cell(k, 0)));
+    paint.lineWidth = 1;
     paint.strokeStyle = colour("line");
-    paint.strokeRect(LEFT, TOP, wide, tall);
+    paint.strokeRect(left, top, wide, tall);
     paint.fillStyle = colour("soft");
-    paint.font = "11px system-ui, sans-serif";
+    paint.font = `${11 * size}px system-ui, sans-serif`;
     const unit = (name) => (name === "time" ? "s" : QUANTITIES[name.split(":")[0]][1]);
     paint.textAlign = "left";
-    paint.fillText(number(found.x[0]), LEFT, SIZE - 18);
+    paint.fillText(number(found.x[0]), left, SIZE - 18 * size);
     paint.textAlign = "right";
-    paint.fillText(`${number(found.x[1])} ${unit(kept.x)}`, width - RIGHT, SIZE - 18);
-    paint.fillText(number(found.y[1]), LEFT - 4, TOP + 10);
-    paint.fillText(number(found.y[0]), LEFT - 4, TOP + tall);
-    paint.fillText(unit(kept.y), LEFT - 4, TOP + 24);
+    paint.fillText(`${number(found.x[1])} ${unit(kept.x)}`, width - right, SIZE - 18 * size);
+    paint.fillText(number(found.y[1]), left - 4, top + 10 * size);
+    paint.fillText(number(found.y[0]), left - 4, top + tall);
+    paint.fillText(unit(kept.y), left - 4, top + 24 * size);
     paint.textAlign = "center";
-    paint.fillText(`darkest: ${number(top)} N·m`, LEFT + wide / 2, SIZE - 4);
+    paint.fillText(`darkest: ${number(most)} N·m`, left + wide / 2, SIZE - 4);
     const box = this.from ? [this.from[0], this.to[0], this.from[1], this.to[1]] : this.box;
     if (box) {
       paint.strokeStyle = colour("accent");
       paint.lineWidth = 2;
-      paint.strokeRect(LEFT + wide * Math.min(box[0], box[1]), TOP + tall * (1 - Math.max(box[2], box[3])), wide * Math.abs(box[1] - box[0]), tall * Math.abs(box[3] - box[2]));
+      paint.strokeRect(left + wide * Math.min(box[0], box[1]), top + tall * (1 - Math.max(box[2], box[3])), wide * Math.abs(box[1] - box[0]), tall * Math.abs(box[3] - box[2]));
     }
   }
 }
