@@ -91,7 +91,7 @@ export function view(state, { go }) {
   map = new ErrorMap(node, regions.length ? node.compared.regions[0].joint : worst, (spans, words) => choose(spans, words, true));
   choose(kept.spans, kept.words);
   const drags = [["zoom", false], ["mark", true]].map(([label, marks]) =>
-    h("button", { class: "pick", "aria-pressed": String(kept.marks === marks), "data-key": label, onclick: (event) => {
+    h("button", { class: "pick small", "aria-pressed": String(kept.marks === marks), "data-key": label, onclick: (event) => {
       kept.marks = marks;
       event.target.parentElement.querySelectorAll("button").forEach((one) => one.setAttribute("aria-pressed", String(one === event.target)));
     } }, label));

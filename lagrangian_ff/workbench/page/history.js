@@ -58,7 +58,7 @@ function versus(state) {
     } }, known.map((node, k) => h("option", { value: node.id, selected: node.id === pair[key] }, `${k + 1}: ${node.title}`)));
   show();
   return h("section", { class: "card" }, h("h3", {}, "Two models"), h("div", { class: "stack" }, pick("a", "first model"), pick("b", "second model")), note, h("p", { class: "quiet" }, "Unseen error of each, N·m."),
-    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ["first", "second", "change"].map((text) => h("th", { class: "number" }, text)))), body));
+    h("table", { class: "close" }, h("thead", {}, h("tr", {}, h("th", {}, "joint"), ["first", "second", "change"].map((text) => h("th", { class: "number" }, text)))), body));
 }
 
 export function view(state, { go }) {
