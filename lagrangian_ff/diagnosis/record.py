@@ -45,6 +45,8 @@ def run_record(run: DiagnosisRun) -> Record:
             ],
         }
     record["preflight"] = [check_record(one) for one in run.checks]
+    if run.gears:
+        record["usual"] = run.usual
     if run.changed is not None:
         record["changed"] = [changed_record(one) for one in run.changed]
     if run.where is not None:

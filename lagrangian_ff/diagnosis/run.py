@@ -1,12 +1,13 @@
 """All that one run of `diagnose` found: the type that text, page, node and JSON read."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.preflight.base import Check
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding
 from lagrangian_ff.diagnosis.where.locate import Localisation
+from lagrangian_ff.effects.usual import usual_words
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.records import Estimate
 
@@ -97,6 +98,7 @@ class DiagnosisRun:
         changed: since the model was identified; None if that was neither asked nor to be seen.
         where: where the model fails; None if that was not looked for.
         output: the file of the model with what is confirmed; empty if nothing was to be added.
+        gears: by joint, the kind of its gear as `effects.usual` knows it, where the user said so.
     """
 
     model_file: str
@@ -107,6 +109,7 @@ class DiagnosisRun:
     changed: tuple[Changed, ...] | None = None
     where: Localisation | None = None
     output: str = ""
+    gears: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def diagnosis(self) -> Diagnosis:
@@ -117,6 +120,21 @@ class DiagnosisRun:
     def serious(self) -> tuple[Check, ...]:
         """Return the faults of the measurement that must be mended first."""
         return tuple(check for check in self.checks if check.serious)
+
+    @property
+    def usual(self) -> dict[str, str]:
+        """Return what is known of the findings and their rivals in the gears of their joints.
+
+        Returns:
+            By effect and joint, a sentence; those of which nothing is known are left out.
+        """
+        said = {
+            f"{name} on {one.joint}": usual_words(name, self.gears.get(one.joint))
+            for each in self.rounds
+            for one in each.diagnosis.findings
+            for name in (one.effect.name, *one.rivals)
+        }
+        return {name: words for name, words in said.items() if words}
 
     @property
     def tried(self) -> tuple[tuple[Finding, Consequence], ...]:

@@ -26,14 +26,17 @@ from lagrangian_ff.report.sections.limits import (
     next_section,
     serious_section,
     touched_section,
+    usual_section,
 )
 from lagrangian_ff.report.sections.ranking import ranking_section
 from lagrangian_ff.report.sections.regions import dependence_section, regions_section
+from lagrangian_ff.report.sections.story import ended_section, staircase_section, turns_section
 from lagrangian_ff.words import sentence, spoken
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
     from lagrangian_ff.diagnosis.where import Compared, Localisation
+    from lagrangian_ff.investigation import Investigation
     from lagrangian_ff.recording import Bandwidth, Inspection
 
 Result = TypeVar("Result")
@@ -74,6 +77,20 @@ def history_page(path: str | PathLike[str], history: History) -> Path:
     """Write how a model came to be what it is, and return the path of the page."""
     title, kicker = _what_was_added(history.steps), f"history of {history.file}"
     return _page(path, "history", title, history, HISTORY, kicker)
+
+
+def investigation_page(path: str | PathLike[str], story: "Investigation") -> Path:
+    """Write the story of an investigation, and return the path of the page."""
+    found = [spoken(one.name) for one in story.confirmed]
+    if not story.turns:
+        title = "The arm did not move"
+    elif not found:
+        title = "Nothing is missing that these motions can show"
+    else:
+        fall = f"{typeset(story.before_total)} → {typeset(story.turns[-1].total)} N·m"
+        title = f"Found {' and '.join(found)}: the unseen error falls, {fall}"
+    kicker = f"{len(story.turns)} questions to {len(story.joints)} joints, {story.seconds:.0f} s"
+    return _page(path, "investigate", title, story, INVESTIGATION, kicker)
 
 
 def recording_page(path: str | PathLike[str], found: "Read") -> Path:
@@ -210,12 +227,14 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     evidence_section,
     ranking_section,
     fall_section,
+    usual_section,
     next_section,
     _of_comparison(errors_section),
     _of_comparison(dependence_section),
     _joints_of_diagnosis,
     checks_section,
 ]
+INVESTIGATION: "list[Make[Investigation]]" = [turns_section, staircase_section, ended_section]
 HISTORY: list[Make[History]] = [steps_section, each_joint_section, reasons_section]
 RECORDING: "list[Make[Read]]" = [_bandwidth, _found]
 """The sections of each page from top to bottom."""

@@ -50,6 +50,11 @@ STUDIES = {
         "nuisances.study",
         True,
     ),
+    "decide": Entry(
+        "designed motions and investigations: do they decide what usual motion leaves open?",
+        "decide.study",
+        True,
+    ),
     "measured": Entry(
         "measured recordings: models beside the standard way, and verdicts on what is known",
         "measured.study",

@@ -31,12 +31,13 @@ ARROWS: dict[str, set[str]] = {
     "diagnosis": IDENTIFIED,
     # Not the effects: the plant's physics must not share code with what is to find it.
     "arm": {"loops", *LOW},
-    "report": UNDERSTOOD,
-    "nodes": {"arm", "report", *UNDERSTOOD},
-    "studies": {"arm", "report", *UNDERSTOOD},
+    "investigation": UNDERSTOOD,
+    "report": {"investigation", *UNDERSTOOD},
+    "nodes": {"arm", "investigation", "report", *UNDERSTOOD},
+    "studies": {"arm", "investigation", "report", *UNDERSTOOD},
     "workbench": {"arm", "report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
-    "cli": {"arm", "demo", "nodes", "report", "studies", "workbench", *UNDERSTOOD},
+    "cli": {"arm", "demo", "investigation", "nodes", "report", "studies", "workbench", *UNDERSTOOD},
 }
 FOR_ALL = {
     "arrays", "budget", "errors", "files", "lazy", "numbers", "progress", "record_json",

@@ -19,6 +19,7 @@ from lagrangian_ff.cli.text.diagnose import (
     say_diagnosis,
     say_not_observable,
 )
+from lagrangian_ff.effects.usual import GEARS
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
@@ -83,10 +84,15 @@ def add_arguments(parser: ArgumentParser) -> None:
         "SOURCE against the data that the model keeps (without it this is asked only where the "
         "model errs clearly more than on motion left out when it was identified)"
     )
+    gear = (
+        "the kind of gear of all joints, or JOINT=GEAR; what is usual in it is shown beside the "
+        f"evidence, and decides nothing: {', '.join(GEARS)}"
+    )
     add = "add what is confirmed, look again until nothing is, and write the model"
     rows = [
         ("--steps", int, "N", steps),
         ("--since", bool, "", since),
+        ("--gear", list, "GEAR", gear),
         ("--apply", bool, "", add),
         ("--output", Path, "NEW.npz", "with --apply: the model file to write"),
     ]
@@ -112,7 +118,8 @@ def run(arguments: Namespace) -> int:
     checks = believed(_checks(loaded.model, motions, confirm), changed)
     say_checks(checks, console)
     found = _found(loaded.model, motions, confirm, arguments)
-    found = replace(found, checks=checks, changed=changed)
+    gears = options.gears(arguments.gear, loaded.model.joints)
+    found = replace(found, checks=checks, changed=changed, gears=gears)
     after = next((one.after for one in reversed(found.rounds) if one.after is not None), None)
     if after is not None:
         with whole(arguments.output) as path:
@@ -221,6 +228,10 @@ def _say(found: "DiagnosisRun", arguments: Namespace, console: Console) -> None:
         say_diagnosis(one.diagnosis, console, found.changed if number == 1 else None)
         if one.added:
             console.say(["", f"added: {', '.join(one.added)}"])
+    if found.usual:
+        console.say(["", "what is usual in such gears, which decides nothing"])
+        for name, words in found.usual.items():
+            console.bullet(f"{name}: {words}")
     if found.changed is not None:
         say_changed(found.changed, found.model_file, console)
     last = found.rounds[-1].diagnosis

@@ -158,6 +158,26 @@ def assignments(option: str, texts: Sequence[str]) -> dict[str, float]:
     return values
 
 
+def gears(texts: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
+    """Return the kind of gear by joint, given as one for all or as joint=gear.
+
+    Raises:
+        UserError: there is no such joint or gear.
+    """
+    from lagrangian_ff.effects.usual import gear
+
+    found: dict[str, str] = {}
+    for part in names(texts):
+        joint, sign, kind = part.rpartition("=")
+        gear(kind)
+        if sign and joint not in joints:
+            raise UserError(
+                f"--gear {part}: there is no joint {joint}; there are {', '.join(joints)}"
+            )
+        found |= dict.fromkeys([joint] if sign else joints, kind)
+    return found
+
+
 def check_seed(arguments: Namespace) -> None:
     """Raise UserError if --seed is negative."""
     if arguments.seed < 0:

@@ -55,6 +55,15 @@ def touched_section(run: "DiagnosisRun") -> Section | None:
     return Section("What touched the arm", lead, html.table(header, rows))
 
 
+def usual_section(run: "DiagnosisRun") -> Section | None:
+    """Return what is usual in the gears of the joints that something was found on."""
+    if not run.usual:
+        return None
+    lead = "Known of such gears in general. It is not part of the evidence, and decides nothing."
+    bullets = html.bullets(f"{spoken(name)}: {words}" for name, words in run.usual.items())
+    return Section("What is usual in such gears", lead, bullets)
+
+
 def checks_section(run: "DiagnosisRun") -> Section | None:
     """Return all that was checked of the measurement."""
     if not run.checks:

@@ -1,0 +1,19 @@
+"""Experiments that decide: move, identify, diagnose, ask the next question, until nothing is left."""
+
+from lagrangian_ff.investigation.asking import next_question
+from lagrangian_ff.investigation.investigate import investigate
+from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
+from lagrangian_ff.investigation.story import Ended, Investigation, Turn
+
+__all__ = [
+    "Ended",
+    "Investigation",
+    "Permit",
+    "Plan",
+    "Proposal",
+    "Rig",
+    "StoppedError",
+    "Turn",
+    "investigate",
+    "next_question",
+]

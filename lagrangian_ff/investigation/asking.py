@@ -1,0 +1,65 @@
+"""The next question: what a diagnosis leaves open, the most promising first."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from lagrangian_ff.diagnosis.excite import Between, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.observable import Observability
+from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.effects.usual import weight
+
+TWICE = 2
+"""How often one question is asked, at most: a second motion of its kind doubles the evidence."""
+MOST_EVERYTHING = 3
+HOPE = 8.0
+"""Nats from which on the best candidate of a joint without findings is worth a motion."""
+
+
+def next_question(
+    found: Diagnosis,
+    shown: Observability,
+    asked: Sequence[Question],
+    size: float,
+    gears: Mapping[str, str] | None = None,
+) -> Question | None:
+    """Return what to ask next; None if nothing is open.
+
+    Args:
+        found: of all motions so far.
+        shown: what these motions could show.
+        asked: so far.
+        size: share of a joint's torque from which on an effect should be seen.
+        gears: by joint, the kind of its gear; what is usual in it is asked for first.
+    """
+    for question in _open(found, gears or {}):
+        if asked.count(question) < TWICE:
+            return question
+    everything = Everything()
+    if _unseen(shown, size) and asked.count(everything) < MOST_EVERYTHING:
+        return everything
+    return None
+
+
+def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
+    for one in found.findings:
+        if one.once:
+            continue
+        suspect = Suspect(one.effect.name, one.joint)
+        if one.rivals:
+            gear = gears.get(one.joint)
+            rivals = sorted(one.rivals, key=lambda name: -weight(name, gear))
+            yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
+        elif not one.confirmed:
+            yield For(suspect)
+    named = {joint for one in found.findings for joint in one.joints}
+    for ranked in found.ranking:
+        if ranked.named and ranked.joint not in named and ranked.log_bayes_factor > HOPE:
+            named.add(ranked.joint)
+            yield For(Suspect(ranked.name, ranked.joint))
+
+
+def _unseen(shown: Observability, size: float) -> bool:
+    """Return whether an effect of this size could be there unseen, and another motion shows it."""
+    every = np.array(list(shown.least.values()))
+    return bool(np.any(np.isfinite(every) & (every > size)))

@@ -1,0 +1,216 @@
+"""The loop that closes itself: move, identify, diagnose, design the next motion, until it ends."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrangian_ff.diagnosis import apply, compare, diagnose, with_consequences
+from lagrangian_ff.diagnosis.excite import (
+    Design,
+    Limits,
+    Question,
+    Reference,
+    design,
+    excite,
+    limits_of,
+)
+from lagrangian_ff.diagnosis.observable import observability
+from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification.settings import usual_model
+from lagrangian_ff.investigation.asking import next_question
+from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
+from lagrangian_ff.investigation.story import Ended, Investigation, Turn, asked
+from lagrangian_ff.kernels.threads import one_blas_thread
+from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
+
+LEARNED = 0.6
+"""Share of each motion that is learned from and searched; the rest confirms and judges."""
+SMALLER = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
+"""Shares of the permitted range that a first motion tries, until it touches nothing."""
+SHORTEST = 8.0
+"""s of motion that are worth beginning."""
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What is known after some motions: the model without and with what is confirmed."""
+
+    base: Model
+    diagnosis: Diagnosis
+    model: Model
+
+
+def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silent) -> Investigation:
+    """Return the story of an arm that was moved until nothing was left to decide.
+
+    Each round identifies a model of all motions so far, and diagnoses it: the first part of each
+    motion is learned from and searched, the rest confirms. What is left open is the next question,
+    and the motion that decides it is designed within what was permitted.
+
+    Args:
+        permit: is asked before the first motion and before each larger range.
+        progress: receives the share of the budget used, and what is done.
+
+    Raises:
+        UserError: the limits leave no room, or nothing can be learned from the first motion.
+    """
+    story = _Story(rig, plan, permit, progress)
+    try:
+        ended, words = story.go()
+    except StoppedError as error:
+        ended, words = Ended.STOPPED, str(error)
+    return story.told(ended, words)
+
+
+class _Story:
+    """An investigation under way."""
+
+    def __init__(self, rig: Rig, plan: Plan, permit: Permit, progress: Progress) -> None:
+        self._rig, self._plan, self._permit, self._progress = rig, plan, permit, progress
+        self._start = rig.pose() if plan.start is None else plan.start
+        self._limits = plan.limits
+        self._recordings: list[Recording] = []
+        self._motions: list[tuple[Question | None, Reference, Design | None]] = []
+        self._looks: list[_Look] = []
+        self._used = 0.0
+
+    def go(self) -> tuple[Ended, str]:
+        """Move and look until it ends; return why it ended."""
+        for number, share in enumerate(self._plan.reaches):
+            if not self._may_go(share):
+                if number == 0:
+                    return Ended.REFUSED, Ended.REFUSED.value
+                break
+            seconds = min(self._plan.first, self._left)
+            if seconds < SHORTEST:
+                return Ended.BUDGET, Ended.BUDGET.value
+            self._move(self._first(seconds, number), None, None)
+        look = self._look()
+        questions: list[Question] = []
+        while True:
+            question = self._next(look, questions)
+            if question is None:
+                return Ended.NOTHING_LEFT, Ended.NOTHING_LEFT.value
+            seconds = min(self._plan.each, self._left)
+            if seconds < SHORTEST:
+                return Ended.BUDGET, Ended.BUDGET.value
+            questions.append(question)
+            made = self._designed(look.base, question, seconds)
+            self._move(made.reference, question, made)
+            look = self._look()
+
+    def _first(self, seconds: float, number: int) -> Reference:
+        """Return a motion of all joints, in a smaller range where it would touch something."""
+        clear, joints = self._plan.clear, self._rig.joints
+        seed = self._plan.seed + number
+        for share in SMALLER:
+            within = self._limits.around(self._start, share)
+            motion = excite(
+                "exciting", joints, within, start=self._start, duration=seconds, seed=seed
+            )
+            touches = "" if clear is None else clear(motion.q)
+            if not touches:
+                return motion
+        raise ModelError(
+            f"every first motion from this start would touch something ({touches}): begin elsewhere"
+        )
+
+    def told(self, ended: Ended, words: str) -> Investigation:
+        """Return the story so far, all models judged on the same unseen motion."""
+        turns: list[Turn] = []
+        before: tuple[dict[str, float], float] = ({}, 0.0)
+        if self._looks:
+            _, unseen = self._parts()
+            # The first motions are looked at together: they are one turn.
+            first = len(self._motions) - len(self._looks) + 1
+            moved = self._motions[first - 1 :]
+            before = _errors(self._looks[0].base, unseen)
+            for (question, motion, made), look in zip(moved, self._looks, strict=False):
+                errors, total = _errors(look.model, unseen)
+                turns.append(
+                    Turn(question, motion, made, look.diagnosis, look.model, errors, total)
+                )
+        return Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+
+    @property
+    def _left(self) -> float:
+        return self._plan.budget - self._used
+
+    def _may_go(self, share: float) -> bool:
+        limits = self._plan.limits.around(self._start, share)
+        proposal = Proposal(self._rig.joints, self._start, limits, share, self._left)
+        if not self._permit(proposal):
+            return False
+        self._limits = limits
+        return True
+
+    def _move(self, motion: Reference, question: Question | None, made: Design | None) -> None:
+        seconds = float(motion.time[-1])
+        begin = self._used / self._plan.budget
+        here = part(self._progress, begin, min(1.0, begin + seconds / self._plan.budget))
+        here(0.0, f"moving for {seconds:.0f} s: {asked(question)}")
+        known = self._looks[-1].model if self._looks else None
+        self._recordings.append(self._rig.run(motion, known, here))
+        self._motions.append((question, motion, made))
+        self._used += seconds
+
+    def _look(self) -> _Look:
+        self._say("identifying a model")
+        learned, unseen = self._parts()
+        name = self._plan.model or usual_model(self._plan.conditioning.effort)
+        base = identify(learned, Settings(model=name, train=1.0)).model
+        self._say("looking for what is missing")
+        with one_blas_thread():
+            found = with_consequences(diagnose(base, learned, unseen))
+        look = _Look(base, found, apply(found))
+        self._looks.append(look)
+        return look
+
+    def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
+        learned, _ = self._parts()
+        with one_blas_thread():
+            shown = observability(learned)
+        return next_question(look.diagnosis, shown, asked_before, self._plan.size, self._plan.gears)
+
+    def _designed(self, model: Model, question: Question, seconds: float) -> Design:
+        self._say(f"designing a motion: {asked(question)}")
+        return design(
+            model,
+            question,
+            _both(self._limits, limits_of(model)),
+            start=self._start,
+            seconds=seconds,
+            clear=self._plan.clear,
+            seed=self._plan.seed + len(self._motions),
+        )
+
+    def _parts(self) -> tuple[list[Motion], list[Motion]]:
+        """Return what is learned from and searched of each motion, and what is not."""
+        motions = condition_alike(self._recordings, self._plan.conditioning)
+        motions = [motion.select(self._rig.joints) for motion in motions]
+        cuts = [round(LEARNED * len(motion)) for motion in motions]
+        pairs = list(zip(motions, cuts, strict=True))
+        return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]
+
+    def _say(self, what: str) -> None:
+        self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def _both(permitted: Limits, seen: Limits) -> Limits:
+    """Return the limits within both: what was permitted, and what the model has seen."""
+    return replace(
+        seen,
+        q_low=np.maximum(permitted.q_low, seen.q_low),
+        q_high=np.minimum(permitted.q_high, seen.q_high),
+        qd_max=np.minimum(permitted.qd_max, seen.qd_max),
+        qdd_max=np.minimum(permitted.qdd_max, seen.qdd_max),
+    )
+
+
+def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:
+    score = compare(model, concatenate(unseen)).score
+    return dict(zip(model.joints, map(float, score.rmse), strict=True)), float(score.total)

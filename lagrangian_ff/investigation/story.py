@@ -1,0 +1,164 @@
+"""What an investigation did and found, turn by turn."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from enum import Enum
+from typing import Any
+
+from lagrangian_ff.diagnosis import verdict
+from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Reference
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding
+from lagrangian_ff.identification import Model
+from lagrangian_ff.record_json import finite
+from lagrangian_ff.words import spoken
+
+
+class Ended(str, Enum):
+    """Why an investigation ended; JSON holds the value."""
+
+    NOTHING_LEFT = "nothing is left that another motion could decide"
+    BUDGET = "the time for motion is used"
+    REFUSED = "the motion was not permitted"
+    STOPPED = "the arm was stopped"
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """A motion, and what is known after it.
+
+    Attributes:
+        question: that the motion was to answer; None for the first ones.
+        motion: as it was sent.
+        design: how it was found; None for a motion of a kind.
+        diagnosis: of all motions so far, with consequences.
+        model: with all that is confirmed.
+        errors: by joint, N·m rms of that model on the part of all motions of the investigation that
+            no model learned from; so that turns compare.
+        total: the same over all joints.
+    """
+
+    question: Question | None
+    motion: Reference
+    design: Design | None
+    diagnosis: Diagnosis
+    model: Model
+    errors: Mapping[str, float]
+    total: float
+
+    @property
+    def asked(self) -> str:
+        """Return the question in words."""
+        return asked(self.question)
+
+    @property
+    def answer(self) -> str:
+        """Return the verdict of the diagnosis in words."""
+        return verdict(self.diagnosis)
+
+    @property
+    def confirmed(self) -> tuple[Finding, ...]:
+        """Return what is confirmed and lowers the error."""
+        return tuple(finding for finding, _ in self.diagnosis.tried)
+
+    @property
+    def expected(self) -> float | None:
+        """Return the nats that the motion was expected to gain for its question."""
+        return None if self.design is None else self.design.nats
+
+    @property
+    def gained(self) -> float | None:
+        """Return the log Bayes factor of what was asked for; None if that was not found."""
+        suspects = of_question(self.question)
+        for one in self.diagnosis.findings:
+            if (one.effect.name, one.joint) in suspects:
+                return one.log_bayes_factor
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class Investigation:
+    """The whole story.
+
+    Attributes:
+        joints: N names.
+        turns: in their order.
+        ended, words: why it ended, for a program and in words.
+        seconds: of motion.
+        before: by joint, N·m rms of the first model, without any effect that was found, on the
+            same motion as the turns' errors; empty without a turn.
+        before_total: the same over all joints.
+    """
+
+    joints: tuple[str, ...]
+    turns: tuple[Turn, ...]
+    ended: Ended
+    words: str
+    seconds: float
+    before: Mapping[str, float]
+    before_total: float
+
+    @property
+    def model(self) -> Model | None:
+        """Return the last model; None without a turn."""
+        return self.turns[-1].model if self.turns else None
+
+    @property
+    def confirmed(self) -> tuple[Finding, ...]:
+        """Return what is confirmed in the end."""
+        return self.turns[-1].confirmed if self.turns else ()
+
+    def record(self) -> dict[str, Any]:
+        """Return the story for JSON."""
+        return finite({
+            "joints": list(self.joints),
+            "ended": self.ended.value,
+            "words": self.words,
+            "seconds": self.seconds,
+            "before": {"errors": dict(self.before), "rmse": self.before_total},
+            "turns": [
+                {
+                    "asked": turn.asked,
+                    "seconds": float(turn.motion.time[-1]),
+                    "expected_nats": turn.expected,
+                    "gained_nats": turn.gained,
+                    "answer": turn.answer,
+                    "confirmed": [one.name for one in turn.confirmed],
+                    "findings": [_finding(one) for one in turn.diagnosis.findings],
+                    "unexplained": [asdict(one) for one in turn.diagnosis.unexplained],
+                    "errors": dict(turn.errors),
+                    "rmse": turn.total,
+                }
+                for turn in self.turns
+            ],
+        })  # fmt: skip
+
+
+def _finding(found: Finding) -> dict[str, Any]:
+    return {
+        "effect": found.effect.name,
+        "joint": found.joint,
+        "verdict": found.verdict.value,
+        "log_bayes_factor": found.log_bayes_factor,
+        "rivals": list(found.rivals),
+    }
+
+
+def of_question(question: Question | None) -> tuple[tuple[str, str], ...]:
+    """Return the effects and joints that a question names."""
+    if isinstance(question, For):
+        return ((question.suspect.effect, question.suspect.joint),)
+    if isinstance(question, Between):
+        return tuple((one.effect, one.joint) for one in (question.first, question.second))
+    return ()
+
+
+def asked(question: Question | None) -> str:
+    """Return a question in words."""
+    if isinstance(question, For):
+        return f"Is there {spoken(question.suspect.effect)} on {question.suspect.joint}?"
+    if isinstance(question, Between):
+        first, second = question.first, question.second
+        return f"Is it {spoken(first.effect)} or {spoken(second.effect)} on {first.joint}?"
+    if isinstance(question, Everything):
+        return "What else is there, that the motions so far do not show?"
+    return "What does the arm do?"

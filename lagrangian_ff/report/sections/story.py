@@ -1,0 +1,101 @@
+"""The story of an investigation: each question, its motion, the answer, and the error's fall."""
+
+from typing import TYPE_CHECKING
+
+from lagrangian_ff.numbers import DASH, typeset
+from lagrangian_ff.report import html
+from lagrangian_ff.report.colours import RUNS
+from lagrangian_ff.report.page import Section
+from lagrangian_ff.report.plot import Plot, axis, embed, line
+from lagrangian_ff.report.sections.history import fall_plot, joints_fall_plot
+from lagrangian_ff.words import sentence, spoken
+
+if TYPE_CHECKING:
+    from lagrangian_ff.investigation import Investigation, Turn
+
+DRAWN = 400
+"""Points of a motion that its figure has, at most."""
+
+
+def turns_section(story: "Investigation") -> Section:
+    """Return each question with the motion that answers it."""
+    rows = [
+        [
+            str(number),
+            turn.asked,
+            typeset(float(turn.motion.time[-1])),
+            DASH if turn.expected is None else typeset(turn.expected),
+            DASH if turn.gained is None else typeset(turn.gained),
+            ", ".join(spoken(one.name) for one in turn.confirmed) or DASH,
+        ]
+        for number, turn in enumerate(story.turns, 1)
+    ]
+    header = ["", "question", "motion [s]", "nats expected", "gained", "confirmed after it"]
+    parts = [html.table(header, rows, words=2, strong=5)]
+    for number, turn in enumerate(story.turns, 1):
+        parts.append(html.paragraph(f"{number}. {turn.asked} {sentence(turn.answer)}"))
+        parts.append(embed(motion_plot(turn), f"positions of the motion for question {number}"))
+    return Section(
+        "Question by question",
+        "Every motion is designed to decide the question above it. The nats expected were computed "
+        "before the arm moved, those gained are of all motions so far.",
+        "".join(parts),
+    )
+
+
+def staircase_section(story: "Investigation") -> Section | None:
+    """Return the error after each question, on motion that no model learned from."""
+    if not story.turns:
+        return None
+    names = ["rigid bodies and friction", *(f"question {k + 1}" for k in range(len(story.turns)))]
+    errors = [story.before_total, *(turn.total for turn in story.turns)]
+    joints = {
+        joint: [story.before[joint], *(turn.errors[joint] for turn in story.turns)]
+        for joint in story.joints
+    }
+    rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
+    return Section(
+        "The error falls",
+        "Each model is judged on the same motion: the last part of every recording, from which "
+        "none of them learned.",
+        embed(fall_plot(names, errors), "error after each question")
+        + embed(joints_fall_plot(names, joints), "each joint's error after each question")
+        + html.table(["RMS error [N·m]", *names], rows, strong=len(names)),
+    )
+
+
+def ended_section(story: "Investigation") -> Section:
+    """Return why it ended, and what is left."""
+    texts = [f"It ended after {story.seconds:.0f} s of motion: {story.words}."]
+    if story.turns:
+        found = story.turns[-1].diagnosis
+        texts += [
+            f"On {one.joint} something is left that depends on {one.coordinate}: take in the curve "
+            "itself, or have a formula proposed."
+            for one in found.unexplained
+        ]
+        texts += [
+            f"{sentence(spoken(one.name))} is no more than {one.said}."
+            for one in found.findings
+            if not one.confirmed
+        ]
+    return Section("What is left", "", html.bullets(texts))
+
+
+def motion_plot(turn: "Turn") -> Plot:
+    """Draw the positions of the joints that move, from their place at the start."""
+    motion = turn.motion
+    every = max(1, len(motion.time) // DRAWN)
+    time, q = motion.time[::every], motion.q[::every] - motion.q[0]
+    moving = [n for n in range(q.shape[1]) if abs(q[:, n]).max() > 1e-3]
+    joints = turn.model.joints
+    data = [
+        line(time, q[:, n], joints[n], RUNS[k % len(RUNS)], width=1.4) for k, n in enumerate(moving)
+    ]
+    layout = {
+        "xaxis": axis("time [s]"),
+        "yaxis": axis("from the start [rad]"),
+        "showlegend": True,
+        "hovermode": "x unified",
+    }
+    return Plot(data, layout, 240)

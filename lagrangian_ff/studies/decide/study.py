@@ -1,0 +1,208 @@
+"""The study of experiments that decide: each arm from its first motion to the judgement."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
+from lagrangian_ff.diagnosis import diagnose, with_consequences
+from lagrangian_ff.diagnosis.excite import (
+    Between,
+    Everything,
+    For,
+    Question,
+    Suspect,
+    design,
+    excite,
+    limits_of,
+    seen_pose,
+)
+from lagrangian_ff.diagnosis.results import Diagnosis, Found
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.investigation import Investigation, Plan, investigate
+from lagrangian_ff.investigation.investigate import LEARNED
+from lagrangian_ff.recording import Recording, concatenate, condition_alike
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.studies.decide.cases import DecideCase, cases
+from lagrangian_ff.studies.decide.results import DecideResults
+from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
+from lagrangian_ff.studies.hidden.study import Clock
+from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome, Truth, judge
+from lagrangian_ff.studies.study import Line, Study
+
+USUAL = 30.0
+"""s of the usual motion, and at most of the one that decides."""
+BUDGET = 240.0
+"""s of motion of an investigation."""
+MODEL = "auto+fri"
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A case of the study."""
+
+    case: DecideCase
+
+    @property
+    def name(self) -> str:
+        """Return the arm's name."""
+        return self.case.name
+
+    def run(self) -> Mapping[str, Any]:
+        """Move the arm, and judge what comes out."""
+        clock = Clock()
+        limits = arm_limits()
+        rig = SimulatedRig(self.case.nuisances, self.case.hidden, self.case.seed, limits)
+        usual = self._usual()
+        rig.size_along(usual)
+        clock.lap("sizing")
+        if self.case.group == "motion":
+            found = self._motion(rig, usual, clock)
+        else:
+            found = self._investigated(rig, clock)
+        hidden = self.case.hidden
+        return {
+            "group": self.case.group,
+            "hidden": [hidden.effect, hidden.joint, hidden.size] if hidden else None,
+            **found,
+            "left": rig.left,
+            "seconds_of": clock.laps,
+        }
+
+    def _usual(self) -> Trajectory:
+        drawn = self.case.nuisances
+        kind = "spline" if drawn.motion == "point-to-point" else drawn.motion
+        pace = min(drawn.pace, 0.45)
+        return working_motion(kind, USUAL, 0.0, pace, self.case.seed, drawn.parameters)
+
+    def _truths(self) -> list[Truth]:
+        hidden = self.case.hidden
+        if hidden is None:
+            return []
+        acts = hidden.kind.acts_on(JOINTS.index(hidden.joint))
+        return [Truth(tuple(hidden.kind.catalogue), tuple(JOINTS[n] for n in acts))]
+
+    def _judged(self, findings: Sequence[Found]) -> Judgement:
+        return judge(self._truths(), findings, self.case.nuisances.allowed)
+
+    def _motion(self, rig: SimulatedRig, usual: Trajectory, clock: Clock) -> dict[str, Any]:
+        """Return what the usual motion, the designed one and the template's decide."""
+        hidden = self.case.hidden
+        assert hidden is not None
+        suspect = Suspect(hidden.effect, hidden.joint)
+        first = rig.follow(usual)
+        model, before = _diagnosed([first])
+        clock.lap("usual")
+        made: dict[str, Any] = {"before": self._judged(before.findings).record()}
+        question = _question(before, suspect)
+        limits, start = limits_of(model), seen_pose(model, hidden.joint, limits_of(model))
+        found = design(
+            model,
+            question,
+            limits,
+            start=start,
+            seconds=USUAL,
+            clear=Clearance(),
+            seed=self.case.seed,
+        )
+        clock.lap("designing")
+        template = excite(
+            EFFECTS[hidden.effect].motion,
+            JOINTS,
+            limits,
+            joint=hidden.joint,
+            start=start,
+            duration=USUAL,
+        )
+        for name, path in (("designed", found.reference), ("template", template)):
+            # At equal time: a template that must be slower is cut.
+            rows = slice(0, 1 + int(round(USUAL / (path.time[1] - path.time[0]))))
+            cut = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows], JOINTS)
+            try:
+                _, after = _diagnosed([first, rig.follow(cut)])
+            except UserError as error:
+                made[name] = {"failed": str(error)}
+                continue
+            gains = {
+                (one.effect.name, one.joint): one.log_bayes_factor for one in after.findings
+            }
+            ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.ranking}
+            key = suspect.effect, suspect.joint
+            made[name] = {
+                "seconds": float(cut.time[-1]),
+                "judgement": self._judged(after.findings).record(),
+                "nats": gains.get(key, ranked.get(key, 0.0)),
+            }
+            clock.lap(name)
+        made["expected"] = found.nats
+        made["asked"] = type(question).__name__
+        return made
+
+    def _investigated(self, rig: SimulatedRig, clock: Clock) -> dict[str, Any]:
+        """Return what an investigation finds, and how soon."""
+        limits = arm_limits()
+        plan = Plan(limits, budget=BUDGET, model=MODEL, clear=Clearance(), seed=self.case.seed)
+        story = investigate(rig, plan, lambda proposal: True)
+        clock.lap("investigating")
+        judgement = self._judged([one for one, _ in _tried(story)])
+        return {
+            "story": story.record(),
+            "judgement": judgement.record(),
+            "moved": story.seconds,
+            "when": self._when(story),
+            "error": [story.before_total, story.turns[-1].total if story.turns else None],
+        }
+
+    def _when(self, story: Investigation) -> float | None:
+        """Return the s of motion after which the truth was named for good; None if never."""
+        last = None
+        moved = story.seconds - sum(float(one.motion.time[-1]) for one in story.turns[1:])
+        for number, turn in enumerate(story.turns):
+            if number:
+                moved += float(turn.motion.time[-1])
+            right = self._judged(turn.confirmed).outcome is Outcome.RIGHT
+            last = (last if last is not None else moved) if right else None
+        return last
+
+
+def _tried(story: Investigation) -> Sequence[tuple[Found, Any]]:
+    return story.turns[-1].diagnosis.tried if story.turns else ()
+
+
+def _question(found: Diagnosis, suspect: Suspect) -> Question:
+    """Return what a user asks who suspects an effect and reads a diagnosis."""
+    for one in found.findings:
+        names = {one.effect.name, *one.rivals}
+        if one.joint == suspect.joint and suspect.effect in names and len(names) > 1:
+            other = next(name for name in (one.effect.name, *one.rivals) if name != suspect.effect)
+            return Between(suspect, Suspect(other, suspect.joint))
+    return For(suspect)
+
+
+def _diagnosed(recordings: Sequence[Recording]) -> tuple[Model, Diagnosis]:
+    """Return the model of the first part of each recording, and what it lacks."""
+    motions = condition_alike(list(recordings))
+    learned, unseen = _cut(motions)
+    model = identify(learned, Settings(model=MODEL, train=1.0)).model
+    return model, with_consequences(diagnose(model, learned, unseen))
+
+
+def _cut(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:
+    cuts = [round(LEARNED * len(motion)) for motion in motions]
+    pairs = list(zip(motions, cuts, strict=True))
+    return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]
+
+
+class DecideStudy(Study):
+    """Do designed motions decide what usual ones leave open, and does an investigation find it?"""
+
+    name = "decide"
+
+    def every_case(self) -> Sequence[Decision]:
+        """Return the cases, all groups mixed."""
+        return [Decision(case) for case in cases(self.request.seed, small=self.request.quick)]
+
+    def results(self, lines: Sequence[Line]) -> DecideResults:
+        return DecideResults.of(lines)
