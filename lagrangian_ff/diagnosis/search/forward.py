@@ -11,7 +11,12 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, BayesFactor, bayes_factors
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    PRIOR_SHARE,
+    BayesFactor,
+    bayes_factors,
+    expected_log_bf,
+)
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.judging import (
     Step,
@@ -307,5 +312,4 @@ def _expected_log_bf(score: BayesFactor) -> float:
     information = score.information / score.variance_inflation
     size = thresholds.USED.observable_size / PRIOR_SHARE
     signal = float(np.trace(information)) / len(information) * size**2
-    price = float(np.linalg.slogdet(np.eye(len(information)) + information)[1])
-    return 0.5 * (signal - price)
+    return expected_log_bf(signal, information)
