@@ -1,7 +1,28 @@
-"""The motion to record next: it shows an effect, or separates it from its look-alikes."""
+"""The motion to record next: a template by name, or one designed by its information."""
 
+from lagrangian_ff.diagnosis.excite.assumed import Assumed, Expected
+from lagrangian_ff.diagnosis.excite.design import Design, design
 from lagrangian_ff.diagnosis.excite.excite import excite, seen_pose
+from lagrangian_ff.diagnosis.excite.keeping import limits_of
 from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS, NextMotion
 from lagrangian_ff.diagnosis.excite.path import Limits, Reference
+from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question, Suspect
 
-__all__ = ["NEXT_MOTIONS", "Limits", "NextMotion", "Reference", "excite", "seen_pose"]
+__all__ = [
+    "NEXT_MOTIONS",
+    "Assumed",
+    "Between",
+    "Design",
+    "Everything",
+    "Expected",
+    "For",
+    "Limits",
+    "NextMotion",
+    "Question",
+    "Reference",
+    "Suspect",
+    "design",
+    "excite",
+    "limits_of",
+    "seen_pose",
+]

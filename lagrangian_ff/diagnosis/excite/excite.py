@@ -54,8 +54,8 @@ def excite(
     if duration is not None and not SHORTEST <= duration <= LONGEST:
         raise ModelError(f"a duration of {duration:g} s: expected {SHORTEST:g} to {LONGEST:g} s")
     what, held = ("start", start) if pose is None else ("pose", pose)
-    held = _inside(what, limits.middle if held is None else held, joints, limits)
-    first = held if start is None else _inside("start", start, joints, limits)
+    held = inside(what, limits.middle if held is None else held, joints, limits)
+    first = held if start is None else inside("start", start, joints, limits)
     path = Path(first, limits)
     number = None if joint is None else list(joints).index(joint)
     free = movable(path)
@@ -74,7 +74,7 @@ def excite(
     return path.reference()
 
 
-def _inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits) -> Floats:
+def inside(what: str, values: ArrayLike, joints: Sequence[str], limits: Limits) -> Floats:
     """Return a pose (N,) in rad after checking that it lies within the limits."""
     pose = np.asarray(values, dtype=np.float64)
     if pose.shape != (len(joints),) or not np.isfinite(pose).all():

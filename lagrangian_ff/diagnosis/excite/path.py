@@ -1,7 +1,7 @@
 """A motion within limits, put together from moves, runs and waves: smooth, from rest to rest."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,16 +24,20 @@ _STRETCHES = 20  # attempts to slow a wave down until it keeps the limits
 
 @dataclass(frozen=True)
 class Limits:
-    """The range, speed and acceleration that a motion must not leave.
+    """The range, speed, acceleration, jerk and torque that a motion must not leave.
 
     Attributes:
         q_low, q_high: (N,) rad.  qd_max: (N,) rad/s.  qdd_max: (N,) rad/s².
+        jerk_max: (N,) rad/s³.  tau_max: (N,) N·m. None of these two is no limit; only designed
+            motions keep them.
     """
 
     q_low: Floats
     q_high: Floats
     qd_max: Floats
     qdd_max: Floats
+    jerk_max: Floats | None = None
+    tau_max: Floats | None = None
 
     @classmethod
     def within(
@@ -44,19 +48,23 @@ class Limits:
         Raises:
             ModelError: values that are not finite or leave no room at all; names the joint.
         """
-        low, high, speed, hardness = (
-            np.array(getattr(known, field.name), dtype=np.float64) for field in fields(cls)
-        )
+        found = {
+            one.name: np.array(value, dtype=np.float64)
+            for one in fields(cls)
+            if (value := getattr(known, one.name, None)) is not None
+        }
+        low, high = found.pop("q_low"), found.pop("q_high")
         for n, name in enumerate(joints):
-            if not (np.isfinite([low[n], high[n], speed[n], hardness[n]]).all()):
+            if not np.isfinite([low[n], high[n], *(one[n] for one in found.values())]).all():
                 raise ModelError(f"{name}: its limits are not finite numbers")
-            if high[n] < low[n] or speed[n] < 0.0 or hardness[n] < 0.0:
+            if high[n] < low[n] or any(one[n] < 0.0 for one in found.values()):
                 raise ModelError(
-                    f"{name}: limits of {low[n]:g} to {high[n]:g} rad, {speed[n]:g} rad/s and "
-                    f"{hardness[n]:g} rad/s² leave no room to move"
+                    f"{name}: limits of {low[n]:g} to {high[n]:g} rad, {found['qd_max'][n]:g} "
+                    f"rad/s and {found['qdd_max'][n]:g} rad/s² leave no room to move"
                 )
         inside = margin * (high - low)
-        return cls(low + inside, high - inside, (1 - margin) * speed, (1 - margin) * hardness)
+        largest = {name: (1.0 - margin) * most for name, most in found.items()}
+        return cls(low + inside, high - inside, **largest)
 
     @property
     def middle(self) -> Floats:
@@ -71,11 +79,11 @@ class Limits:
     def around(self, pose: Floats, reach: float) -> "Limits":
         """Return the limits with positions within a share of the way from a pose (N,) to them."""
         low, high = (pose + reach * (end - pose) for end in (self.q_low, self.q_high))
-        return Limits(low, high, self.qd_max, self.qdd_max)
+        return replace(self, q_low=low, q_high=high)
 
     def gentler(self, factor: float) -> "Limits":
         """Return the same positions, with speed by a factor and acceleration by its square."""
-        return Limits(self.q_low, self.q_high, factor * self.qd_max, factor**2 * self.qdd_max)
+        return replace(self, qd_max=factor * self.qd_max, qdd_max=factor**2 * self.qdd_max)
 
 
 class Reference(NamedTuple):

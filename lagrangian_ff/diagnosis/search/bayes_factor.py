@@ -100,6 +100,16 @@ def tempered_log_bf(
     return np.asarray(0.5 * squares - 0.5 * np.linalg.slogdet(matrix)[1][..., None])
 
 
+def expected_log_bf(signal: float, information: Floats) -> float:
+    """Return the mean log Bayes factor in nats of an effect that is there.
+
+    Args:
+        signal: mean of bᵀ A b over the coefficients b of the size in question.
+        information: (P, P) A, tempered: it sets the price of the parameters.
+    """
+    return 0.5 * (signal - float(np.linalg.slogdet(np.eye(len(information)) + information)[1]))
+
+
 def expected(columns: Floats, spread: float) -> Floats:
     """Return the prior standard deviation (P,) of the coefficients of columns (S, P).
 

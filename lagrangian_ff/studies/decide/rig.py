@@ -36,9 +36,7 @@ def arm_limits() -> Limits:
     """Return what a careful user allows the simulated arm."""
     arm = limits()
     fastest = PACE * arm.velocity
-    whole = Limits(
-        arm.lower, arm.upper, fastest, fastest / UNTIL_FAST, tau_max=TORQUE * arm.effort
-    )
+    whole = Limits(arm.lower, arm.upper, fastest, fastest / UNTIL_FAST, tau_max=TORQUE * arm.effort)
     return Limits.within(whole, JOINTS)
 
 

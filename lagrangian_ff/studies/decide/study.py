@@ -8,7 +8,6 @@ from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
 from lagrangian_ff.diagnosis import diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
-    Everything,
     For,
     Question,
     Suspect,
@@ -23,7 +22,7 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
 from lagrangian_ff.investigation.investigate import LEARNED
-from lagrangian_ff.recording import Recording, concatenate, condition_alike
+from lagrangian_ff.recording import Recording, condition_alike
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
 from lagrangian_ff.studies.decide.results import DecideResults
@@ -125,9 +124,7 @@ class Decision:
             except UserError as error:
                 made[name] = {"failed": str(error)}
                 continue
-            gains = {
-                (one.effect.name, one.joint): one.log_bayes_factor for one in after.findings
-            }
+            gains = {(one.effect.name, one.joint): one.log_bayes_factor for one in after.findings}
             ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.ranking}
             key = suspect.effect, suspect.joint
             made[name] = {

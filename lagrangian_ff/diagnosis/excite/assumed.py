@@ -1,0 +1,209 @@
+"""What `diagnose` will see in a motion before the arm has made it.
+
+The search's problem is fitted once, to the model's own data: kernel, noise and units. A motion to
+come is whitened with it, so that the search's own code gives the information A of every effect.
+With true coefficients b the expected log Bayes factor is ½ (bᵀ A b − log |A + I|), tempered as the
+effect's was on the model's data.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.diagnosis.excite.path import Reference
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    PRIOR_SHARE,
+    BayesFactor,
+    bayes_factors,
+    expected,
+    expected_log_bf,
+)
+from lagrangian_ff.diagnosis.search.candidates import Candidate, named
+from lagrangian_ff.diagnosis.whitening import Whitened, fit, whiten
+from lagrangian_ff.diagnosis.whitening.hyperparameters import used
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.problem import Problem
+from lagrangian_ff.identification.spec import sliding_of
+from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import usual_step
+
+SIZE = 0.05
+"""Torque (rms) of an effect on the model's own data, over that of the joint, if none is given."""
+SHAPES = 3
+"""Shapes of an effect that stand for all of them."""
+
+Key = tuple[str, int]
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a motion is expected to show of an effect.
+
+    Attributes:
+        effect, joint: their names.
+        size: torque (rms) of the effect on the model's own data, over that of the joint.
+        torque: N·m (rms) of such an effect in this motion.
+        nats: the log Bayes factor expected at this size. Of several shapes both are the typical.
+    """
+
+    effect: str
+    joint: str
+    size: float
+    torque: float
+    nats: float
+
+
+@dataclass(frozen=True)
+class Assumed:
+    """The problem of the search, as fitted to the model's own data.
+
+    Attributes:
+        model: of the arm.
+        base: the model's own data, whitened.
+        problem: that of the search, for torques whose whitened variance is one.
+        density: samples per s of motion, of the base.
+        scores: of every effect on every joint on the base, in a few shapes each.
+    """
+
+    model: Model
+    base: Whitened
+    problem: Problem
+    density: float
+    scores: tuple[BayesFactor, ...]
+
+    @classmethod
+    def of(cls, model: Model, progress: Progress = silent) -> "Assumed":
+        """Return the problem fitted to what the model keeps of its recordings."""
+        data = model.data
+        sliding = sliding_of(model.kernel, len(model.joints))
+        base = fit(data, model.inputs_of(data), model.basis, progress, sliding)
+        prior = base.problem.prior
+        scaling = replace(prior.scaling, unit=prior.scaling.unit * base.amplitude)
+        problem = replace(base.problem.having(scaling=scaling), nuisance=())
+        scores = bayes_factors(base, representative(base), coarse=True)
+        base.forget()
+        return cls(model, base, problem, _density(base.motion, len(base.index)), tuple(scores))
+
+    @cached_property
+    def inflation(self) -> Mapping[Key, float]:
+        """Return by effect and joint the variance inflation on the base."""
+        found = _by_key((one.candidate.key, one.variance_inflation) for one in self.scores)
+        return {key: float(np.median(values)) for key, values in found.items()}
+
+    def seen(self, size: float) -> Mapping[Key, float]:
+        """Return by effect and joint the nats that the model's own data would show at a size."""
+        one_size = np.array([size / PRIOR_SHARE])
+        found = _by_key((one.candidate.key, self._gain(one, one_size)) for one in self.scores)
+        return {key: typical(values) for key, values in found.items()}
+
+    def motion_of(self, made: Reference) -> Motion:
+        """Return a motion to come, with the torque that the model predicts."""
+        tau = self.model.predict(made.q, made.qd, made.qdd, time=made.time)
+        segment = np.zeros(len(made.time), dtype=np.int64)
+        held = self.model.data.conditioning
+        return Motion(self.model.joints, *made, tau, segment, "a motion to come", (), held)
+
+    def whitened(self, made: Reference) -> Whitened:
+        """Return a motion to come as `diagnose` will whiten its recording."""
+        motion = self.motion_of(made)
+        return self.whitened_at(motion, used(motion), self.model.inputs_of(motion))
+
+    def whitened_at(
+        self, motion: Motion, index: Ints, inputs: Inputs, x: Inputs | None = None
+    ) -> Whitened:
+        """Return some samples of a motion whitened; those that look closer have more noise each.
+
+        Args:
+            motion: whose torques only give the spread.  index, inputs, x: see `whiten`.
+        """
+        noisier = self.problem.noisier(_density(motion, len(index)) / self.density)
+        made = whiten(motion, index, self.base.seconds, inputs, noisier, x)
+        # The torques have not been measured: the noise is what it was on the model's data.
+        scale = 1.0 / np.sqrt(made.system.amplitude)
+        target, white = scale * made.system.target, scale * made.system.white_target
+        return replace(made, system=replace(made.system, target=target, white_target=white))
+
+    def coefficients(self, candidate: Candidate, size: float) -> Floats:
+        """Return (P,) the coefficients of an effect of a size, each as if it were the only one.
+
+        Args:
+            size: torque (rms) on the model's own data, over that of the joint.
+        """
+        rms = np.sqrt(np.mean(candidate.columns(self.base.x) ** 2, axis=0))
+        torque = size * float(self.base.spread[candidate.joint])
+        return np.asarray(torque / np.where(rms > 0.0, rms, np.inf))
+
+    def gains(
+        self, made: Reference, size: float = SIZE, candidates: Sequence[Candidate] = ()
+    ) -> tuple[Expected, ...]:
+        """Return what a motion is expected to show, of candidates or of every effect and joint."""
+        whitened = self.whitened(made)
+        gains, torques = [], []
+        for score in bayes_factors(whitened, candidates or representative(self.base)):
+            candidate = score.candidate
+            columns, b = candidate.columns(whitened.x), self.coefficients(candidate, size)
+            prior = expected(columns, float(whitened.spread[candidate.joint]))
+            ratio = b / np.where(prior > 0.0, prior, np.inf)
+            gains.append((candidate.key, self._gain(score, ratio)))
+            rms = np.sqrt(np.mean((columns * b) ** 2, axis=0))
+            torques.append((candidate.key, float(np.sqrt(np.mean(rms**2)))))
+        torque, joints = _by_key(torques), self.model.joints
+        return tuple(
+            Expected(name, joints[n], size, float(np.mean(torque[name, n])), typical(nats))
+            for (name, n), nats in _by_key(gains).items()
+        )
+
+    def _gain(self, score: BayesFactor, ratio: Floats) -> float:
+        """Return the nats expected of an effect whose coefficients are a ratio (P,) of the prior's.
+
+        Each of them as if it were the only one, and the mean over them.
+        """
+        information = score.information / self.inflation[score.candidate.key]
+        signal = float(np.mean(np.diag(information) * ratio**2))
+        return max(expected_log_bf(signal, information), 0.0)
+
+
+def typical(nats: Iterable[float]) -> float:
+    """Return the mean of some gains by their logarithms."""
+    return float(np.expm1(np.mean(np.log1p(np.array(list(nats))))))
+
+
+def _by_key(pairs: Iterable[tuple[Key, float]]) -> dict[Key, list[float]]:
+    found: dict[Key, list[float]] = {}
+    for key, value in pairs:
+        found.setdefault(key, []).append(value)
+    return found
+
+
+def representative(base: Whitened, keys: Iterable[Key] | None = None) -> list[Candidate]:
+    """Return the effects that motion can show, of these names and joints, in a few shapes each."""
+    every: dict[Key, list[Candidate]] = {}
+    for one in named(base.x, base.basis, range(base.joints)):
+        if one.effect.kind != "event":
+            every.setdefault(one.key, []).append(one)
+    wanted = every if keys is None else [key for key in keys if key in every]
+    return [one for key in wanted for one in spread(every[key], SHAPES)]
+
+
+def spread(candidates: Sequence[Candidate], most: int) -> list[Candidate]:
+    """Return at most this many shapes of an effect, evenly spread, from inside the ends.
+
+    Those of the joint's own gear come before those of others.
+    """
+    own = {s.name for one in candidates[:1] for s in one.effect.shapes if s.joint}
+    mine = [c for c in candidates if all(c.shape.get(name) == c.joint for name in own)]
+    candidates = mine or candidates
+    if len(candidates) <= most:
+        return list(candidates)
+    places = (np.arange(most) + 0.5) * len(candidates) / most
+    return [candidates[int(place)] for place in places]
+
+
+def _density(motion: Motion, samples: int) -> float:
+    moves = int(np.sum(~motion.rest.all(axis=1)))
+    return samples / max(moves * usual_step(motion.time, motion.segment), 1e-9)

@@ -1,0 +1,272 @@
+"""A motion designed by its information: it is to show as much as the limits allow."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected
+from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
+from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
+from lagrangian_ff.diagnosis.excite.objective import Objective
+from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
+from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question, cases_of
+from lagrangian_ff.diagnosis.excite.splines import AT_REST, DEGREE, Splines
+from lagrangian_ff.diagnosis.excite.starts import starts_of
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model
+from lagrangian_ff.kernels.threads import one_blas_thread
+from lagrangian_ff.progress import Progress, part, silent
+
+SECONDS, SHORTEST, LONGEST = 20.0, 8.0, 60.0
+SPACING = 0.2
+"""s between the knots."""
+ROWS, FEWEST, MOST = 900, 60, 300
+"""Torques that the search looks at, and samples at least and at most."""
+CLIMBED, FIRST = 2, 12
+"""Starts that are climbed from, and steps from each."""
+ROUNDS = ((15, 1e3), (15, 1e3), (15, 1e3), (12, 1e4), (12, 1e5))
+"""Then rounds from the better one: steps, and the weight of excess over limits, against the log of
+nats."""
+FULL = 3600
+"""Torques that the prediction is made from."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """A designed motion.
+
+    Attributes:
+        question: that it is to answer.  joints: N names.
+        reference: the motion, every 0.01 s.
+        nats: expected to decide the question at the size asked for, the least of all ways to err.
+        expected: of every effect on every joint at this size.
+        used: by limit, (N,) the share of it that the motion takes.
+        begun: the motion that it was climbed from.
+        finished: whether the search went to its end.
+    """
+
+    question: Question
+    joints: tuple[str, ...]
+    reference: Reference
+    nats: float
+    expected: tuple[Expected, ...]
+    used: Mapping[str, Floats]
+    begun: str
+    finished: bool = True
+
+
+def design(
+    model: Model,
+    question: Question,
+    limits: Limits | None = None,
+    *,
+    start: Floats | None = None,
+    seconds: float = SECONDS,
+    size: float = SIZE,
+    clear: Clear | None = None,
+    assumed: Assumed | None = None,
+    seed: int = 0,
+    progress: Progress = silent,
+) -> Design:
+    """Return the motion that is expected to say most about a question.
+
+    Interrupted (KeyboardInterrupt), it returns the best motion that it has found.
+
+    Args:
+        limits: never left; None takes what the model's own data reached.
+        start: (N,) rad, where it begins and ends; None takes a pose of those data.
+        seconds: how long it lasts; a little longer where limits ask for it.
+        size: of effects, see `Expected`.
+        clear: says what touches on a path; None if nothing is known of that.
+        assumed: of the model, if it is at hand.
+        seed: of what is random.
+        progress: receives the share done, 0 to 1.
+
+    Raises:
+        ModelError: a question that no motion answers, no joint with room to move, a start outside
+            the limits or not clear, or a duration or size that cannot be.
+    """
+    if not SHORTEST <= seconds <= LONGEST:
+        raise ModelError(f"a duration of {seconds:g} s: expected {SHORTEST:g} to {LONGEST:g} s")
+    if not 0.0 < size <= 1.0:
+        raise ModelError(f"a size of {size:g}: expected more than 0, and 1 at most")
+    limits = limits_of(model) if limits is None else limits
+    assumed = Assumed.of(model, part(progress, 0.0, 0.15)) if assumed is None else assumed
+    wanted = joints_of(question, model)
+    pose = seen_pose(model, wanted[0] if len(wanted) == 1 else None, limits)
+    pose = pose if start is None else inside("start", start, model.joints, limits)
+    keeper = Keeper(model, limits, 2.0 * assumed.base.noise, clear)
+    if clear is not None and (touch := clear(pose[None, :])):
+        raise ModelError(f"the motion would begin where {touch} touch: name another start")
+    search = _Search.of(assumed, question, keeper, pose, seconds, size, seed)
+    with one_blas_thread():
+        return search.run(wanted, seed, part(progress, 0.15, 1.0))
+
+
+def joints_of(question: Question, model: Model) -> Sequence[str]:
+    """Return the joints that a question is about."""
+    if isinstance(question, For):
+        return [question.suspect.joint]
+    if isinstance(question, Between):
+        return list(dict.fromkeys([question.first.joint, question.second.joint]))
+    return model.joints
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Control points (K, N) of a clear motion, and the log of the nats in it, less the excess."""
+
+    control: Floats
+    value: float
+    begun: str
+
+
+@dataclass(frozen=True)
+class _Search:
+    """A search for the control points of the best motion."""
+
+    question: Question
+    objective: Objective
+    keeper: Keeper
+    pose: Floats
+
+    @classmethod
+    def of(
+        cls,
+        assumed: Assumed,
+        question: Question,
+        keeper: Keeper,
+        pose: Floats,
+        seconds: float,
+        size: float,
+        seed: int,
+    ) -> "_Search":
+        splines = Splines(GRID * round(seconds / GRID), round(seconds / SPACING) + DEGREE)
+        every = Objective(
+            assumed,
+            cases_of(question, assumed, size),
+            splines,
+            size,
+            _some(len(splines.time), len(pose), seed),
+            dynamics=isinstance(question, Everything),
+        )
+        return cls(question, every, keeper, pose)
+
+    def run(self, wanted: Sequence[str], seed: int, progress: Progress) -> Design:
+        """Return the best motion."""
+        found, done, finished = self._starts(wanted, seed, progress), 0, True
+        steps = CLIMBED * FIRST + sum(count for count, _ in ROUNDS)
+
+        def told(name: str, count: int) -> None:
+            nonlocal done
+            done += count
+            progress(0.15 + 0.75 * done / steps, f"climbing from {name}")
+
+        try:
+            climbed = []
+            for one in found[:CLIMBED]:
+                climbed.append(self._climbed(one, FIRST, ROUNDS[0][1]))
+                found = sorted([*climbed, *found], key=lambda one: -one.value)
+                told(one.begun, FIRST)
+            for count, hard in ROUNDS:
+                found = [self._climbed(found[0], count, hard), *found]
+                told(found[0].begun, count)
+        except KeyboardInterrupt:
+            finished = False
+        progress(0.9, "predicting what it will show")
+        return replace(self._design(found), finished=finished)
+
+    def _starts(self, wanted: Sequence[str], seed: int, progress: Progress) -> list[_Found]:
+        """Return motions to climb from, best first."""
+        limits, splines = self.keeper.limits, self.objective.splines
+        joints = self.keeper.model.joints
+        found = []
+        for number, (name, q) in enumerate(
+            starts_of(joints, wanted, limits, self.pose, splines.seconds, seed)
+        ):
+            progress(0.15 * min(1.0, number / 40), "looking at the templates")
+            near = np.clip(splines.nearest(q, self.pose), limits.q_low, limits.q_high)
+            control = self.keeper.cleared(splines, near, np.tile(self.pose, (splines.count, 1)))
+            if control is not None:
+                value = self._value(control, ROUNDS[0][1])
+                found.append(_Found(control, value, name))
+        if not found:
+            raise ModelError("no motion from the start is clear: name another, or fewer obstacles")
+        return sorted(found, key=lambda one: -one.value)
+
+    def _value(self, control: Floats, hard: float) -> float:
+        look = self.objective.look(control, slope=False)
+        return look.value - hard * self.keeper.penalty(self.objective.splines, control)[0]
+
+    def _climbed(self, begin: _Found, steps: int, hard: float) -> _Found:
+        """Return the motion after some steps uphill."""
+        limits, splines = self.keeper.limits, self.objective.splines
+        free = slice(AT_REST, splines.count - AT_REST)
+        control = begin.control.copy()
+
+        def down(z: Floats) -> tuple[float, Floats]:
+            control[free] = z.reshape(-1, control.shape[1])
+            look = self.objective.look(control)
+            slope = self.objective.slope(look, control)
+            excess, by_control = self.keeper.penalty(splines, control)
+            return hard * excess - look.value, (hard * by_control - slope)[free].ravel()
+
+        ends = zip(limits.q_low, limits.q_high, strict=True)
+        found = scipy.optimize.minimize(
+            down,
+            begin.control[free].ravel(),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=list(ends) * (splines.count - 2 * AT_REST),
+            options={"maxiter": steps, "maxfun": 2 * steps},
+        )
+        control[free] = found.x.reshape(-1, control.shape[1])
+        clear = self.keeper.cleared(splines, control, begin.control)
+        if clear is None:
+            return begin
+        return _Found(clear, self._value(clear, hard), begin.begun)
+
+    def _design(self, found: Sequence[_Found]) -> Design:
+        """Return the best of the motions, slowed down where it does not keep the limits."""
+        for one in found:
+            control = one.control
+            while (splines := self.keeper.kept(self.objective.splines, control)) is None:
+                control = self.pose + SMALLER * (control - self.pose)
+                if np.ptp(control, axis=0).max() < LEAST:
+                    break
+            else:
+                return self._predicted(splines, control, one.begun)
+        raise ModelError(
+            "no motion keeps the limits: at the start, the torque predicted comes too near to its "
+            "limit already; name another start or other limits"
+        )
+
+    def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
+        assumed, size = self.objective.assumed, self.objective.size
+        reference = splines.reference(control)
+        expected = assumed.gains(reference, size)
+        many = np.arange(0, len(splines.time), max(1, len(splines.time) * len(self.pose) // FULL))
+        look = replace(self.objective, splines=splines, index=many).look(control, slope=False)
+        return Design(
+            self.question,
+            assumed.model.joints,
+            reference,
+            look.nats,
+            expected,
+            self.keeper.used(reference),
+            begun,
+        )
+
+
+SMALLER = 0.8
+LEAST = 1e-3
+
+
+def _some(available: int, joints: int, seed: int) -> Ints:
+    """Return (S,) samples to look at, one somewhere in each of as many even stretches."""
+    count = int(np.clip(ROWS // joints, FEWEST, MOST))
+    place = np.arange(count) + np.random.default_rng(seed).uniform(size=count)
+    return np.asarray(place * available / count, dtype=np.int64)

@@ -1,0 +1,166 @@
+"""What a motion is to answer, and the cases that an answer must settle."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.excite.assumed import SHAPES, Assumed, spread
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.effects import EFFECTS, look_alikes
+from lagrangian_ff.errors import ModelError
+
+RIVAL_SHAPES = 6
+"""Shapes of a rival that are tried; it may take the best of them."""
+FEWEST, MOST = 8, 16
+"""Effects that a motion for everything looks at, at least and at most."""
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect on a joint.
+
+    Attributes:
+        effect, joint: their names.
+        shape: its nonlinear parameters, if known; else a few shapes stand for all.
+    """
+
+    effect: str
+    joint: str
+    shape: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def parse(cls, text: str) -> "Suspect":
+        """Return the suspect that a text such as stribeck@joint_2 names.
+
+        Raises:
+            ModelError: it is of another form.
+        """
+        effect, at, joint = text.partition("@")
+        if not (effect and at and joint):
+            raise ModelError(f"{text}: expected EFFECT@JOINT, as in stribeck@joint_2")
+        return cls(effect, joint)
+
+    def __str__(self) -> str:
+        return f"{self.effect}@{self.joint}"
+
+
+@dataclass(frozen=True)
+class For:
+    """Is this effect there, and none of its look-alikes instead?"""
+
+    suspect: Suspect
+
+
+@dataclass(frozen=True)
+class Between:
+    """Which of two is there?"""
+
+    first: Suspect
+    second: Suspect
+
+
+@dataclass(frozen=True)
+class Everything:
+    """What is there, of all that the model's own data do not show, and how much of it?"""
+
+
+Question = For | Between | Everything
+
+
+@dataclass(frozen=True)
+class Case:
+    """One effect that may be there, and what may imitate it.
+
+    Attributes:
+        true: the effect, in one shape.
+        rivals: each may imitate it alone, with free parameters; None is the plain model.
+    """
+
+    true: Candidate
+    rivals: tuple[Candidate | None, ...]
+
+
+def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Case]]:
+    """Return groups of cases: the least of the groups counts, of a group the mean.
+
+    Args:
+        size: of the effects, which decides what the model's own data do not show.
+
+    Raises:
+        ModelError: an effect or a joint that is not there, an effect that the model has, or that no
+            motion shows.
+    """
+    if isinstance(question, For):
+        alike = [
+            one
+            for name in look_alikes(EFFECTS[_checked(question.suspect, assumed).effect])
+            for one in _shapes(Suspect(name, question.suspect.joint), assumed, RIVAL_SHAPES)
+        ]
+        true = _shapes(question.suspect, assumed, SHAPES)
+        return [[Case(one, (None, *alike)) for one in true]]
+    if isinstance(question, Between):
+        both = (question.first, question.second)
+        for one in both:
+            _checked(one, assumed)
+        ways = (both, both[::-1])
+        return [
+            [
+                Case(one, tuple(_shapes(other, assumed, RIVAL_SHAPES)))
+                for one in _shapes(true, assumed, SHAPES)
+            ]
+            for true, other in ways
+        ]
+    return [[Case(one, (None,)) for one in _hidden(assumed, size)]]
+
+
+def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
+    """Return the effects that the model's own data would not show, those shown least first."""
+    seen = assumed.seen(size)
+    least = sorted(seen, key=lambda key: seen[key])
+    hidden = sum(nats < thresholds.USED.floor for nats in seen.values())
+    some = least[: int(np.clip(hidden, FEWEST, MOST))]
+    joints = assumed.model.joints
+    return [one for name, n in some for one in _shapes(Suspect(name, joints[n]), assumed, 1)]
+
+
+def _checked(suspect: Suspect, assumed: Assumed) -> Suspect:
+    joints = assumed.model.joints
+    if suspect.effect not in EFFECTS:
+        raise ModelError(f"there is no effect '{suspect.effect}'; lagrangian_ff effects lists all")
+    if suspect.joint not in joints:
+        raise ModelError(f"there is no joint {suspect.joint}; there are {', '.join(joints)}")
+    effect = EFFECTS[suspect.effect]
+    known = {shape.name for shape in effect.shapes}
+    if strange := [name for name in suspect.shape if name not in known]:
+        raise ModelError(
+            f"{suspect} has no shape {strange[0]}; it has {', '.join(known) or 'none'}"
+        )
+    if _had(suspect, assumed):
+        raise ModelError(f"the model has {suspect} already")
+    if not _shapes(suspect, assumed, 1):
+        why = effect.caution or "it is an event of one recording"
+        raise ModelError(f"no motion shows {suspect}: {why}")
+    return suspect
+
+
+def _had(suspect: Suspect, assumed: Assumed) -> bool:
+    """Return whether the model has an effect."""
+    had = {(term.effect.name, term.joint) for term in assumed.base.basis.terms}
+    return (suspect.effect, _joint(suspect, assumed)) in had
+
+
+def _joint(suspect: Suspect, assumed: Assumed) -> int:
+    return assumed.model.joints.index(suspect.joint)
+
+
+def _shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
+    """Return an effect in at most this many shapes; none if the model has it or no motion can."""
+    effect, joint = EFFECTS[suspect.effect], _joint(suspect, assumed)
+    if not effect.observable or effect.kind == "event" or _had(suspect, assumed):
+        return []
+    shapes: Sequence[Mapping[str, float]] = effect.candidates(assumed.base.x, joint)
+    every = [Candidate(effect, joint, {**shape, **suspect.shape}) for shape in shapes]
+    unique = {tuple(sorted(one.shape.items())): one for one in every}
+    return spread(list(unique.values()), most)
