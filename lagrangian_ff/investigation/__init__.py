@@ -1,4 +1,4 @@
-"""Experiments that decide: move, identify, diagnose, ask the next question, until nothing is left."""
+"""Experiments that decide: move, diagnose, ask the next question, until nothing is left."""
 
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.investigate import investigate

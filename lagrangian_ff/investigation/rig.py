@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis.excite import Clear, Limits, Reference
+from lagrangian_ff.diagnosis.excite import Limits, Reference
+from lagrangian_ff.diagnosis.excite.keeping import Clear
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.progress import Progress

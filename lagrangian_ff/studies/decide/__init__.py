@@ -1,1 +1,1 @@
-"""The study of experiments that decide: designed motions, investigations, physics without a name."""
+"""Designed motions, investigations, and physics without a name: do experiments decide?"""

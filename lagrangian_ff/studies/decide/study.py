@@ -117,7 +117,7 @@ class Decision:
         )
         for name, path in (("designed", found.reference), ("template", template)):
             # At equal time: a template that must be slower is cut.
-            rows = slice(0, 1 + int(round(USUAL / (path.time[1] - path.time[0]))))
+            rows = slice(0, 1 + round(USUAL / (path.time[1] - path.time[0])))
             cut = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows], JOINTS)
             try:
                 _, after = _diagnosed([first, rig.follow(cut)])
