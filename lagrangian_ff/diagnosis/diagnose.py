@@ -23,7 +23,7 @@ from lagrangian_ff.diagnosis.results import (
     Unexplained,
     sorted_findings,
 )
-from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.candidates import Candidate, searched_for
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
@@ -39,7 +39,7 @@ from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import WITHOUT_FRICTION, WITHOUT_GRAVITY, Motion, concatenate
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion, concatenate
 
 
 def diagnose(
@@ -80,7 +80,9 @@ def diagnose(
     inputs = model.inputs_of(first)
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
     whitened = fit(first, inputs, model.basis, fitting, sliding)
-    ended = search(whitened, effects or _searched_for(model), steps, searching)
+    ended = search(
+        whitened, effects or searched_for(model.data.effort, model.basis), steps, searching
+    )
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")
     found, again = with_left_over(ended, lambda: without(ended, unseen, None))
@@ -109,19 +111,6 @@ def diagnose(
         misfit=misfit,
         contacts=tuple(contacts),
     )
-
-
-def _searched_for(model: Model) -> Mapping[str, Effect] | None:
-    """Return the effects that a model may lack; None is the whole catalogue.
-
-    Where the drive compensates friction, only plain friction shows whether some is left over; its
-    other forms are searched once the model has that.
-    """
-    compensated = model.data.effort == WITHOUT_FRICTION
-    if not compensated or any(term.effect.plain for term in model.basis.terms):
-        return None
-    every = EFFECTS.items()
-    return {name: one for name, one in every if one.plain or one.kind != "friction"}
 
 
 def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:

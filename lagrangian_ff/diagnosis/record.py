@@ -109,7 +109,8 @@ def _misfit(misfit: Misfit) -> Record:
 def check_record(check: Check) -> Record:
     """Return a fault of the measurement; the recording is named if it is one of several."""
     record = {**asdict(check), "values": {name: float(v) for name, v in check.values.items()}}
-    return record if check.source else {k: v for k, v in record.items() if k != "source"}
+    record["remedy"] = check.remedy.option if check.remedy else ""
+    return {k: v for k, v in record.items() if v or k not in ("source", "remedy")}
 
 
 def changed_record(changed: Changed) -> Record:

@@ -223,7 +223,8 @@ def _say(found: "DiagnosisRun", arguments: Namespace, console: Console) -> None:
             console.say(["", f"added: {', '.join(one.added)}"])
     if found.changed is not None:
         say_changed(found.changed, found.model_file, console)
-    say_not_observable(found.rounds[-1].diagnosis, found.model_file, console)
+    last = found.rounds[-1].diagnosis
+    say_not_observable(last.not_observable, last.model.joints, console, found.model_file)
     console.say()
     if found.tried and found.output:
         console.say(f"the fall of the error, rms in N·m, on {found.diagnosis.confirmed_on}")

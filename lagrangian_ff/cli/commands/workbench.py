@@ -35,7 +35,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--session", Path, "FOLDER", "folder of the session (default: workbench_session)"),
         ("--try", bool, "", "begin with recordings of a simulated arm that hides an effect"),
         ("--seed", int, "N", "with --try: which effect is hidden (default: 0)"),
-        ("--urdf", Path, "FILE", "description of the robot, to draw the arm at the cursor"),
+        ("--urdf", Path, "FILE", "description of the robot, to draw the arm at the cursor, "
+         "and whose bodies a model can be learned with"),
         ("--port", int, "N", "port of the page (default: 8765)"),
         ("--host", str, "ADDRESS", "address to listen on; others than 127.0.0.1 ask for a token "
          "(default: 127.0.0.1)"),
@@ -64,6 +65,7 @@ def run(arguments: Namespace) -> int:
     if getattr(arguments, "try") and urdf is None:
         urdf = Path(str(files("lagrangian_ff"))) / "arm" / "arm6.urdf"
     skeleton = [] if urdf is None else read_skeleton(urdf)
+    session.urdf = "" if urdf is None else str(urdf.absolute())
 
     def said(address: str) -> None:
         console.say([f"workbench: {address}", f"session: {folder}", "Ctrl-C ends it"])

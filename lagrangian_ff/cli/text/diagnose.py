@@ -11,8 +11,9 @@ from lagrangian_ff.words import which
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Changed, Diagnosis, DiagnosisRun, Finding
     from lagrangian_ff.diagnosis.consequence import Consequence
+    from lagrangian_ff.diagnosis.observable import Observability
     from lagrangian_ff.diagnosis.preflight import Check
-    from lagrangian_ff.diagnosis.results import Found
+    from lagrangian_ff.diagnosis.results import Found, NotObservable
     from lagrangian_ff.identification.records import FittedEffect
 
 LEGEND = (
@@ -198,11 +199,18 @@ def say_changed(changed: "Sequence[Changed]", model: str, console: Console) -> N
             console.paragraph(f"{one.what}: {alike} would explain as much", "  ", "    ")
 
 
-def say_not_observable(diagnosis: "Diagnosis", model: str, console: Console) -> None:
-    """Print what the motion could not have shown, and the motion to do; `model` is its file."""
+def say_not_observable(
+    hidden: "Sequence[NotObservable]", every: Sequence[str], console: Console, model: str = ""
+) -> None:
+    """Print what a motion cannot show, and the motion to do.
+
+    Args:
+        every: the arm's joints.
+        model: the file of a model, with which such a motion is made; empty for none.
+    """
     groups: dict[tuple[str, str], list[str]] = {}
     never = []
-    for one in diagnosis.not_observable:
+    for one in hidden:
         if one.joint == "all":
             never.append(one.effect)
         else:
@@ -210,15 +218,32 @@ def say_not_observable(diagnosis: "Diagnosis", model: str, console: Console) -> 
     if groups:
         console.say(["", "not observable here, neither there nor absent; the motion to do"])
         for (effect, motion), joints in groups.items():
-            console.bullet(f"{effect} ({which(joints, diagnosis.model.joints)}): {motion}")
-        effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
-        console.say(f"  as a trajectory: {excite(effect, joint, model)}")
+            console.bullet(f"{effect} ({which(joints, every)}): {motion}")
+        if model:
+            effect, joint = next((effect, joints[0]) for (effect, _), joints in groups.items())
+            console.say(f"  as a trajectory: {excite(effect, joint, model)}")
     if never:
         console.say()
         console.paragraph(
             f"{', '.join(never)}: no motion of the arm alone shows these; lagrangian_ff effects "
             "EFFECT says why"
         )
+
+
+def say_observability(found: "Observability", console: Console) -> None:
+    """Print the least size at which each effect would be seen, and what the motion cannot show."""
+    console.say(["", f"what this motion could show: {found.words}"])
+    console.paragraph(
+        "the size in per cent of the joint's torque from which on diagnose expects to see an "
+        "effect; - where it never does",
+        "  ",
+    )
+    rows = [
+        [effect, *(f"{100.0 * one:.2g}" if one < 1.0 else "-" for one in row)]
+        for effect, row in sorted(found.least.items(), key=lambda item: max(item[1]))
+    ]
+    console.say(table(["effect [%]", *found.joints], rows))
+    say_not_observable(found.not_observable, found.joints, console)
 
 
 def excite(effect: str, joint: str, model: str) -> str:

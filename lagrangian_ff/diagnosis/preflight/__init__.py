@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.preflight.base import Case, Check
+from lagrangian_ff.diagnosis.preflight.base import Case, Check, Remedy
 from lagrangian_ff.diagnosis.preflight.clipping import check_saturation
 from lagrangian_ff.diagnosis.preflight.coverage import (
     check_duration,
@@ -26,7 +26,7 @@ from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.kernels.rigid import Robot
 from lagrangian_ff.recording.motion import Motion
 
-__all__ = ["CHECKS", "Case", "Check", "effort_checks", "preflight"]
+__all__ = ["CHECKS", "Case", "Check", "Remedy", "effort_checks", "kind_checks", "preflight"]
 
 CHECKS: tuple[Callable[[Case], list[Check]], ...] = (
     check_sign,
@@ -59,7 +59,9 @@ def preflight(
     case = Case.of(model, motion, others)
     found = [check for look in CHECKS for check in look(case)]
     if kind:
-        found += effort_checks(model, case.motion)
+        said = {(check.check, check.joint) for check in found if check.serious}
+        more = effort_checks(model, case.motion)
+        found += [one for one in more if (one.check, one.joint) not in said]
     return sorted(found, key=lambda check: not check.serious)
 
 

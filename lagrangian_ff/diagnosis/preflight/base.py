@@ -11,7 +11,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.predicting import by_part
 from lagrangian_ff.kernels import States
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.motion import Conditioning, Motion
 from lagrangian_ff.sampling import recorded_seconds, usual_step
 
 THIN = 100.0
@@ -22,7 +22,55 @@ ENOUGH = 5.0
 """s inside that range that a comparison of torques takes."""
 CLEAR = 0.85
 """Least correlation of measured and predicted torque for a comparison of the two."""
+SIGN = "effort sign"
+"""The name of the checks that look for an effort of the other sign."""
 _STILL = 1e-9  # N·m, a torque that does not change
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A setting of reading that undoes a fault.
+
+    Attributes:
+        words: what it does, as a button says it.
+        effort_scale: by joint, N·m per unit of effort, in place of what was used.
+        effort: what the effort holds, one of `EFFORTS`; empty to leave that.
+    """
+
+    words: str
+    effort_scale: Mapping[str, float] = field(default_factory=dict)
+    effort: str = ""
+
+    @property
+    def option(self) -> str:
+        """Return it as the command line has it."""
+        scales = " ".join(f"{joint}={factor:.4g}" for joint, factor in self.effort_scale.items())
+        return f"--effort {self.effort}" if self.effort else f"--effort-scale {scales}"
+
+    def applied(self, conditioning: Conditioning) -> Conditioning:
+        """Return settings of reading with it."""
+        scale = {**conditioning.effort_scale, **self.effort_scale}
+        return replace(conditioning, effort_scale=scale, effort=self.effort or conditioning.effort)
+
+
+def scaling(motion: Motion, factors: Mapping[str, float], words: str) -> Remedy:
+    """Return the remedy that multiplies the effort of some joints by further factors.
+
+    Args:
+        motion: knows with which scale it was read.
+    """
+    given = motion.conditioning.get("effort_scale")
+    known = given if isinstance(given, dict) else {}
+    # As many digits as the option shows, so that both do the same.
+    scale = {joint: float(f"{known.get(joint, 1.0) * f:.4g}") for joint, f in factors.items()}
+    return Remedy(words, scale)
+
+
+def turned_round(motion: Motion, joints: Sequence[str]) -> Remedy:
+    """Return the remedy that turns the sign of some joints' effort round."""
+    every = len(joints) == len(motion.joints) > 1
+    whose = "every sign" if every else f"the sign of {', '.join(joints)}"
+    return scaling(motion, dict.fromkeys(joints, -1.0), f"Turn {whose} round")
 
 
 @dataclass(frozen=True)
@@ -36,6 +84,7 @@ class Check:
         advice: what to do; empty for nothing.
         values: the numbers behind it, by name; s, rad, N·m.
         source: the recording, if it is one of several.
+        remedy: the setting of reading that the advice names; None if it names none.
     """
 
     check: str
@@ -45,6 +94,7 @@ class Check:
     advice: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
     source: str = ""
+    remedy: Remedy | None = None
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lagrangian_ff.diagnosis.preflight.base import Case, Check
+from lagrangian_ff.diagnosis.preflight.base import SIGN, Case, Check, scaling, turned_round
 from lagrangian_ff.diagnosis.preflight.scaled import Scaled, scaled
 
 SERIOUS = 1.5
@@ -52,14 +52,14 @@ def check_sign(case: Case) -> list[Check]:
     """Report joints whose measured torque falls where the model's rises."""
     turned = np.flatnonzero(case.clear & (case.slope < 0.0)).tolist()
     if len(turned) == len(case.joints):
-        flips = " ".join(_scale(case, joint, -1.0) for joint in case.joints)
+        remedy = turned_round(case.motion, case.joints)
         finding = "the effort of every joint has the sign opposite to the model's"
         advice = (
-            f"Give --effort-scale {flips}, or correct the driver: effort is the torque that the "
+            f"Give {remedy.option}, or correct the driver: effort is the torque that the "
             "motor puts on the joint"
         )
         values = {"correlation": float(case.correlation.max())}
-        return [Check("effort sign", None, finding, True, advice, values)]
+        return [Check(SIGN, None, finding, True, advice, values, remedy=remedy)]
     found = []
     for n in turned:
         name, correlation = case.joints[n], case.correlation[n]
@@ -67,21 +67,15 @@ def check_sign(case: Case) -> list[Check]:
             f"the effort of {name} has the sign opposite to the model's (correlation "
             f"{correlation:.2f})"
         )
-        advice = f"Give --effort-scale {_scale(case, name, -1.0)}, or correct the driver"
+        remedy = turned_round(case.motion, [name])
+        advice = f"Give {remedy.option}, or correct the driver"
         values = {"correlation": correlation, "factor": case.slope[n]}
-        found.append(Check("effort sign", name, finding, True, advice, values))
+        found.append(Check(SIGN, name, finding, True, advice, values, remedy=remedy))
     return found
 
 
 def _off(factor: float) -> float:
     return float(max(factor, 1.0 / factor))
-
-
-def _scale(case: Case, joint: str, factor: float) -> str:
-    """Return the option that undoes a factor, on top of the scale used to read the recording."""
-    given = case.motion.conditioning.get("effort_scale")
-    known = given.get(joint, 1.0) if isinstance(given, dict) else 1.0
-    return f"{joint}={known / factor:.4g}"
 
 
 def _all(case: Case, factor: float, unit: str, sure: bool) -> Check:
@@ -93,11 +87,13 @@ def _all(case: Case, factor: float, unit: str, sure: bool) -> Check:
     """
     guess = f"it seems to be in {unit}" if unit else "it is in another unit, or a motor current"
     finding = f"the effort of every joint is {factor:.4g} of what the model expects: {guess}"
-    scales = " ".join(_scale(case, name, factor) for name in case.joints)
-    advice = f"Record effort in N·m, or give --effort-scale {scales}"
+    words = f"Multiply the effort by {1.0 / factor:.4g}"
+    remedy = scaling(case.motion, dict.fromkeys(case.joints, 1.0 / factor), words)
+    advice = f"Record effort in N·m, or give {remedy.option}"
     if not sure and not unit:
         finding += f"; or {_LOAD}"
-    return Check("effort unit", None, finding, sure or bool(unit), advice, {"factor": factor})
+    serious, values = sure or bool(unit), {"factor": factor}
+    return Check("effort unit", None, finding, serious, advice, values, remedy=remedy)
 
 
 def _one(case: Case, n: int, parts: Scaled) -> Check:
@@ -115,7 +111,9 @@ def _one(case: Case, n: int, parts: Scaled) -> Check:
         advice = "A wrong torque constant, a changed load or a missing effect may do this"
         return Check("effort unit", name, finding, False, advice, values)
     finding += ": other unit, gear ratio or torque constant?"
-    advice = f"Check the driver's scale; --effort-scale {_scale(case, name, factor)} undoes it"
+    words = f"Multiply the effort of {name} by {1.0 / factor:.4g}"
+    remedy = scaling(case.motion, {name: 1.0 / factor}, words)
+    advice = f"Check the driver's scale; {remedy.option} undoes it"
     if parts.known < 2:
         finding += f" Or {_LOAD}"
-    return Check("effort unit", name, finding, parts.known > 1, advice, values)
+    return Check("effort unit", name, finding, parts.known > 1, advice, values, remedy=remedy)

@@ -4,7 +4,7 @@ A serial arm of unknown masses with plain friction (`chain+fri`) is fitted to so
 is judged by two Bayes factors against none: of gravity that is free in size, which shows that it is
 there; and of gravity that is half of the torque, which shows that it is not, since a size that is
 free may be nothing. Friction is judged by the power that it takes, which is linear in its
-parameters.
+parameters: where it gives some, the effort has the other sign.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
-from lagrangian_ff.diagnosis.preflight.base import ENOUGH, Check
+from lagrangian_ff.diagnosis.preflight.base import ENOUGH, SIGN, Check, Remedy, turned_round
 from lagrangian_ff.diagnosis.thresholds import USED
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.errors import ModelError
@@ -27,7 +27,7 @@ from lagrangian_ff.identification.solving.system import System
 from lagrangian_ff.identification.spec import parse
 from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.structured.base import Structured
-from lagrangian_ff.recording.motion import WITHOUT_FRICTION, WITHOUT_GRAVITY, Motion
+from lagrangian_ff.recording.motion import TOTAL, WITHOUT_FRICTION, WITHOUT_GRAVITY, Motion
 from lagrangian_ff.sampling import recorded_seconds, usual_step
 
 MODEL = "chain+fri"
@@ -43,11 +43,16 @@ WHOLE = 0.15
 """Share of the torque's spread above which gravity is no remainder of a compensation."""
 LITTLE = 0.03
 """Share of a joint's power that friction takes at least where a gear's is in the torque."""
+ALL_POWER = 1.05
+"""Share of a joint's power that no friction exceeds: what does was split off wrongly."""
 NAME = "effort kind"
 BLOCKS = 10
 """Parts of the time that intervals are resampled over."""
 LEVEL = 0.95
 """The upper end of a 90 % interval."""
+ALL = Remedy("Read the effort as all torque", effort=TOTAL)
+WEIGHTLESS = Remedy("Read the effort as without gravity", effort=WITHOUT_GRAVITY)
+FRICTIONLESS = Remedy("Read the effort as without friction", effort=WITHOUT_FRICTION)
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,7 @@ class EffortKind:
             none is there, and the motion would show it.
         gravity_share: spread of the torque of gravity over that of the torque, of all joints.
         friction: by joint, the share of the joint's power that plain friction takes.
+        turned: joints that friction drives, where the other torques allow their sign to be wrong.
     """
 
     joints: tuple[str, ...]
@@ -68,6 +74,7 @@ class EffortKind:
     large_gravity: float
     gravity_share: float
     friction: tuple[Estimate, ...]
+    turned: tuple[str, ...] = ()
 
 
 def kind_checks(motion: Motion, sliding: Sequence[int] = ()) -> list[Check]:
@@ -77,7 +84,33 @@ def kind_checks(motion: Motion, sliding: Sequence[int] = ()) -> list[Check]:
         motion, sliding: see `effort_kind`.
     """
     found = effort_kind(motion, sliding)
-    return [] if found is None else [*_of_gravity(found, motion), *_of_friction(found, motion)]
+    if found is None:
+        return []
+    return [*_of_sign(found, motion), *_of_gravity(found, motion), *_of_friction(found, motion)]
+
+
+def _of_sign(found: EffortKind, motion: Motion) -> list[Check]:
+    """Return the joints whose effort has the other sign."""
+    each, turned = dict(zip(found.joints, found.friction, strict=True)), found.turned
+    if not turned or motion.effort == WITHOUT_FRICTION:
+        return []  # a drive may give more than it loses
+    turned_of: dict[str | None, Sequence[str]]
+    if len(turned) == len(each) > 1:
+        turned_of = {None: turned}
+    else:
+        turned_of = {name: [name] for name in turned}
+    checks = []
+    for joint, names in turned_of.items():
+        remedy = turned_round(motion, names)
+        shown = ", ".join(f"{name}: {-each[name].value:.0%} of its power" for name in names)
+        finding = (
+            f"the effort of {joint or 'every joint'} seems to have the wrong sign: as recorded, "
+            f"friction drives and does not brake ({shown})"
+        )
+        values = {name: each[name].value for name in names}
+        advice = f"Give {remedy.option}, or correct the driver"
+        checks.append(Check(SIGN, joint, finding, True, advice, values, remedy=remedy))
+    return checks
 
 
 def _of_gravity(found: EffortKind, motion: Motion) -> list[Check]:
@@ -95,13 +128,14 @@ def _of_gravity(found: EffortKind, motion: Motion) -> list[Check]:
         )
         if found.gravity_share > WHOLE:
             finding = f"the effort was read as without gravity, but holds it: {gains}"
-            return [Check(NAME, None, finding, True, "Read it with --effort total", values)]
+            advice = f"Read it with {ALL.option}"
+            return [Check(NAME, None, finding, True, advice, values, remedy=ALL)]
         finding = f"some gravity is left in the effort: {gains}"
         advice = (
-            "The driver's masses, or the payload it knows of, may be a little wrong. --effort "
-            "total learns what is left over, and feeds it forward"
+            "The driver's masses, or the payload it knows of, may be a little wrong. "
+            f"{ALL.option} learns what is left over, and feeds it forward"
         )
-        return [Check(NAME, None, finding, False, advice, values)]
+        return [Check(NAME, None, finding, False, advice, values, remedy=ALL)]
     if found.gravity > ABSENT or found.large_gravity > -ABSENT:
         return []
     finding = (
@@ -110,10 +144,10 @@ def _of_gravity(found: EffortKind, motion: Motion) -> list[Check]:
         "driver removed it, or no joint works against it"
     )
     advice = (
-        "If the driver compensates gravity, give --effort without-gravity: model and feedforward "
+        f"If the driver compensates gravity, give {WEIGHTLESS.option}: model and feedforward "
         "then have exactly none. If all axes stand upright, either is right"
     )
-    return [Check(NAME, None, finding, False, advice, values)]
+    return [Check(NAME, None, finding, False, advice, values, remedy=WEIGHTLESS)]
 
 
 def _of_friction(found: EffortKind, motion: Motion) -> list[Check]:
@@ -128,10 +162,10 @@ def _of_friction(found: EffortKind, motion: Motion) -> list[Check]:
         shown = ", ".join(f"{name} {_percent(each[name])}" for name in there)
         finding = f"friction is left over; it takes of the power of {shown}"
         advice = (
-            "If the drive compensates none, read it with --effort total; else identify with "
+            f"If the drive compensates none, read it with {ALL.option}; else identify with "
             "--model auto+fri, which learns what is left over"
         )
-        return [Check(NAME, None, finding, False, advice, values)]
+        return [Check(NAME, None, finding, False, advice, values, remedy=ALL)]
     none = [name for name, one in each.items() if one.high < LITTLE and one.low > -LITTLE]
     if there or 3 * len(none) < len(each):
         return []
@@ -140,8 +174,8 @@ def _of_friction(found: EffortKind, motion: Motion) -> list[Check]:
         f"hardly any friction shows, on no joint surely; it takes of the power of {shown}. The "
         "drive compensates it, or the torque is sensed behind the gear: the two look the same"
     )
-    advice = "If so, give --effort without-friction: model and feedforward then leave it out"
-    return [Check(NAME, None, finding, False, advice, values)]
+    advice = f"If so, give {FRICTIONLESS.option}: model and feedforward then leave it out"
+    return [Check(NAME, None, finding, False, advice, values, remedy=FRICTIONLESS)]
 
 
 def _percent(share: Estimate) -> str:
@@ -180,6 +214,8 @@ def effort_kind(motion: Motion, sliding: Sequence[int] = ()) -> EffortKind | Non
             start.having(kernel=start.kernel.without_gravity()), few, STAGES[1:], without
         )
         some = exact(_with_gravity(none.problem, HALF))
+        friction = _friction(full, motion)
+        turned = _turned(start, few, full, friction)
     except (ModelError, NotPositiveDefiniteError, np.linalg.LinAlgError):
         return None
     return EffortKind(
@@ -187,8 +223,38 @@ def effort_kind(motion: Motion, sliding: Sequence[int] = ()) -> EffortKind | Non
         max(full.log_evidence, some.log_evidence) - none.log_evidence,
         some.log_evidence - none.log_evidence,
         _gravity_share(full),
-        _friction(full, motion),
+        friction,
+        tuple(motion.joints[n] for n in turned),
     )
+
+
+def _turned(
+    start: Problem,
+    few: Callable[[int], Samples],
+    full: Posterior[System],
+    friction: Sequence[Estimate],
+) -> list[int]:
+    """Return the joints that friction drives, and whose sign may be wrong by the evidence.
+
+    Friction brakes. And the joints share one Lagrangian, so that the evidence falls where the signs
+    of some and not of others are turned round wrongly.
+    """
+    turned = [n for n, one in enumerate(friction) if -ALL_POWER < one.high < -LITTLE]
+    count = len(friction)
+
+    def gain(joints: list[int]) -> float:
+        sign = np.where(np.isin(np.arange(count), joints), -1.0, 1.0)
+
+        def other(samples: Samples) -> Samples:
+            return replace(samples, tau=samples.tau * sign)
+
+        found = _maximised(start.of(other(start.samples)), lambda n: other(few(n)), STAGES)
+        return found.log_evidence - full.log_evidence
+
+    if not 1 < count == len(turned):
+        return turned if turned and gain(turned) > -ABSENT else []
+    # All turned round are as likely as none: is one of them more so?
+    return turned if all(gain([n]) < ABSENT for n in turned) else []
 
 
 def _maximised(

@@ -59,6 +59,30 @@ class BayesFactor:
         """Return whether it is an event, which happens once, in a few blocks."""
         return self.candidate.named and self.candidate.effect.kind == "event"
 
+    def expected_gain(self, size: float) -> float:
+        """Return the mean log Bayes factor, nats, where the candidate is there.
+
+        Args:
+            size: share of the joint's torque that it has.
+        """
+        signal, price = self._signal_and_price
+        return 0.5 * (signal * size**2 - price)
+
+    def least_size(self, gain: float) -> float:
+        """Return the share of the joint's torque from which on `gain` nats are expected.
+
+        It is infinite where everything known explains the candidate.
+        """
+        signal, price = self._signal_and_price
+        return float(np.sqrt((2.0 * gain + price) / signal)) if signal > 0.0 else np.inf
+
+    @property
+    def _signal_and_price(self) -> tuple[float, float]:
+        """Return twice the nats that it brings at the size of the joint's torque, and costs."""
+        information = self.information / self.variance_inflation
+        signal = float(np.trace(information)) / len(information) / PRIOR_SHARE**2
+        return signal, float(np.linalg.slogdet(np.eye(len(information)) + information)[1])
+
 
 def tempered_log_bf(
     sums: Floats, information: Floats, variance_inflation: Floats | float

@@ -7,6 +7,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.nonparametric import ALTERNATIVES, Alternative
 from lagrangian_ff.effects import EFFECTS, Effect, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.recording.motion import WITHOUT_FRICTION
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,21 @@ def named(
         and effect.arm_event != "lasting"
         for shape in effect.candidates(x, joint)
     ]
+
+
+def searched_for(effort: str, basis: Basis) -> Mapping[str, Effect] | None:
+    """Return the effects that may be missing; None is the whole catalogue.
+
+    Where the drive compensates friction, only plain friction shows whether some is left over; its
+    other forms are searched once the model has that.
+
+    Args:
+        effort: what the recorded effort holds.  basis: the effects of the model.
+    """
+    if effort != WITHOUT_FRICTION or any(term.effect.plain for term in basis.terms):
+        return None
+    every = EFFECTS.items()
+    return {name: one for name, one in every if one.plain or one.kind != "friction"}
 
 
 def nonparametric(x: Inputs, joints: Iterable[int]) -> list[Candidate]:

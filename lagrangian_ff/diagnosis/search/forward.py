@@ -11,7 +11,7 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, BayesFactor, bayes_factors
+from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor, bayes_factors
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.judging import (
     Step,
@@ -25,6 +25,7 @@ from lagrangian_ff.diagnosis.search.judging import (
     reconsider,
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
+from lagrangian_ff.diagnosis.search.visible import clearest, hidden
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
 from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
@@ -272,40 +273,7 @@ def _to_beat(whitened: Whitened, eligible: Sequence[BayesFactor]) -> float:
 
 def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable, ...]:
     """Return the effects, joint by joint, that this motion hides."""
-    motion = found.whitened.motion
-    still = np.ptp(motion.q, axis=0) < thresholds.USED.still
-    power: dict[tuple[str, int], float] = {}
     present = {step.score.candidate.key for step in found.steps}
     # The last have the noise that is left beside all that was found.
-    for score in (*found.all, *found.last):
-        if score.candidate.named and score.candidate.key not in present:
-            key = score.candidate.key
-            power[key] = max(power.get(key, -np.inf), _expected_log_bf(score))
-    missing = []
-    for (name, joint), log_bf in power.items():
-        effect = EFFECTS.get(name) or next(
-            s.candidate.effect for s in found.all if s.candidate.key == (name, joint)
-        )
-        if still[joint]:
-            reason = f"{joints[joint]} stands still"
-        elif log_bf < thresholds.USED.floor:
-            reason = (
-                f"at {thresholds.USED.observable_size:.0%} of the joint's torque it would gain "
-                f"{max(log_bf, 0.0):.1f} nats of evidence, {thresholds.USED.floor:g} are needed"
-            )
-        else:
-            continue
-        missing.append(NotObservable(name, joints[joint], reason, effect.next_motion))
-    for name in sorted(name for name, effect in EFFECTS.items() if not effect.observable):
-        effect = EFFECTS[name]
-        missing.append(NotObservable(name, "all", effect.caution, effect.next_motion))
-    return tuple(missing)
-
-
-def _expected_log_bf(score: BayesFactor) -> float:
-    """Return the mean log Bayes factor of the effect at `observable_size` of the joint's torque."""
-    information = score.information / score.variance_inflation
-    size = thresholds.USED.observable_size / PRIOR_SHARE
-    signal = float(np.trace(information)) / len(information) * size**2
-    price = float(np.linalg.slogdet(np.eye(len(information)) + information)[1])
-    return 0.5 * (signal - price)
+    every = [one for one in (*found.all, *found.last) if one.candidate.key not in present]
+    return hidden(clearest(every), found.whitened.motion, joints)

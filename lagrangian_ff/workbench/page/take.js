@@ -11,13 +11,26 @@ export function status(state) {
 }
 
 function quoted(text) {
-  return /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+  return /^[\w./+=-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+}
+
+// The options of reading that make of one scale of the effort another.
+function scaled(before, after) {
+  const changed = [...new Set([...Object.keys(before), ...Object.keys(after)])].filter((joint) => (before[joint] ?? 1) !== (after[joint] ?? 1));
+  return changed.length ? " --effort-scale " + changed.map((joint) => quoted(`${joint}=${after[joint] ?? 1}`)).join(" ") : "";
 }
 
 function commands(state) {
-  const of = (role) => state.cards.filter((card) => card.role === role && !card.error).map((card) => quoted(card.file)).join(" ");
+  const cards = (role) => state.cards.filter((card) => card.role === role && !card.error);
+  const of = (role) => cards(role).map((card) => quoted(card.file)).join(" ");
   const steps = line(state);
-  const found = [`lagrangian_ff identify ${of("learn")} --train 1.0 --output model.npz`];
+  const { effort = "total", asked = "", urdf = "", scales = {} } = steps[0].settings;
+  const sources = Object.keys(scales), [learned = {}] = Object.values(scales);
+  const options = [asked ? ` --model ${asked}` : "", urdf ? ` --urdf ${quoted(urdf)}` : "", effort === "total" ? "" : ` --effort ${effort}`, scaled({}, learned)].join("");
+  const found = [`lagrangian_ff identify ${sources.length ? sources.map(quoted).join(" ") : of("learn")}${options} --train 1.0 --output model.npz`];
+  if (Object.values(scales).some((one) => scaled(learned, one))) {
+    found.unshift("# These recordings were read with different scales of the effort: convert them first.");
+  }
   let model = "model.npz";
   steps.slice(1).forEach((node, k) => {
     const added = node.described.effects.at(-1);
@@ -26,8 +39,9 @@ function commands(state) {
     found.push(`lagrangian_ff add ${model} ${effect.replaceAll(" ", "_")} --joint ${joint} --output ${next}`);
     model = next;
   });
-  const unseen = of("confirm") || of("search") || of("learn");
-  found.push(`lagrangian_ff compare ${model} ${unseen} --report compare.html`);
+  const unseen = ["confirm", "search", "learn"].find((role) => of(role)) || "learn";
+  const [first] = cards(unseen);
+  found.push(`lagrangian_ff compare ${model} ${of(unseen)}${first ? scaled(learned, first.scale) : ""} --report compare.html`);
   return found.join("\n");
 }
 
