@@ -83,6 +83,7 @@ class Watch:
         self._states = LiveStates(joints, conditioning_for(self.model, {}, {}), RATE)
         self._prediction = LivePrediction(self.model)
         self._health = Health(joints, self.model.identified.score, self.model.range)
+        self._lock = threading.Lock()  # the executor asks while states come
         self._bins: Bins | None = None
 
     def take(
@@ -100,7 +101,8 @@ class Watch:
                 states.append(state)
         for judged in self._prediction.take(states):
             state = judged.state
-            self._health.add(judged, LIMITS)
+            with self._lock:
+                self._health.add(judged, LIMITS)
             if self._bins is None:
                 names = ("measured", "predicted", "residual")
                 self._bins = Bins(self.model.joints, names, state.at)
@@ -112,8 +114,10 @@ class Watch:
 
     def status(self) -> Record:
         """Return the delay in s and the rms residual by joint in N·m, None for joints that rest."""
-        rms = dict(zip(self.model.joints, self._health.rms().tolist(), strict=True))
-        return {"delay": self._states.delay + self._prediction.waits / RATE, "rms": rms}
+        with self._lock:
+            rms = self._health.rms().tolist()
+        late = self._states.delay + self._prediction.waits / RATE
+        return {"delay": late, "rms": dict(zip(self.model.joints, rms, strict=True))}
 
 
 class RawTorque:

@@ -40,6 +40,9 @@ class Bench:
         session: on disk.
         changed: is called after every change that pages show.
         skeleton: of the arm, see `skeleton.read_skeleton`.
+
+    Attributes:
+        more: returns what pages show besides.
     """
 
     def __init__(
@@ -47,6 +50,7 @@ class Bench:
     ) -> None:
         self.session = session
         self._skeleton = list(skeleton)
+        self.more: Callable[[], dict[str, Any]] = dict
         self._changed = changed
         self._running: list[Running] = []
         self._waiting: list[Callable[[], None]] = []
@@ -79,7 +83,7 @@ class Bench:
             }
             for one in self._running
         ]
-        return {"work": work, "said": self._said}
+        return {"work": work, "said": self._said, **self.more()}
 
     def state(self) -> dict[str, Any]:
         """Return all that a page shows."""

@@ -4,18 +4,16 @@ Tornado, since HTTP, uploads in pieces and events that last are in one library t
 """
 
 import asyncio
-import hmac
 import json
 import math
 import os
 import secrets
 import signal
 import tempfile
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import tornado.httpserver
 import tornado.netutil
@@ -24,100 +22,16 @@ from tornado.iostream import StreamClosedError
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench import traces
-from lagrangian_ff.workbench.bench import Bench
+from lagrangian_ff.workbench.handler import Handler, Part, Service
 from lagrangian_ff.workbench.session import Session
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_UPLOAD = 4 * 2**30  # bytes
-LARGEST_QUESTION = 2**16
 TICK = 0.1  # s
 WIDEST = 4000  # pixels
 MAP_BINS = 36
 AXES = ("q", "qd", "tau", "load", "time")
 PAGE = Path(str(files(__package__).joinpath("page")))
-RULES = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'"
-)
-
-
-class Service:
-    """State shared by the handlers.
-
-    Args:
-        session: the one that is shown.
-        hosts: names by which the page may be asked for.
-        token: what a page must know; empty for none, on loopback.
-        skeleton: of the arm that is drawn.
-    """
-
-    def __init__(
-        self,
-        session: Session,
-        hosts: Sequence[str],
-        token: str,
-        skeleton: Sequence[dict[str, Any]] = (),
-    ) -> None:
-        self.hosts, self.token = frozenset(hosts), token
-        self._news = asyncio.Event()
-        self.bench = Bench(session, self._changed, skeleton)
-
-    def _changed(self) -> None:
-        news, self._news = self._news, asyncio.Event()
-        news.set()
-
-    async def news(self) -> None:
-        """Wait for the next change."""
-        await self._news.wait()
-
-
-class Handler(tornado.web.RequestHandler):
-    """Answers only pages that came from here."""
-
-    service: Service
-
-    def initialize(self, service: Service) -> None:
-        self.service = service
-
-    def set_default_headers(self) -> None:
-        self.set_header("Content-Security-Policy", RULES)
-        self.set_header("X-Content-Type-Options", "nosniff")
-        self.set_header("Referrer-Policy", "no-referrer")
-        self.set_header("Cache-Control", "no-store")
-        self.clear_header("Server")
-
-    def prepare(self) -> Awaitable[None] | None:
-        """Refuse other hosts, other pages, and those without the token."""
-        host = urlsplit(f"//{self.request.host}").hostname or ""
-        if host not in self.service.hosts:
-            raise tornado.web.HTTPError(403, log_message="asked for by another name")
-        origin = self.request.headers.get("Origin")
-        if origin is not None and urlsplit(origin).netloc != self.request.host:
-            raise tornado.web.HTTPError(403, log_message="asked by another page")
-        if self.request.method == "POST" and origin is None:
-            raise tornado.web.HTTPError(403, log_message="asked by no page")
-        if self.service.token:
-            given = self.get_query_argument("token", "") or self.get_cookie("token") or ""
-            if not hmac.compare_digest(given.encode(), self.service.token.encode()):
-                raise tornado.web.HTTPError(401, log_message="without the token")
-        return None
-
-    def say(self, found: object) -> None:
-        """Answer in JSON."""
-        self.set_header("Content-Type", "application/json; charset=utf-8")
-        self.finish(json.dumps(found, ensure_ascii=False, allow_nan=False))
-
-    def write_error(self, status_code: int, **told: Any) -> None:
-        error = told.get("exc_info", (None, None))[1]
-        words = str(error) if isinstance(error, UserError) else self._reason
-        if isinstance(error, UserError):
-            self.set_status(400)
-        self.say({"error": words})
-
-    def log_exception(self, kind: Any, value: Any, trace: Any) -> None:
-        if not isinstance(value, UserError):
-            super().log_exception(kind, value, trace)
 
 
 class Index(Handler):
@@ -168,15 +82,7 @@ class Ask(Handler):
     """A change, or work to begin."""
 
     def post(self, what: str) -> None:
-        if len(self.request.body) > LARGEST_QUESTION:
-            raise tornado.web.HTTPError(413)
-        try:
-            asked = json.loads(self.request.body or b"{}")
-        except ValueError:
-            raise tornado.web.HTTPError(400) from None
-        if not isinstance(asked, dict):
-            raise tornado.web.HTTPError(400)
-        self.service.bench.ask(what, asked)
+        self.service.bench.ask(what, self.asked())
         self.say({"done": what})
 
 
@@ -317,7 +223,7 @@ class Page(Download):
         self.send(file, f"{kind}.html")
 
 
-def application(service: Service) -> tornado.web.Application:
+def application(service: Service, *parts: Part) -> tornado.web.Application:
     """Return the handlers of a page."""
     given = {"service": service}
     return tornado.web.Application(
@@ -333,6 +239,7 @@ def application(service: Service) -> tornado.web.Application:
             (r"/api/chosen/(\w+)", Chosen, given),
             (r"/api/page/(compare|diagnose)/(\w+)", Page, given),
             (r"/api/take/(\w+)", Take, given),
+            *(page for part in parts for page in part.pages),
         ],
         log_function=lambda handler: None,
     )
@@ -345,6 +252,7 @@ async def serve(
     host: str,
     said: Any,
     skeleton: Sequence[dict[str, Any]] = (),
+    joined: Sequence[Callable[[Service], Part]] = (),
 ) -> None:
     """Serve a session until a signal ends it.
 
@@ -353,6 +261,7 @@ async def serve(
         port: 0 for any that is free.
         host: the address to listen on.
         skeleton: of the arm that is drawn; empty for none.
+        joined: makes the parts of the server besides.
         said: is called with the address of the page, once it can be opened.
 
     Raises:
@@ -365,11 +274,16 @@ async def serve(
     for source in sources:
         if str(source.resolve()) not in known:
             service.bench.take_file(source.name, source.resolve())
-    server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_UPLOAD)
+    parts = [join(service) for join in joined]
+    server = tornado.httpserver.HTTPServer(
+        application(service, *parts), max_body_size=LARGEST_UPLOAD
+    )
     try:
         sockets = tornado.netutil.bind_sockets(port, host)
     except OSError as error:
         raise UserError(f"--port {port}: cannot be used: {error.strerror or error}") from error
+    for part in parts:
+        await part.start()
     server.add_sockets(sockets)
     number = sockets[0].getsockname()[1]
     said(f"http://{host}:{number}/" + (f"?token={token}" if token else ""))
@@ -378,11 +292,14 @@ async def serve(
         asyncio.get_running_loop().add_signal_handler(one, ended.set)
     try:
         while not ended.is_set():
-            service.bench.tick()
+            for tick in (service.bench.tick, *(part.tick for part in parts)):
+                tick()
             try:
                 await asyncio.wait_for(ended.wait(), TICK)
             except asyncio.TimeoutError:
                 continue
     finally:
+        for part in parts:
+            await part.close()
         service.bench.close()
         server.stop()

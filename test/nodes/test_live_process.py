@@ -79,11 +79,11 @@ class Driver(threading.Thread):
 def path_of(message: JointTrajectory) -> Trajectory:
     """Return the trajectory in a message."""
     time_ = [p.time_from_start.sec + p.time_from_start.nanosec / 1e9 for p in message.points]
-    rows = [
-        [getattr(p, name) for p in message.points]
+    q, qd, qdd = (
+        np.array([getattr(p, name) for p in message.points])
         for name in ("positions", "velocities", "accelerations")
-    ]
-    return Trajectory(np.array(time_), *map(np.array, rows), tuple(message.joint_names))
+    )
+    return Trajectory(np.array(time_), q, qd, qdd, tuple(message.joint_names))
 
 
 class Child:
