@@ -182,7 +182,7 @@ class LiveNode(ClosingNode):
             "send": lambda number, asked: self._sender.send(int(asked["prepared"])),
             "stop": lambda number, asked: self._sender.stop(),
         }
-        self._readings = 0
+        self._readings, self._rates = 0, deque([0.0], maxlen=4)
         self._loop = PacedThread(Pacer(PERIOD), self._look, self._failed, "watch")
         self.create_timer(TOLD, self._tell, clock=Clock(clock_type=ClockType.STEADY_TIME))
         threading.Thread(target=self._obey, name="commands", daemon=True).start()
@@ -232,6 +232,7 @@ class LiveNode(ClosingNode):
     def _tell(self) -> None:
         """Say the state; in the executor."""
         self._sender.look()
+        self._rates.append(self._meter.take())
         now, topic, tally = time.monotonic(), self._subscription.topic, self._recorder.tally
         warned = [text for at, text in list(self._warned.values()) if now - at < LASTS]
         recording = {
@@ -243,7 +244,7 @@ class LiveNode(ClosingNode):
             "event": "status",
             "topic": topic,
             "publishers": self.count_publishers(topic),
-            "rate": self._meter.take(),
+            "rate": sum(self._rates) / len(self._rates),
             "joints": list(self._poses.joints),
             "warnings": list(dict.fromkeys(warned)),
             "recording": recording if self._path else None,

@@ -19,71 +19,12 @@ import pytest
 pytest.importorskip("rclpy")
 
 from node_harness import PATIENCE, Bench, open_bench
+from scripted_arm import HZ, TOPIC, Driver, path_of
 from sensor_msgs.msg import JointState
-from small_model import JOINTS, motion_at, save_small_model, torque_of
-from trajectory_msgs.msg import JointTrajectory
+from small_model import JOINTS, save_small_model
 
 from lagrangian_ff.arm.trajectory import Trajectory, write_trajectory
-from lagrangian_ff.nodes.common.topics import stamp
 from lagrangian_ff.recording import load
-
-TOPIC = "/driver/joint_trajectory"
-HZ = 250.0
-Floats = np.ndarray
-
-
-class Driver(threading.Thread):
-    """A scripted arm: publishes joint states, and follows the trajectories that it takes."""
-
-    def __init__(self, bench: Bench, drag: float = 0.0) -> None:
-        super().__init__(daemon=True)
-        self._states = bench.node.create_publisher(JointState, "joint_states", 100)
-        self._drag = drag
-        self.moving, self.silent, self.deaf = True, False, False
-        self.came: list[JointTrajectory] = []
-        self._followed: tuple[float, Any] | None = None
-        self.q = np.zeros(2)
-        self._end = threading.Event()
-        bench.node.create_subscription(JointTrajectory, TOPIC, self._on_trajectory, 10)
-
-    def _on_trajectory(self, message: JointTrajectory) -> None:
-        self.came.append(message)
-        if not self.deaf:
-            self._followed = time.monotonic(), path_of(message)
-
-    def run(self) -> None:
-        began, epoch = time.monotonic(), time.time_ns()
-        while not self._end.wait(1.0 / HZ):
-            now = time.monotonic()
-            q, qd, qdd = (x[0] for x in motion_at(np.array([now - began])))
-            if not self.moving:
-                q, qd, qdd = self.q, np.zeros(2), np.zeros(2)
-                if self._followed is not None:
-                    since, path = self._followed
-                    q, qd, qdd = path.sample(now - since)
-            self.q = q
-            tau = torque_of(q[None], qd[None], qdd[None])[0]
-            tau[1] += self._drag * qd[1] * abs(qd[1])
-            message = JointState(
-                name=list(JOINTS), position=q.tolist(), velocity=qd.tolist(), effort=tau.tolist()
-            )
-            message.header.stamp = stamp(epoch + round((now - began) * 1e9))
-            if not self.silent:
-                self._states.publish(message)
-
-    def end(self) -> None:
-        self._end.set()
-        self.join(5.0)
-
-
-def path_of(message: JointTrajectory) -> Trajectory:
-    """Return the trajectory in a message."""
-    time_ = [p.time_from_start.sec + p.time_from_start.nanosec / 1e9 for p in message.points]
-    q, qd, qdd = (
-        np.array([getattr(p, name) for p in message.points])
-        for name in ("positions", "velocities", "accelerations")
-    )
-    return Trajectory(np.array(time_), q, qd, qdd, tuple(message.joint_names))
 
 
 class Child:
@@ -175,7 +116,7 @@ def bench(ros_environment: dict[str, str], folder: Path) -> Iterator[Bench]:
 
 @pytest.fixture
 def driver(bench: Bench) -> Iterator[Driver]:
-    made = Driver(bench)
+    made = Driver(bench.node)
     made.start()
     yield made
     made.end()

@@ -42,7 +42,7 @@ export function banner({ live }) {
     place.querySelector(".recorded").textContent = `● recording, ${live.recording} s`;
   }
   if (motion) {
-    place.querySelector(".moved").textContent = `${motion.name}: ${motion.elapsed} of ${Math.round(motion.seconds)} s`;
+    place.querySelector(".moved").textContent = `${motion.name.replaceAll("_", " ")}: ${motion.elapsed} of ${Math.round(motion.seconds)} s`;
   }
 }
 
@@ -114,14 +114,14 @@ class Residuals {
     this.body = h("tbody", {});
     this.table = h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), h("th", { class: "number" }, "now"),
       h("th", { class: "number" }, "unseen"), h("th", { class: "number" }, "ratio"))), this.body);
-    this.words = h("p", { class: "quiet" });
+    this.words = h("p", { class: "quiet under" });
     this.element = h("section", { class: "card" }, h("h3", {}, "Residual [N·m]"), this.table, this.words);
   }
 
   show(rms) {
     const joints = Object.keys(rms || {});
     this.table.hidden = !joints.length;
-    const words = joints.length ? "Now: rms of the last 5 s, – for a joint that hardly moves. Unseen: the error of the model on unseen motion."
+    const words = joints.length ? "Rms of the last 5 s beside the error on unseen motion. A joint that hardly moves is not judged."
       : this.node ? "It waits for joint states." : "Learn a model first: until then the measured torque alone is drawn.";
     if (this.words.textContent !== words) {
       this.words.textContent = words;
@@ -137,7 +137,7 @@ class Residuals {
       const [first, second, third] = this.cells.get(joint);
       first.textContent = number(now);
       second.textContent = number(unseen);
-      third.textContent = ratio === null ? "–" : `${number(Number(ratio.toPrecision(2)))} ×`;
+      third.textContent = ratio === null ? "–" : number(Number(ratio.toPrecision(2)));
       third.classList.toggle("bad", ratio !== null && ratio > 2);
     }
   }
@@ -145,7 +145,7 @@ class Residuals {
 
 export function view(state, { go }) {
   connect();
-  const line = h("p", { class: "quiet" }), warnings = h("div", { role: "status" }), joints = h("div", { class: "row", role: "group", "aria-label": "joints that are shown" });
+  const line = h("span", {}), warnings = h("div", { role: "status" }), joints = h("div", { class: "row", role: "group", "aria-label": "joints that are shown" });
   const again = h("button", { class: "plain", "data-key": "again", hidden: true, onclick: () => does("connect") }, "Connect again");
   const record = h("button", { class: "main", "data-key": "record", disabled: true, onclick: async () => {
     const stops = record.dataset.stops === "true";
@@ -198,8 +198,8 @@ export function view(state, { go }) {
       legend.textContent = words;
     }
   };
-  const parts = [head("Live", "What the arm does now, and what the model leaves of it.", tally, again, record), h("div", { class: "lead-up" }, line, warnings),
-    h("div", { class: "two" }, h("section", {}, joints, empty, canvas, legend), h("div", {}, residuals.element, motions.element))];
+  const parts = [head("Live", line, tally, again, record), warnings,
+    h("div", { class: "two beside" }, h("section", {}, joints, empty, canvas, legend), h("div", {}, residuals.element, motions.element))];
   queueMicrotask(() => {
     refresh();
     stream.draw();

@@ -6,6 +6,10 @@ const kept = { motion: "", topic: "" };
 // Whether a motion was sent here, so that the button that stops it is to have the focus.
 export const waits = { stop: false };
 
+function angle(value) {
+  return value.toFixed(3).replace(/^-(0\.0+)$/, "$1");
+}
+
 function names(list) {
   return list.length ? list.join(", ") : "none";
 }
@@ -17,7 +21,7 @@ function way(found) {
     return `The arm stands at the start. It waits there for ${number(found.way)} s.`;
   }
   const moves = found.joints.map((joint, n) => [joint, found.moved[n]]).filter(([, by]) => Math.abs(by) >= 0.01)
-    .map(([joint, by]) => `${joint} by ${number(by)}`);
+    .map(([joint, by]) => `${joint} by ${angle(by)}`);
   return `First a slow move to the start, ${number(found.way)} s at 0.3 rad/s at most, straight in joint angles: ${moves.join(", ")} rad. See that this way is free.`;
 }
 
@@ -39,7 +43,7 @@ function confirm(found, motion) {
     h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), h("th", { class: "number" }, "is at [rad]"),
       h("th", { class: "number" }, "motion begins at [rad]"), h("th", { class: "number" }, "fastest [rad/s]"))),
       h("tbody", {}, found.joints.map((joint, n) => h("tr", {}, h("td", {}, joint),
-        h("td", { class: "number" }, number(found.start[n] - found.moved[n])), h("td", { class: "number" }, number(found.start[n])),
+        h("td", { class: "number" }, angle(found.start[n] - found.moved[n])), h("td", { class: "number" }, angle(found.start[n])),
         h("td", { class: "number" }, number(found.fastest[n])))))),
     found.notes.map((note) => h("p", { class: "quiet" }, note)),
     h("p", { id: "confirm-care" }, "Have the emergency stop at hand. This page is no safety function: the controller's own limits hold."),
@@ -66,10 +70,10 @@ export class Motions {
     this.motion = h("select", { class: "pick", "data-key": "motion", onchange: () => (kept.motion = this.motion.value) });
     this.topic = h("select", { class: "pick", "data-key": "topic", onchange: () => (kept.topic = this.topic.value) });
     this.send = h("button", { class: "plain", "data-key": "prepare", disabled: true, onclick: () => this.prepare() }, "Send…");
-    this.words = h("p", { class: "quiet" });
+    this.words = h("p", { class: "quiet under" });
     this.listed = "";
     this.form = h("div", { class: "stack" }, h("label", {}, "motion ", this.motion), h("label", {}, "to ", this.topic));
-    this.element = h("section", { class: "card" }, h("h3", {}, "Send a motion"), this.form, this.words, this.send);
+    this.element = h("section", { class: "card" }, h("h3", {}, "Send a motion"), this.form, this.send, this.words);
   }
 
   async prepare() {

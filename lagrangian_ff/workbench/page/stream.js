@@ -2,6 +2,8 @@
 import { drawing, h, number } from "./dom.js";
 
 const SECONDS = 10, GAP = 18, LEFT = 56, RIGHT = 12, BELOW = 24;
+const AROUND = 285; // pixels of a window beside the curves
+const BESIDE = 0.45; // height of the residual, as a share of the torque's
 const HOLE = 0.15; // s without samples over which no line is drawn
 const SHRINKS = 0.04; // share of the scale by which it comes closer at each picture
 const SERIES = { measured: ["measured", 2.6], predicted: ["predicted", 1.1], residual: ["residual", 1] };
@@ -71,8 +73,9 @@ export class Stream {
     }
     const shown = [...this.past.joints.keys()].filter((joint) => this.shown.has(joint));
     const rest = this.past.names.includes("residual");
-    const TORQUE = Math.max(70, Math.min(240, (rest ? 300 : 420) / Math.max(1, shown.length)));
-    const REST = rest ? TORQUE * 0.45 + 4 : 0, each = TORQUE + REST + GAP + 6;
+    const share = (window.innerHeight - AROUND) / Math.max(1, shown.length) - GAP - 10;
+    const TORQUE = Math.max(70, Math.min(360, share / (rest ? 1 + BESIDE : 1)));
+    const REST = rest ? TORQUE * BESIDE + 4 : 0, each = TORQUE + REST + GAP + 6;
     const { paint, width, colour } = drawing(this.canvas, Math.max(1, shown.length) * each + BELOW);
     const end = this.past.newest, start = end - SECONDS;
     const x = (at) => LEFT + ((at - start) / SECONDS) * (width - LEFT - RIGHT);
