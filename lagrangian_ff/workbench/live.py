@@ -283,7 +283,7 @@ class Live:
         self._keep()
         if not found["samples"]:
             raise UserError("no joint states came: there is nothing in the recording")
-        return {"samples": found["samples"], "seconds": found["seconds"]}
+        return {"seconds": found["seconds"], "ended": found["ended"]}
 
     def _keep(self) -> None:
         """Let the recording that ended join the cards, if anything is in it."""

@@ -14,6 +14,8 @@ from lagrangian_ff.nodes.common.joint_state_bytes import JointStateView
 
 STALE = 0.5  # s without a joint state
 BACK = 0.3  # s that are looked back on for movement
+FEWEST = 3
+"""Joint states within that time that show whether a joint stands."""
 STANDING = 0.01  # rad within which a joint that stands stays
 
 
@@ -74,10 +76,13 @@ class Poses:
         """Return the positions (N,) rad of joints that stand still.
 
         Raises:
-            UserError: there is no such joint, nothing was heard of it lately, or it moves.
+            UserError: there is no such joint, too little was heard of it lately to know that it
+                stands, or it moves.
         """
         with self._lock:
             for joint, k in self._columns(joints):
+                if len(self._part(joint).seen) < FEWEST:
+                    raise UserError(f"too few joint states of {joint} to see whether it stands")
                 values = [position[k] for _, position in self._part(joint).seen]
                 if max(values) - min(values) > STANDING:
                     raise UserError(f"{joint} moves now: wait until the arm stands")

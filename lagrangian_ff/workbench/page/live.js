@@ -152,7 +152,8 @@ export function view(state, { go }) {
     record.disabled = true;
     const done = await does(stops ? "finish" : "record");
     if (done) {
-      say(stops ? `${number(done.seconds)} s were recorded; they are a card under Data.` : "");
+      const early = done.ended ? ` It ended early: ${done.ended}.` : "";
+      say(stops ? `${number(done.seconds)} s were recorded; they are a card under Data.${early}` : "");
     }
   } }, "Start recording");
   const tally = h("span", { class: "quiet" });
