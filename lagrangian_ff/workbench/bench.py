@@ -44,6 +44,9 @@ class Bench:
         session: on disk.
         changed: is called after every change that pages show.
         skeleton: of the arm, see `skeleton.read_skeleton`.
+
+    Attributes:
+        more: returns what pages show besides.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class Bench:
         self.session = session
         self._skeleton = list(skeleton)
         self._recordings = Recordings(session, self._begin)
+        self.more: Callable[[], dict[str, Any]] = dict
         self._changed = changed
         self._running: list[Running] = []
         self._waiting: list[Callable[[], None]] = []
@@ -84,7 +88,7 @@ class Bench:
             }
             for one in self._running
         ]
-        return {"work": work, "said": self._said}
+        return {"work": work, "said": self._said, **self.more()}
 
     def state(self) -> dict[str, Any]:
         """Return all that a page shows."""

@@ -65,6 +65,10 @@ class Served:
             time.sleep(0.05)
         self.address = found[1]
 
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
     def stop(self, number: int = signal.SIGTERM) -> int:
         """End it, and return its exit code."""
         self._process.send_signal(number)
