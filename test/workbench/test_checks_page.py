@@ -132,7 +132,7 @@ def test_a_recording_that_disagrees_with_the_model_is_read_in_another_way(
     page.goto(served.address + "#diagnose")
     page.get_by_role("button", name="Find what is missing").last.click()
     idle(page)
-    page.get_by_text("Mend the measurement first").wait_for(timeout=LONG)
+    page.get_by_text("Look at this first").wait_for(timeout=LONG)
     page.locator(".check button").first.click()
     idle(page)
     cards = saved(served)["cards"]

@@ -40,7 +40,7 @@ export function checksOfFiles(state, checks, files) {
   const cards = state.cards.filter((card) => files.includes(card.file));
   const serious = checks.filter((one) => one.serious), others = checks.filter((one) => !one.serious);
   return [
-    serious.length ? h("section", { class: "card" }, h("h3", { class: "bad" }, "Mend the measurement first"), lines(serious, () => cards, "remedy", "")) : null,
+    serious.length ? h("section", { class: "card" }, h("h3", { class: "bad" }, "Look at this first"), lines(serious, () => cards, "remedy", "")) : null,
     others.length ? h("details", {}, h("summary", {}, `${others.length} remark${others.length > 1 ? "s" : ""} about the measurement`), lines(others, () => cards, "remark", "")) : null];
 }
 
