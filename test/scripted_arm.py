@@ -11,7 +11,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.nodes.common.topics import RELIABLE, PolledSubscription, stamp
+from lagrangian_ff.nodes.common.topics import RELIABLE, PolledSubscription, nanoseconds, stamp
 
 JOINTS = ("a", "b")
 TOPIC = "/driver/joint_trajectory"
@@ -35,6 +35,7 @@ class Driver(threading.Thread):
     Attributes:
         moving: whether it makes its own motion.
         silent: whether it publishes nothing.
+        refusals: how many of the trajectories after the first it refuses.
         deaf: whether it takes trajectories without following them.
         q: (2,) rad, where it stands.
         came: the trajectories.
@@ -45,6 +46,7 @@ class Driver(threading.Thread):
         self._states = node.create_publisher(JointState, "joint_states", 100)
         self._drag = drag
         self.moving, self.silent, self.deaf = True, False, False
+        self.refusals = 0
         self.came: list[JointTrajectory] = []
         self._followed: tuple[float, Any] | None = None
         self.q = np.zeros(2)
@@ -53,11 +55,18 @@ class Driver(threading.Thread):
 
     def run(self) -> None:
         began, epoch = time.monotonic(), time.time_ns()
-        while not self._end.wait(1.0 / HZ):
-            now = time.monotonic()
+        now = began
+        while not self._end.is_set():
+            now += 1.0 / HZ  # no sample is left out where the processor was busy
+            time.sleep(max(0.0, now - time.monotonic()))
             for came, _ in self._taken.take():
                 self.came.append(came)
-                self._followed = None if self.deaf else (now, path_of(came))
+                if self.refusals > 0 and len(self.came) > 1:
+                    self.refusals -= 1
+                else:
+                    begins = nanoseconds(came.header.stamp)
+                    since = began + (begins - epoch) / 1e9 if begins else now
+                    self._followed = None if self.deaf else (since, path_of(came))
             q, qd, qdd = motion_at(now - began)
             if not self.moving:
                 q, qd, qdd = self.q, np.zeros(2), np.zeros(2)

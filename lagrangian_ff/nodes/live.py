@@ -21,6 +21,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,7 @@ RESERVE = 500_000_000  # bytes of the disk that a recording leaves free
 LAYOUTS = 16
 """Most kinds of joint states that are drawn: parts of a robot that share the topic."""
 LIMITS = Limits(window=5.0, still=0.01, margin=0.25, warn=2.0, error=4.0)
-ENDING = 5.0  # s
+ENDING = 8.0  # s in which the process ends by itself
 
 Record = dict[str, Any]
 Say = Callable[[Record], None]
@@ -72,6 +73,9 @@ class Watch:
         file: of the model.
         effects: the file of effects of the user's own; empty for none.
 
+    Attributes:
+        joints: of the model.
+
     Raises:
         UserError: one of them cannot be used.
     """
@@ -79,7 +83,7 @@ class Watch:
     def __init__(self, file: str, effects: str) -> None:
         load_own_effects(effects)
         self.model, _ = load_model(file)
-        joints = self.model.joints
+        self.joints = joints = self.model.joints
         self._states = LiveStates(joints, conditioning_for(self.model, {}, {}), RATE)
         self._prediction = LivePrediction(self.model)
         self._health = Health(joints, self.model.identified.score, self.model.range)
@@ -121,7 +125,13 @@ class Watch:
 
 
 class RawTorque:
-    """Measured torque as it comes, while there is no model."""
+    """Measured torque as it comes, while there is no model.
+
+    Attributes:
+        joints: none that have to be there.
+    """
+
+    joints: tuple[str, ...] = ()
 
     def __init__(self) -> None:
         self._bins: dict[tuple[str, ...], Bins] = {}
@@ -182,7 +192,8 @@ class LiveNode(ClosingNode):
             "send": lambda number, asked: self._sender.send(int(asked["prepared"])),
             "stop": lambda number, asked: self._sender.stop(),
         }
-        self._readings, self._rates = 0, deque([0.0], maxlen=4)
+        self._readings = 0
+        self._rates: deque[float] = deque(maxlen=4)
         self._loop = PacedThread(Pacer(PERIOD), self._look, self._failed, "watch")
         self.create_timer(TOLD, self._tell, clock=Clock(clock_type=ClockType.STEADY_TIME))
         threading.Thread(target=self._obey, name="commands", daemon=True).start()
@@ -232,6 +243,11 @@ class LiveNode(ClosingNode):
     def _tell(self) -> None:
         """Say the state; in the executor."""
         self._sender.look()
+        heard = self._poses.joints
+        lacking = [joint for joint in self._watch.joints if joint not in heard]
+        if heard and lacking:
+            words = f"joint states without {', '.join(lacking)}, which the model has"
+            self._warn("joints", f"{words}: there is nothing to compare")
         self._rates.append(self._meter.take())
         now, topic, tally = time.monotonic(), self._subscription.topic, self._recorder.tally
         warned = [text for at, text in list(self._warned.values()) if now - at < LASTS]
@@ -245,7 +261,7 @@ class LiveNode(ClosingNode):
             "topic": topic,
             "publishers": self.count_publishers(topic),
             "rate": sum(self._rates) / len(self._rates),
-            "joints": list(self._poses.joints),
+            "joints": list(heard),
             "warnings": list(dict.fromkeys(warned)),
             "recording": recording if self._path else None,
             "topics": self._sender.topics(),
@@ -320,7 +336,8 @@ class LiveNode(ClosingNode):
     def close(self) -> None:
         """Stop the motion under way, and end the bag properly."""
         if self._sender.running() is not None:
-            self._sender.stop()
+            with suppress(UserError):  # nobody is there to be told
+                self._sender.stop()
         self._loop.stop()
         self._recorder.stop()
 

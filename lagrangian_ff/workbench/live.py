@@ -25,7 +25,7 @@ from lagrangian_ff.workbench.bench import Bench
 PROGRAM = ("-m", "lagrangian_ff.nodes.live")
 HOLDS = 120.0  # s in which a confirmation may be given
 PATIENCE = 15.0  # s for an answer
-ENDING = 3.0  # s for the process to end
+ENDING = 6.0  # s for the process to end: it may have a motion to stop
 WAITING = 50
 """Events that wait for a page that is slow; the oldest go."""
 LAST = "live_recording.txt"
