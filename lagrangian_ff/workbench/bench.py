@@ -277,7 +277,8 @@ class Bench:
         title = f"+ {effect.replace('_', ' ')} on {joint}"
 
         def take(described: Any) -> None:
-            made = Node(identity, file, node.id, title, described, why=why, settings=node.settings)
+            made = Node(identity, file, node.id, title, described, settings=node.settings)
+            made.added, made.why = {"effect": effect, "joint": joint}, why
             self.session.add_node(made)
             self._compare()
 

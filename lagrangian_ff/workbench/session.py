@@ -70,6 +70,7 @@ class Node:
         on: the recordings that it was compared with.
         diagnosed: see `jobs.Search`; None before.
         what_if: see `jobs.WhatIf`; None before.
+        added: `effect` and `joint` of what was added; empty for a model that was identified.
         why: the evidence for the effect that was added, as the model's history has it.
         settings: how it, or the model it came from, was learned, see `Session.chosen`.
     """
@@ -83,6 +84,7 @@ class Node:
     on: tuple[str, ...] = ()
     diagnosed: dict[str, Any] | None = None
     what_if: dict[str, Any] | None = None
+    added: dict[str, str] = field(default_factory=dict)
     why: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 

@@ -1,7 +1,10 @@
 """The page in a real browser: from an upload to the fallen error, and back again."""
 
+import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -30,6 +33,7 @@ serve = pytest.fixture(serving)
 browser = pytest.fixture(scope="module")(chromium)
 recordings = pytest.fixture(scope="module")(three_motions)
 page = pytest.fixture(opened)
+PLAIN = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
 STEPS = ("data", "model", "compare", "diagnose", "history", "take")
 
 
@@ -218,7 +222,15 @@ def test_a_formula_of_ones_own_is_found_and_added(
     playwright.expect(page.locator("#view table").first.locator("tbody tr")).to_have_count(2)
     first, last = errors_shown(page)
     assert last < 0.7 * first, before
+    page.goto(served.address + "#take")
+    assert "effects_file: " in page.locator("pre").first.inner_text()
+    commands = page.locator("pre").last.inner_text()
     assert served.stop() == 0
+    begin = f'set -e; lagrangian_ff() {{ {sys.executable} -m lagrangian_ff.cli "$@"; }}'
+    shell = ["bash", "-c", f"{begin}; cd {tmp_path}; {commands}"]
+    text = subprocess.run(shell, check=True, capture_output=True, text=True, env=PLAIN).stdout
+    *_, error = re.findall(r"^ *all joints +([\d.]+)", text, re.MULTILINE)
+    assert float(error) == pytest.approx(last, rel=0.02)
 
 
 def test_a_killed_server_loses_nothing(
