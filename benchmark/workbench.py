@@ -86,6 +86,7 @@ def report(address: str, seconds: float) -> None:
         "the map of the error": ["api/map/m1?x=q:1&y=qd:1&joint=q:1"] * REPEATS,
         "a rectangle on the map": ["api/chosen/m1?x=q:1&y=qd:1&left=-5&right=5&below=-5&above=5"]
         * REPEATS,
+        "what is marked, on the map": ["api/lit/m1?x=q:1&y=qd:1&spans=5:60,100:130"] * REPEATS,
         "the state of the session": ["api/state"] * REPEATS,
     }
     print(f"{seconds / 60.0:g} min, {JOINTS} joints at {RATE:g} Hz, {WIDTH} pixels")

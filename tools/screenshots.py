@@ -1,6 +1,7 @@
 """Make the pictures of the workbench in docs/pictures, as a user walks through it.
 
     .venv/bin/python tools/screenshots.py
+    .venv/bin/python tools/screenshots.py --live     beside the simulated arm, in ROS 2
 
 Needs Chromium. It also prints the time and the clicks from the first page to the fallen error.
 """
@@ -8,12 +9,15 @@ Needs Chromium. It also prints the time and the clicks from the first page to th
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +29,10 @@ LONG = 120_000  # ms
 RUN = "import sys; from lagrangian_ff.cli.main import main; sys.exit(main(sys.argv[1:]))"
 
 
-def started(session: Path) -> tuple[subprocess.Popen[str], str]:
+def started(session: Path, *more: str) -> tuple[subprocess.Popen[str], str]:
     """Return the process of a workbench and the address of its page."""
     command = [sys.executable, "-u", "-c", RUN, "workbench", "--try", "--no-browser"]
-    command += ["--port", "0", "--session", str(session)]
+    command += ["--port", "0", "--session", str(session), *more]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     for line in process.stdout:
@@ -84,19 +88,62 @@ def walk(page: Any, address: str, name: str) -> None:
     picture("take")
 
 
+def live(page: Any, address: str, name: str, session: Path) -> None:
+    """Learn a model, move the simulated arm after a confirmation, with pictures."""
+    from lagrangian_ff.arm import exciting_trajectory, write_trajectory
+
+    page.goto(address)
+    page.wait_for_selector("article .joints >> nth=2", timeout=LONG)
+    idle(page)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+    (session / "motions").mkdir()
+    path = session / "motions" / "all_joints.csv"
+    write_trajectory(path, exciting_trajectory(4, seed=7, duration=20.0))
+    page.goto(address + "#live")
+    page.get_by_role("button", name="Send…").click(timeout=LONG)
+    page.get_by_role("dialog").wait_for()
+    page.wait_for_timeout(300)
+    page.screenshot(path=PICTURES / f"workbench_send{name}.png")
+    page.get_by_role("button", name="Send", exact=True).click()
+    page.get_by_role("button", name="Start recording").click()
+    page.get_by_role("button", name="Stop the motion").wait_for()
+    page.wait_for_timeout(13_000)
+    page.screenshot(path=PICTURES / f"workbench_live{name}.png")
+
+
+@contextmanager
+def simulated_arm() -> Iterator[None]:
+    """Run the simulated arm with what the recordings of --try hide, heard on this machine alone."""
+    os.environ |= {"ROS_DOMAIN_ID": "97", "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    hidden = "hidden:=['quadratic_drag@joint_2:0.2']"
+    command = [sys.executable, "-m", "lagrangian_ff.nodes.arm", "--ros-args", "-p", hidden]
+    process = subprocess.Popen(command)
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait()
+
+
 def main() -> int:
     """Make the pictures and return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
     parser.add_argument("--width", type=int, default=1366)
     parser.add_argument("--height", type=int, default=768)
     parser.add_argument("--dark", action="store_true", help="in dark colours")
+    parser.add_argument("--live", action="store_true", help="only those of a running arm")
     parser.add_argument("--name", default="", help="added to the pictures' names")
     given = parser.parse_args()
     chromium = shutil.which("chromium")
     if chromium is None:
         raise SystemExit("there is no Chromium: apt install chromium")
-    with tempfile.TemporaryDirectory() as folder:
-        process, address = started(Path(folder) / "session")
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        if given.live:
+            stack.enter_context(simulated_arm())
+        session = Path(folder) / "session"
+        process, address = started(session, *(["--live"] if given.live else []))
         try:
             with sync_playwright() as driver:
                 browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
@@ -104,7 +151,10 @@ def main() -> int:
                     viewport={"width": given.width, "height": given.height},
                     color_scheme="dark" if given.dark else "light",
                 )
-                walk(page, address, given.name)
+                if given.live:
+                    live(page, address, given.name, session)
+                else:
+                    walk(page, address, given.name)
                 browser.close()
         finally:
             process.terminate()

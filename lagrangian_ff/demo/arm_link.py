@@ -8,14 +8,14 @@ import numpy as np
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from lagrangian_ff.arm import Trajectory
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.demo.conductor import Conductor
 from lagrangian_ff.errors import LostRunError
 from lagrangian_ff.nodes.common.joint_state_bytes import JointStateReader
-from lagrangian_ff.nodes.common.topics import RELIABLE, PolledSubscription, nanoseconds, stamp
+from lagrangian_ff.nodes.common.topics import RELIABLE, PolledSubscription, message_of, nanoseconds
 from lagrangian_ff.recording import Recording
 from lagrangian_ff.report import Tracking
 
@@ -233,19 +233,3 @@ class Drive:
         found = tracking(label, measured, self._trajectory, start, RATE)
         # The filter of the conditioning settles while the arm still stands.
         return found, measured.between(start - round(AFTER * 1e9), self._end)
-
-
-def message_of(trajectory: Trajectory, start: int) -> JointTrajectory:
-    """Return a trajectory without its effort as a message; `start` in ns, 0 for the receiver's."""
-    message = JointTrajectory(joint_names=list(trajectory.joints))
-    message.header.stamp = stamp(start)
-    for k in range(len(trajectory)):
-        at = round((trajectory.time[k] - trajectory.time[0]) * 1e9)
-        point = JointTrajectoryPoint(
-            positions=trajectory.q[k].tolist(),
-            velocities=trajectory.qd[k].tolist(),
-            accelerations=trajectory.qdd[k].tolist(),
-        )
-        point.time_from_start.sec, point.time_from_start.nanosec = divmod(at, 1_000_000_000)
-        message.points.append(point)
-    return message

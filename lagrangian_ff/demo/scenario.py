@@ -27,6 +27,7 @@ from lagrangian_ff.demo.stages import Stages
 from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.errors import DemoError, LostRunError
 from lagrangian_ff.identification import Model
+from lagrangian_ff.nodes.common.topics import message_of
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import condition, write_bag
 from lagrangian_ff.report import Tracking
@@ -225,7 +226,7 @@ class Scenario:
     def _refer(self, trajectory: Trajectory) -> arm_link.Drive:
         """Send a trajectory to the arm by way of the feedforward."""
         drive = self._arm.listen(trajectory)
-        self._references.publish(arm_link.message_of(trajectory, 0))
+        self._references.publish(message_of(trajectory, 0))
         return drive
 
     def _run(

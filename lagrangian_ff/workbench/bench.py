@@ -2,13 +2,16 @@
 
 import shutil
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench import jobs
+from lagrangian_ff.workbench.looking import Look
 from lagrangian_ff.workbench.moving import Move
+from lagrangian_ff.workbench.recordings import Recordings
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
 from lagrangian_ff.worker import Outcome, Worker
 
@@ -41,6 +44,9 @@ class Bench:
         session: on disk.
         changed: is called after every change that pages show.
         skeleton: of the arm, see `skeleton.read_skeleton`.
+
+    Attributes:
+        more: returns what pages show besides.
     """
 
     def __init__(
@@ -48,13 +54,16 @@ class Bench:
     ) -> None:
         self.session = session
         self._skeleton = list(skeleton)
+        self._recordings = Recordings(session, self._begin)
+        self.more: Callable[[], dict[str, Any]] = dict
         self._changed = changed
         self._running: list[Running] = []
         self._waiting: list[Callable[[], None]] = []
         self._said = ""
         self._asks: dict[str, Callable[[Asked], None]] = {
-            "role": self._role,
-            "remove": self._remove,
+            **self._recordings.asks,
+            "read": self._read,
+            "choose": lambda asked: session.choose(str(asked["model"])),
             "learn": self._learn,
             "diagnose": self._diagnose,
             "whatif": self._what_if,
@@ -66,9 +75,7 @@ class Bench:
             "look": lambda asked: self._then(lambda: self.session.look_at(str(asked["model"]))),
             "cancel": self._cancel,
         }
-        for card in session.cards:
-            if card.looked is None and not card.error:
-                self._look(card)
+        self._recordings.begin()
 
     def progress(self) -> dict[str, Any]:
         """Return the work under way, and what went wrong with the last."""
@@ -81,11 +88,16 @@ class Bench:
             }
             for one in self._running
         ]
-        return {"work": work, "said": self._said}
+        return {"work": work, "said": self._said, **self.more()}
 
     def state(self) -> dict[str, Any]:
         """Return all that a page shows."""
-        return {**self.session.record(), **self.progress(), "skeleton": self._skeleton}
+        return {
+            **self.session.record(),
+            **self.session.derived(),
+            **self.progress(),
+            "skeleton": self._skeleton,
+        }
 
     def ask(self, what: str, asked: Asked) -> None:
         """Do what a page asks.
@@ -105,7 +117,7 @@ class Bench:
     def take_file(self, name: str, file: Path) -> Card:
         """Take a recording that lies somewhere already."""
         card = self.session.add_card(name, file)
-        self._look(card)
+        self._recordings.look(card)
         self._changed()
         return card
 
@@ -121,7 +133,7 @@ class Bench:
         card.file = str(place / f"recording{suffixes.lower()}")
         shutil.move(uploaded, card.file)
         self.session.save()
-        self._look(card)
+        self._recordings.look(card)
         self._changed()
         return card
 
@@ -141,11 +153,12 @@ class Bench:
         if not self._running and self._waiting:
             self._waiting.pop(0)()
             moved = True
-        if moved or self._running:
+        if self._recordings.aside.tick(free=not self._running) or moved or self._running:
             self._changed()
 
     def close(self) -> None:
         """End the work under way."""
+        self._recordings.aside.close()
         for one in self._running:
             one.worker.cancel()
         self._running, self._waiting = [], []
@@ -160,6 +173,7 @@ class Bench:
         """Start work in a process, or after the work under way: it has all processors."""
 
         def start() -> None:
+            self._recordings.aside.give_way()
             told = failed or (lambda error: self._fail(title, error))
             self._running.append(Running(self.session.name("w"), title, Worker(job), take, told))
 
@@ -176,37 +190,35 @@ class Bench:
         if self.session.node().compared is None:
             self._compare()
 
-    def _look(self, card: Card) -> None:
-        def take(found: Any) -> None:
-            card.looked = found
-            self.session.save()
+    def _read(self, asked: Asked) -> None:
+        """Read recordings in another way; what was found on them does not hold any more."""
+        files = self._recordings.read(asked)
+        outdated = self.session.derived()["outdated"]
+        for node in self.session.nodes:
+            # A model of other settings is to be learned again: what was found of it stays.
+            if node.id not in outdated and files.intersection(node.on):
+                node.compared = node.diagnosed = node.what_if = None
+        self.session.save()
+        if self.session.nodes and self.session.node().compared is None:
+            self._waiting.append(self._compare_if_possible)
 
-        def failed(error: str) -> None:
-            card.error = error
-            self.session.save()
-
-        self._begin(f"reading {card.name}", jobs.Look(card.file), take, failed)
-
-    def _role(self, asked: Asked) -> None:
-        card, role = self.session.card(str(asked["card"])), Role(asked["role"])
-        if card.role is not role:
-            card.role = role
-            self.session.save()
-
-    def _remove(self, asked: Asked) -> None:
-        self.session.remove_card(str(asked["card"]))
+    def _compare_if_possible(self) -> None:
+        with suppress(UserError):
+            self._compare()
 
     def _learn(self, asked: Asked) -> None:
         sources = self.session.files(Role.LEARN)
         if not sources:
             raise UserError("there is nothing to learn from: put a recording under Learn from")
-        (identity, file), name = self._new_model(), str(asked.get("model", ""))
+        (identity, file), chosen = self._new_model(), self.session.chosen(sources)
+        reading = self.session.reading
 
         def take(found: Any) -> None:
-            self.session.add_node(Node(identity, file, "", "learned", found))
+            self.session.add_node(Node(identity, file, "", "learned", found, settings=chosen))
             self._compare()
 
-        self._begin("learning a model", jobs.Learn(file, sources, name), take)
+        job = jobs.Learn(file, sources, chosen["model"], chosen["urdf"], reading)
+        self._begin("learning a model", job, take)
 
     def _compare(self) -> None:
         """Compare the model that is looked at with what it has not seen."""
@@ -219,7 +231,8 @@ class Bench:
             node.compared, node.on = found, sources
             self.session.save()
 
-        job = jobs.Compare(file, self._page("compare", node), node.file, sources, self._effects)
+        page, given = self._page("compare", node), (self._effects, self.session.reading)
+        job = jobs.Compare(file, page, node.file, sources, *given)
         self._begin("comparing it with unseen motion", job, take)
 
     def _diagnose(self, asked: Asked) -> None:
@@ -233,7 +246,8 @@ class Bench:
             node.diagnosed, node.what_if = found, None
             self.session.save()
 
-        job = jobs.Search(self._page("diagnose", node), node.file, sources, confirm, self._effects)
+        page, given = self._page("diagnose", node), (self._effects, self.session.reading)
+        job = jobs.Search(page, node.file, sources, confirm, *given)
         self._begin("looking for what is missing", job, take)
 
     def _what_if(self, asked: Asked) -> None:
@@ -247,7 +261,8 @@ class Bench:
             self.session.save()
 
         tried = tuple((one["effect"], one["joint"], one["shape"]) for one in found)
-        job = jobs.WhatIf(node.file, self.session.unseen(), tried[: jobs.MOST_TRIED], self._effects)
+        tried, given = tried[: jobs.MOST_TRIED], (self._effects, self.session.reading)
+        job = jobs.WhatIf(node.file, self.session.unseen(), tried, *given)
         self._begin("trying combinations", job, take)
 
     def _add(self, asked: Asked) -> None:
@@ -262,7 +277,9 @@ class Bench:
         title = f"+ {effect.replace('_', ' ')} on {joint}"
 
         def take(described: Any) -> None:
-            self.session.add_node(Node(identity, file, node.id, title, described, why=why))
+            made = Node(identity, file, node.id, title, described, settings=node.settings)
+            made.added, made.why = {"effect": effect, "joint": joint}, why
+            self.session.add_node(made)
             self._compare()
 
         job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why,
@@ -304,7 +321,7 @@ class Bench:
             if one.id == wanted:
                 self._running.remove(one)
                 one.worker.cancel()
-                if isinstance(one.worker.job, jobs.Look):
+                if isinstance(one.worker.job, Look):
                     one.failed("reading was cancelled; take it away and add it again")
                 self._said = f"{one.title}: cancelled"
 

@@ -1,9 +1,10 @@
-"""The base of all answers: the state that they share, and who may ask."""
+"""What every handler of the server has: whom it answers, and how."""
 
 import asyncio
 import hmac
 import json
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -13,6 +14,7 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench.bench import Bench
 from lagrangian_ff.workbench.session import Session
 
+LARGEST_QUESTION = 2**16  # bytes
 RULES = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; font-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -39,15 +41,33 @@ class Service:
     ) -> None:
         self.hosts, self.token = frozenset(hosts), token
         self._news = asyncio.Event()
-        self.bench = Bench(session, self._changed, skeleton)
+        self.bench = Bench(session, self.changed, skeleton)
 
-    def _changed(self) -> None:
+    def changed(self) -> None:
+        """Let every page hear of a change."""
         news, self._news = self._news, asyncio.Event()
         news.set()
 
     async def news(self) -> None:
         """Wait for the next change."""
         await self._news.wait()
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a server does besides: pages, and work while it runs.
+
+    Attributes:
+        pages: rules of Tornado.
+        start: is awaited before the first page.
+        tick: is called several times a second.
+        close: is awaited at the end.
+    """
+
+    pages: Sequence[Any]
+    start: Callable[[], Awaitable[None]]
+    tick: Callable[[], None]
+    close: Callable[[], Awaitable[None]]
 
 
 class Handler(tornado.web.RequestHandler):
@@ -96,3 +116,15 @@ class Handler(tornado.web.RequestHandler):
     def log_exception(self, kind: Any, value: Any, trace: Any) -> None:
         if not isinstance(value, UserError):
             super().log_exception(kind, value, trace)
+
+    def asked(self) -> dict[str, Any]:
+        """Return the JSON object in the body of the request."""
+        if len(self.request.body) > LARGEST_QUESTION:
+            raise tornado.web.HTTPError(413)
+        try:
+            asked = json.loads(self.request.body or b"{}")
+        except ValueError:
+            raise tornado.web.HTTPError(400) from None
+        if not isinstance(asked, dict):
+            raise tornado.web.HTTPError(400)
+        return asked

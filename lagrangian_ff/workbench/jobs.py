@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.record_json import finite
+from lagrangian_ff.workbench.settings import Reading, told
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis.results import Diagnosis, Finding
@@ -15,53 +16,8 @@ if TYPE_CHECKING:
     from lagrangian_ff.identification.records import Estimate
     from lagrangian_ff.recording import Motion
 
-BINS = 24
 MOST_TRIED = 4
 Record = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Look:
-    """Read the recording at `path`, and say what it holds."""
-
-    path: str
-
-    def work(self, progress: Progress) -> Record:
-        """Return the joints, their ranges and coverage, and what was repaired."""
-        import numpy as np
-
-        from lagrangian_ff.recording import condition, inspect, load
-
-        recording = load(self.path, progress=part(progress, 0.0, 0.6))
-        inspection = inspect(recording)
-        progress(0.7, "making it ready")
-        motion = condition(recording)
-        progress(1.0, "read")
-
-        def spread(values: Any) -> list[int]:
-            counts, _ = np.histogram(values, bins=BINS)
-            return [int(count) for count in counts]
-
-        joints = [
-            {
-                "name": name,
-                "low": float(motion.q[:, n].min()),
-                "high": float(motion.q[:, n].max()),
-                "fastest": float(np.abs(motion.qd[:, n]).max()),
-                "positions": spread(motion.q[:, n]),
-                "speeds": spread(motion.qd[:, n]),
-            }
-            for n, name in enumerate(motion.joints)
-        ]
-        at_rest = float(np.mean(np.abs(motion.qd).max(axis=1) < 0.01))
-        return finite({
-            "seconds": float(motion.time[-1] - motion.time[0]),
-            "rate": inspection.rate,
-            "gaps": len(inspection.gaps),
-            "rest": at_rest,
-            "joints": joints,
-            "notes": list(dict.fromkeys((*inspection.notes, *motion.notes))),
-        })  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -71,27 +27,33 @@ class Learn:
     Attributes:
         output: the file to write.
         sources: files of recordings.
-        model: kernel and effects, as `identify --model` names them; empty for the usual one.
+        model: kernel and effects, as `identify --model` names them.
+        urdf: the file of a description whose bodies are taken; empty for none.
+        reading: how the recordings are read.
     """
 
     output: str
     sources: tuple[str, ...]
-    model: str = ""
+    model: str
+    urdf: str = ""
+    reading: Reading = field(default_factory=Reading)
 
     def work(self, progress: Progress) -> Record:
         """Write the model and return its errors."""
         from lagrangian_ff.identification import Settings, identify, joint_order
-        from lagrangian_ff.identification.settings import usual_model
-        from lagrangian_ff.recording import Conditioning, condition_alike, load
+        from lagrangian_ff.recording import load
 
+        robot = None
+        if self.urdf:
+            from lagrangian_ff.kernels.rigid import read_urdf
+
+            robot = read_urdf(self.urdf)
         progress(0.0, "reading")
-        conditioning = Conditioning()
-        recordings = [load(source) for source in self.sources]
-        motions = condition_alike(recordings, conditioning)
-        name = self.model or usual_model(conditioning.effort)
-        order = joint_order(motions, name, None, part(progress, 0.1, 0.2))
+        motions = self.reading.ready(self.sources, [load(source) for source in self.sources])
+        order = joint_order(motions, self.model, robot, part(progress, 0.1, 0.2))
         motions = [motion.select(order.joints) for motion in motions]
-        found = identify(motions, Settings(model=name, train=1.0), part(progress, 0.2, 1.0))
+        given = Settings(model=self.model, train=1.0)
+        found = identify(motions, given, part(progress, 0.2, 1.0), robot)
         found.model.save(Path(self.output))
         return described(found.model)
 
@@ -106,6 +68,7 @@ class Compare:
         model: its file.
         sources: files of recordings, compared together.
         effects: the file of the user's formulas; empty for none.
+        reading: how the recordings are read.
     """
 
     output: str
@@ -113,12 +76,14 @@ class Compare:
     model: str
     sources: tuple[str, ...]
     effects: str = ""
+    reading: Reading = field(default_factory=Reading)
 
     def work(self, progress: Progress) -> Record:
         """Write the arrays; return the errors per joint and where most of them lie."""
         import numpy as np
 
         from lagrangian_ff.diagnosis import compare
+        from lagrangian_ff.diagnosis.preflight import preflight
         from lagrangian_ff.diagnosis.where import Compared, locate
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
@@ -126,8 +91,11 @@ class Compare:
         from lagrangian_ff.workbench import traces
 
         model = load_model(self.model, self.effects)
-        motion = concatenate(motions_for(self.model, model, self.sources, part(progress, 0.0, 0.2)))
+        reading = part(progress, 0.0, 0.2)
+        motions = motions_for(self.model, model, self.sources, reading, self.reading)
+        motion = concatenate(motions)
         with one_blas_thread():
+            checks = preflight(model, motion, kind=False)
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
             where = locate(model, found, part(progress, 0.6, 0.95))
         progress(0.95, "writing the page")
@@ -147,6 +115,7 @@ class Compare:
             "regions": regions,
             "words": where.words(),
             "warning": found.warning,
+            "checks": [told(one) for one in checks if one.serious],
         })  # fmt: skip
 
 
@@ -160,6 +129,7 @@ class Search:
         sources: files of recordings that are searched.
         confirm: those that confirm; empty for the last third of the others.
         effects: the file of the user's formulas; empty for none.
+        reading: how the recordings are read.
     """
 
     page: str
@@ -167,6 +137,7 @@ class Search:
     sources: tuple[str, ...]
     confirm: tuple[str, ...]
     effects: str = ""
+    reading: Reading = field(default_factory=Reading)
 
     def work(self, progress: Progress) -> Record:
         """Return the verdict, a card for each finding, and what cannot be seen here."""
@@ -183,8 +154,9 @@ class Search:
         from lagrangian_ff.report import diagnose_page
 
         model = load_model(self.model, self.effects)
-        motions = motions_for(self.model, model, self.sources, part(progress, 0.0, 0.05))
-        confirm = motions_for(self.model, model, self.confirm, part(progress, 0.05, 0.1))
+        given, reading = self.reading, part(progress, 0.0, 0.1)
+        motions = motions_for(self.model, model, self.sources, reading, given)
+        confirm = motions_for(self.model, model, self.confirm, reading, given)
         with one_blas_thread():
             checks = preflight(model, concatenate(motions), confirm)
             found = diagnose(model, motions, confirm, progress=part(progress, 0.15, 0.75))
@@ -192,10 +164,10 @@ class Search:
         rounds = (Round(found),)
         run = DiagnosisRun(self.model, self.sources, self.confirm, rounds, tuple(checks))
         diagnose_page(self.page, run)
-        serious = [{"finding": one.finding, "advice": one.advice} for one in checks if one.serious]
         return finite({
             "verdict": verdict(found),
-            "checks": serious,
+            "checks": [told(one) for one in checks if one.advice],
+            "on": list(self.sources),
             "findings": [_card(one, found) for one in found.findings],
             "not_observable": [
                 {"effect": one.effect, "joint": one.joint, "reason": one.reason,
@@ -246,12 +218,14 @@ class WhatIf:
         sources: files of the recordings to judge on.
         tried: effect, joint and shape of each; at most `MOST_TRIED`.
         effects: the file of the user's formulas; empty for none.
+        reading: how the recordings are read.
     """
 
     model: str
     sources: tuple[str, ...]
     tried: tuple[tuple[str, str, Mapping[str, float]], ...]
     effects: str = ""
+    reading: Reading = field(default_factory=Reading)
 
     def work(self, progress: Progress) -> Record:
         """Return the rms error with each combination; None for effects that exclude each other."""
@@ -261,7 +235,8 @@ class WhatIf:
         from lagrangian_ff.recording import concatenate
 
         model = load_model(self.model, self.effects)
-        motion = concatenate(motions_for(self.model, model, self.sources, part(progress, 0.0, 0.1)))
+        reading = part(progress, 0.0, 0.1)
+        motion = concatenate(motions_for(self.model, model, self.sources, reading, self.reading))
         numbers = range(len(self.tried))
         every = [one for size in range(len(numbers) + 1) for one in combinations(numbers, size)]
         made: dict[tuple[int, ...], Model | None] = {(): model}
@@ -294,9 +269,17 @@ def load_model(file: str, effects: str) -> "Model":
 
 
 def motions_for(
-    file: str, model: "Model", sources: tuple[str, ...], progress: Progress
+    file: str,
+    model: "Model",
+    sources: tuple[str, ...],
+    progress: Progress,
+    reading: Reading | None = None,
 ) -> "list[Motion]":
-    """Return the motions in recordings, read as those were that the model was identified from."""
+    """Return the motions in recordings, read as those were that the model was identified from.
+
+    Args:
+        reading: the scales of their efforts; None is that of the model for all.
+    """
     from lagrangian_ff.recording import Conditioning, condition_alike, load
 
     recordings = []
@@ -307,7 +290,10 @@ def motions_for(
         recordings.append(recording.select(model.joints))
     if not recordings:
         return []
-    return condition_alike(recordings, model.identified.conditioning or Conditioning())
+    before = model.identified.conditioning or Conditioning()
+    if reading is None:
+        return condition_alike(recordings, before)
+    return reading.ready(sources, recordings, before)
 
 
 def described(model: "Model") -> Record:

@@ -9,7 +9,7 @@ import os
 import secrets
 import signal
 import tempfile
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -21,12 +21,11 @@ from tornado.iostream import StreamClosedError
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench.curve_handlers import Chosen, Lit, Map, Trace
-from lagrangian_ff.workbench.handler import Handler, Service
+from lagrangian_ff.workbench.handler import Handler, Part, Service
 from lagrangian_ff.workbench.session import Session
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 LARGEST_UPLOAD = 4 * 2**30  # bytes
-LARGEST_QUESTION = 2**16
 TICK = 0.1  # s
 PAGE = Path(str(files(__package__).joinpath("page")))
 
@@ -79,15 +78,7 @@ class Ask(Handler):
     """A change, or work to begin."""
 
     def post(self, what: str) -> None:
-        if len(self.request.body) > LARGEST_QUESTION:
-            raise tornado.web.HTTPError(413)
-        try:
-            asked = json.loads(self.request.body or b"{}")
-        except ValueError:
-            raise tornado.web.HTTPError(400) from None
-        if not isinstance(asked, dict):
-            raise tornado.web.HTTPError(400)
-        self.service.bench.ask(what, asked)
+        self.service.bench.ask(what, self.asked())
         self.say({"done": what})
 
 
@@ -163,7 +154,7 @@ class Page(Download):
         self.send(file, f"{kind}.html")
 
 
-def application(service: Service) -> tornado.web.Application:
+def application(service: Service, *parts: Part) -> tornado.web.Application:
     """Return the handlers of a page."""
     given = {"service": service}
     return tornado.web.Application(
@@ -181,6 +172,7 @@ def application(service: Service) -> tornado.web.Application:
             (r"/api/page/(compare|diagnose)/(\w+)", Page, given),
             (r"/api/motion/(\w+)", Motion, given),
             (r"/api/take/(\w+)", Take, given),
+            *(page for part in parts for page in part.pages),
         ],
         log_function=lambda handler: None,
     )
@@ -193,6 +185,7 @@ async def serve(
     host: str,
     said: Any,
     skeleton: Sequence[dict[str, Any]] = (),
+    joined: Sequence[Callable[[Service], Part]] = (),
 ) -> None:
     """Serve a session until a signal ends it.
 
@@ -201,6 +194,7 @@ async def serve(
         port: 0 for any that is free.
         host: the address to listen on.
         skeleton: of the arm that is drawn; empty for none.
+        joined: makes the parts of the server besides.
         said: is called with the address of the page, once it can be opened.
 
     Raises:
@@ -213,11 +207,16 @@ async def serve(
     for source in sources:
         if str(source.resolve()) not in known:
             service.bench.take_file(source.name, source.resolve())
-    server = tornado.httpserver.HTTPServer(application(service), max_body_size=LARGEST_UPLOAD)
+    parts = [join(service) for join in joined]
+    server = tornado.httpserver.HTTPServer(
+        application(service, *parts), max_body_size=LARGEST_UPLOAD
+    )
     try:
         sockets = tornado.netutil.bind_sockets(port, host)
     except OSError as error:
         raise UserError(f"--port {port}: cannot be used: {error.strerror or error}") from error
+    for part in parts:
+        await part.start()
     server.add_sockets(sockets)
     number = sockets[0].getsockname()[1]
     said(f"http://{host}:{number}/" + (f"?token={token}" if token else ""))
@@ -226,11 +225,14 @@ async def serve(
         asyncio.get_running_loop().add_signal_handler(one, ended.set)
     try:
         while not ended.is_set():
-            service.bench.tick()
+            for tick in (service.bench.tick, *(part.tick for part in parts)):
+                tick()
             try:
                 await asyncio.wait_for(ended.wait(), TICK)
             except asyncio.TimeoutError:
                 continue
     finally:
+        for part in parts:
+            await part.close()
         service.bench.close()
         server.stop()

@@ -13,6 +13,8 @@ from typing import Any
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.record_json import finite
+from lagrangian_ff.recording.motion import TOTAL
+from lagrangian_ff.workbench.settings import AUTO, URDF, Reading, choices, model_name
 
 VERSION = 1
 FILE = "session.json"
@@ -36,8 +38,11 @@ class Card:
         name: as the user knows it.
         file: where it lies.
         role: what it is used for.
-        looked: what it holds, see `jobs.Look`; None before it was read.
+        looked: what it holds, see `looking.Look`; None before it was read.
         error: why it cannot be used; empty if it can.
+        scale: by joint, N·m per unit of effort where a remedy changed it.
+        observed: which effects it could show, see `looking.Observe`; None before.
+        unobserved: why that is not known; empty if it is, or will be.
     """
 
     id: str
@@ -46,6 +51,9 @@ class Card:
     role: Role = Role.ASIDE
     looked: dict[str, Any] | None = None
     error: str = ""
+    scale: dict[str, float] = field(default_factory=dict)
+    observed: dict[str, Any] | None = None
+    unobserved: str = ""
 
 
 @dataclass
@@ -62,7 +70,9 @@ class Node:
         on: the recordings that it was compared with.
         diagnosed: see `jobs.Search`; None before.
         what_if: see `jobs.WhatIf`; None before.
+        added: `effect` and `joint` of what was added; empty for a model that was identified.
         why: the evidence for the effect that was added, as the model's history has it.
+        settings: how it, or the model it came from, was learned, see `Session.chosen`.
     """
 
     id: str
@@ -74,7 +84,9 @@ class Node:
     on: tuple[str, ...] = ()
     diagnosed: dict[str, Any] | None = None
     what_if: dict[str, Any] | None = None
+    added: dict[str, str] = field(default_factory=dict)
     why: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -88,9 +100,12 @@ class Session:
         current: the model that is looked at; empty without one.
         formulas: effects of the user's own, as `effects.formula` reads them.
         motions: those to record next, see `moving.Move`, each with `id`, `title` and `file`.
+        effort: what the effort of all recordings holds.
+        choice: the model to learn, one of `settings.choices`.
         undone: models that `redo` goes back to, the next one last.
         count: how many things were named, so that no name comes twice.
         version: grows with each change; the page asks for what is newer.
+        urdf: the file of the arm's description, given anew each time; empty for none.
     """
 
     folder: Path
@@ -99,9 +114,12 @@ class Session:
     current: str = ""
     formulas: list[dict[str, Any]] = field(default_factory=list)
     motions: list[dict[str, Any]] = field(default_factory=list)
+    effort: str = TOTAL
+    choice: str = AUTO
     undone: list[str] = field(default_factory=list)
     count: int = 0
     version: int = 0
+    urdf: str = ""
 
     @classmethod
     def open(cls, folder: Path) -> "Session":
@@ -131,6 +149,7 @@ class Session:
         self.nodes = [Node(**{**one, "on": tuple(one["on"])}) for one in saved["nodes"]]
         self.current, self.undone = saved["current"], list(saved["undone"])
         self.formulas, self.motions = saved["formulas"], saved.get("motions", [])
+        self.effort, self.choice = saved.get("effort", TOTAL), saved.get("choice", AUTO)
         self.count, self.version = saved["count"], saved["version"]
 
     def save(self) -> None:
@@ -148,6 +167,8 @@ class Session:
             "current": self.current,
             "formulas": self.formulas,
             "motions": self.motions,
+            "effort": self.effort,
+            "choice": self.choice,
             "undone": self.undone,
             "count": self.count,
             "version": self.version,
@@ -228,6 +249,56 @@ class Session:
         """Return the files of the usable recordings with these roles."""
         usable = (one for one in self.cards if not one.error and one.looked is not None)
         return tuple(one.file for one in usable if one.role in roles)
+
+    @property
+    def reading(self) -> Reading:
+        """Return how the recordings are read."""
+        return Reading(self.effort, {one.file: one.scale for one in self.cards if one.scale})
+
+    def chosen(self, files: tuple[str, ...]) -> dict[str, Any]:
+        """Return how a model is learned from files now.
+
+        Returns:
+            `model`, its name; `asked`, the same where it is not the usual; `urdf`, whose bodies it
+            takes, empty for none; and the `Reading.record` of the files.
+        """
+        known = self.choice in [one.name for one in choices(self.urdf)]
+        choice = self.choice if known else AUTO  # the description is no longer given
+        name = model_name(choice, self.effort)
+        return {
+            "model": name,
+            "asked": "" if choice in (AUTO, URDF) else name,
+            "urdf": self.urdf if choice == URDF else "",
+            **self.reading.record(files),
+        }
+
+    def choose(self, choice: str) -> None:
+        """Choose the model to learn.
+
+        Raises:
+            UserError: there is none of this name.
+        """
+        if choice not in [one.name for one in choices(self.urdf)]:
+            raise UserError(f"there is no model {choice!r} to choose")
+        self.choice = choice
+        self.save()
+
+    def derived(self) -> dict[str, Any]:
+        """Return what a page shows besides what is saved.
+
+        Returns:
+            `choices` of models; `outdated`, names of the models whose recordings are read in
+            another way now.
+        """
+        scales = {card.file: card.scale for card in self.cards}
+        outdated = [
+            node.id
+            for node in self.nodes
+            if node.settings
+            if node.settings["effort"] != self.effort
+            or any(scales.get(f, one) != one for f, one in node.settings["scales"].items())
+        ]
+        return {"choices": [asdict(one) for one in choices(self.urdf)], "outdated": outdated}
 
     def unseen(self) -> tuple[str, ...]:
         """Return the recordings that no model learns from: those that confirm, else those searched,

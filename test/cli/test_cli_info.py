@@ -51,6 +51,29 @@ def test_a_recording_that_cannot_be_used_is_still_shown(tmp_path: Path) -> None:
     assert "effort" in record["reason"]
 
 
+def test_what_a_recording_could_show(tmp_path: Path) -> None:
+    recording = arm()
+    recording.effort[:] += np.random.default_rng(0).normal(size=recording.effort.shape)
+    source = csv(tmp_path / "arm.csv", recording)
+    outcome = lagrangian_ff("info", source, "--observable", "--json", tmp_path / "found.json")
+    assert outcome.code == 0, outcome
+    text = " ".join(outcome.text.split())
+    assert "what this motion could show" in text
+    assert "the motion to do" in text
+    found = json.loads((tmp_path / "found.json").read_text())["observable"]
+    assert found["words"] in text
+    assert set(found["least"]["stribeck"]) == set(JOINTS)
+    hidden = {(one["effect"], one["joint"]) for one in found["not_observable"]}
+    for effect, row in found["least"].items():
+        for joint, least in row.items():
+            assert ((effect, joint) in hidden) == (least is None or least > found["size"])
+
+
+def test_a_model_is_no_motion_to_observe(tmp_path: Path) -> None:
+    model = small_model(tmp_path / "model.npz")
+    assert_refused(lagrangian_ff("info", model, "--observable"), "not at a model")
+
+
 def test_the_page_shows_the_spectra_behind_the_bandwidth(tmp_path: Path) -> None:
     source, page = csv(tmp_path / "arm.csv", arm()), tmp_path / "arm.html"
     outcome = lagrangian_ff("info", source, "--report", page, "--json", tmp_path / "found.json")

@@ -80,6 +80,43 @@ def test_friction_that_is_left_over() -> None:
     assert 0.05 < shares["shoulder, low"] < shares["shoulder"] < shares["shoulder, high"]
 
 
+@pytest.mark.parametrize("sign", [(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_friction_that_drives_has_the_wrong_sign(seed: int, sign: tuple[float, float]) -> None:
+    whole = pendulum(seed, "total")
+    (check,) = kind_checks(replace(whole, tau=whole.tau * sign))
+    assert check.check == "effort sign"
+    assert check.serious
+    turned = [joint for joint, one in zip(whole.joints, sign, strict=True) if one < 0.0]
+    assert check.joint == (turned[0] if len(turned) == 1 else None)
+    assert check.remedy is not None
+    assert check.remedy.option in check.advice
+    mended = check.remedy.applied(Conditioning())
+    assert mended.effort_scale == dict.fromkeys(turned, -1.0)
+
+
+def test_a_drive_that_gives_more_than_it_loses_has_its_sign() -> None:
+    much = replace(
+        pendulum(0, "total", friction=-0.5),
+        conditioning=Conditioning(effort="without-friction").record(),
+    )
+    assert "sign" not in said(much)
+
+
+@pytest.mark.parametrize(
+    ("effort", "shares", "read"),
+    [("total", {"gravity": 0.0}, "without-gravity"), ("without-gravity", {}, "total"),
+     ("total", {"friction": 0.0}, "without-friction")],
+)  # fmt: skip
+def test_the_remedy_is_what_the_advice_says(
+    effort: str, shares: dict[str, float], read: str
+) -> None:
+    (check,) = kind_checks(pendulum(0, effort, **shares))
+    assert check.remedy is not None
+    assert check.remedy.option in check.advice
+    assert check.remedy.applied(Conditioning(effort=effort)).effort == read
+
+
 def test_too_little_motion_shows_nothing() -> None:
     short = pendulum(0, "total", gravity=0.0).take(slice(0, 300))
     assert effort_kind(short) is None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lagrangian_ff.diagnosis.preflight import Check, preflight
 from lagrangian_ff.diagnosis.preflight.effort import UNITS
+from lagrangian_ff.diagnosis.record import check_record
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording import Conditioning, Motion, Recording, concatenate, condition, load
@@ -128,6 +129,25 @@ def test_advice_counts_the_scale_in_with_which_the_effort_was_read(
     read = condition(replace(clean, effort=clean.effort * [1.0, 0.5]), given)
     undo = float(only(preflight(model, read)).advice.partition("elbow=")[2].split()[0])
     assert undo == pytest.approx(2.0, rel=0.1)
+
+
+@pytest.mark.parametrize("factor", [[1.0, 0.5], [-1.0, 1.0], [1.0 / 43.0] * 2, [-1.0, -1.0]])
+def test_the_remedy_undoes_the_fault(model: Model, clean: Recording, factor: list[float]) -> None:
+    """It counts the scale in with which the effort was read, and the advice shows it."""
+    given = Conditioning(clock="stamps", bandwidth=25.0, effort_scale={"elbow": 4.0})
+    wrong = replace(clean, effort=clean.effort * factor / [1.0, 4.0])
+    check = only(preflight(model, condition(wrong, given)))
+    assert check.remedy is not None
+    assert check.remedy.option in check.advice
+    assert check.remedy.words
+    assert not serious(preflight(model, condition(wrong, check.remedy.applied(given))))
+    assert check_record(check)["remedy"] == check.remedy.option
+
+
+def test_what_no_setting_mends_has_no_remedy(model: Model) -> None:
+    check = only(preflight(model, motion(recorded(seed=3, reach=2.0))))
+    assert check.remedy is None
+    assert "remedy" not in check_record(check)
 
 
 def test_the_sign(model: Model, clean: Recording) -> None:

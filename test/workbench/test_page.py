@@ -1,86 +1,40 @@
 """The page in a real browser: from an upload to the fallen error, and back again."""
 
+import os
 import re
-import shutil
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from workbench_examples import Served, moved, serving
+from browsing import (
+    LONG,
+    chromium,
+    idle,
+    learn,
+    needs_chromium,
+    opened,
+    shown,
+    three_motions,
+    uploaded,
+    violations,
+)
+from workbench_examples import Served, serving
 
 from lagrangian_ff.arm import read_trajectory
 from lagrangian_ff.identification import Model
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-pytestmark = pytest.mark.skipif(
-    CHROMIUM is None, reason="there is no Chromium: apt install chromium"
-)
+pytestmark = needs_chromium
+serve = pytest.fixture(serving)
+browser = pytest.fixture(scope="module")(chromium)
+recordings = pytest.fixture(scope="module")(three_motions)
+page = pytest.fixture(opened)
+PLAIN = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
 STEPS = ("data", "model", "compare", "diagnose", "history", "take")
-LONG = 90_000  # ms
-
-
-@pytest.fixture
-def serve() -> Iterator[Callable[..., Served]]:
-    yield from serving()
-
-
-@pytest.fixture(scope="module")
-def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    folder = tmp_path_factory.mktemp("recordings")
-    return [moved(folder / f"motion_{seed}.npz", seed) for seed in range(3)]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as driver:
-        made = driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield made
-        made.close()
-
-
-@pytest.fixture
-def page(browser: Any) -> Iterator[Any]:
-    yield from opened(browser)
-
-
-def opened(browser: Any, **options: Any) -> Iterator[Any]:
-    """Yield a page that says nothing on the console."""
-    made = browser.new_page(viewport={"width": 1366, "height": 768}, **options)
-    errors: list[str] = []
-    made.on("pageerror", lambda error: errors.append(str(error)))
-    made.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
-    yield made
-    made.close()
-    assert not [error for error in errors if "Failed to load resource" not in error]
-
-
-def idle(page: Any) -> None:
-    """Wait until the work is done."""
-    page.wait_for_timeout(250)
-    page.wait_for_selector("#work progress", state="detached", timeout=LONG)
-
-
-def shown(page: Any, served: Served) -> None:
-    """Open the page of a workbench, and wait until its recordings are read."""
-    page.goto(served.address)
-    page.wait_for_selector("article .joints", timeout=LONG)
-    idle(page)
-
-
-def learn(page: Any) -> None:
-    """Click for a model, and wait for it and its comparison."""
-    page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-    idle(page)
-
-
-def uploaded(page: Any, files: list[Path]) -> None:
-    page.set_input_files("#choose", [str(file) for file in files])
-    page.wait_for_selector(f"article .joints >> nth={len(files) - 1}", timeout=LONG)
-    idle(page)
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +222,15 @@ def test_a_formula_of_ones_own_is_found_and_added(
     playwright.expect(page.locator("#view table").first.locator("tbody tr")).to_have_count(2)
     first, last = errors_shown(page)
     assert last < 0.7 * first, before
+    page.goto(served.address + "#take")
+    assert "effects_file: " in page.locator("pre").first.inner_text()
+    commands = page.locator("pre").last.inner_text()
     assert served.stop() == 0
+    begin = f'set -e; lagrangian_ff() {{ {sys.executable} -m lagrangian_ff.cli "$@"; }}'
+    shell = ["bash", "-c", f"{begin}; cd {tmp_path}; {commands}"]
+    text = subprocess.run(shell, check=True, capture_output=True, text=True, env=PLAIN).stdout
+    *_, error = re.findall(r"^ *all joints +([\d.]+)", text, re.MULTILINE)
+    assert float(error) == pytest.approx(last, rel=0.02)
 
 
 def test_a_killed_server_loses_nothing(
@@ -336,12 +298,10 @@ def test_all_can_be_done_with_the_keyboard(
 
 
 def test_axe_finds_nothing_serious(found: Served, browser: Any) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     for scheme in ("light", "dark"):
         for page in opened(browser, bypass_csp=True, color_scheme=scheme):
             for step in STEPS:
                 page.goto(f"{found.address}#{step}")
                 page.wait_for_selector("#view h2")
                 page.wait_for_timeout(300)
-                violations = axe.Axe().run(page).response["violations"]
-                assert not [(one["id"], one["impact"]) for one in violations], (scheme, step)
+                assert not violations(page), (scheme, step)

@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 from workbench_examples import Served, moved, serving
 
-
-@pytest.fixture
-def serve() -> Iterator[Callable[..., Served]]:
-    yield from serving()
+serve = pytest.fixture(serving)
 
 
 @pytest.fixture(scope="module")

@@ -20,8 +20,18 @@ PATIENCE = 60.0  # s
 RUN = "import sys; from lagrangian_ff.cli.main import main; sys.exit(main(sys.argv[1:]))"
 
 
-def moved(path: Path, seed: int, drag: float = 0.9, seconds: float = 30.0) -> Path:
-    """Write a recording of a motion with quadratic drag on joint b."""
+def moved(
+    path: Path,
+    seed: int,
+    drag: float = 0.9,
+    seconds: float = 30.0,
+    sign: tuple[float, float] = (1.0, 1.0),
+) -> Path:
+    """Write a recording of a motion with quadratic drag on joint b.
+
+    Args:
+        sign: of the effort that is written.
+    """
     random = np.random.default_rng(seed)
     time_, phase = np.arange(0.0, seconds, 0.01), random.uniform(0.0, 6.0, (2, 2))
     q, qd, qdd = (np.zeros((len(time_), 2)) for _ in range(3))
@@ -34,7 +44,7 @@ def moved(path: Path, seed: int, drag: float = 0.9, seconds: float = 30.0) -> Pa
     tau = 8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02)
     tau[:, 1] += drag * qd[:, 1] * np.abs(qd[:, 1])
     tau += 0.05 * random.standard_normal(tau.shape)
-    return write_npz(path, Recording(JOINTS, time_, q, qd, tau, start=1.7e9))
+    return write_npz(path, Recording(JOINTS, time_, q, qd, tau * sign, start=1.7e9))
 
 
 class Served:
@@ -54,6 +64,10 @@ class Served:
             assert time.monotonic() < end, "the workbench does not start"
             time.sleep(0.05)
         self.address = found[1]
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
 
     def stop(self, number: int = signal.SIGTERM) -> int:
         """End it, and return its exit code."""

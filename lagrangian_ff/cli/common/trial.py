@@ -9,10 +9,14 @@ HIDDEN = (
     "stribeck@joint_3:0.15",
     "load_friction@joint_2:0.15",
     "position_friction@joint_1:0.2",
-    "asymmetric_coulomb@joint_3:0.15",
+    "ripple@joint_2:0.1",
 )
-MOTIONS = {"first motion": (0, 45.0), "second motion": (1, 30.0), "third motion": (2, 30.0)}
-"""Seed and s of each recording."""
+MOTIONS = {
+    "first motion": (6, 0, 60.0),
+    "second motion": (4, 1, 30.0),
+    "third motion": (4, 2, 30.0),
+}
+"""Speed, seed and s of each recording; the first goes where the others go."""
 
 
 def record(folder: Path, seed: int) -> list[Path]:
@@ -31,10 +35,10 @@ def record(folder: Path, seed: int) -> list[Path]:
     made = []
     asked = wanted([HIDDEN[seed % len(HIDDEN)]])
     with progress_bar("moving the simulated arm") as progress:
-        for number, (name, (motion, seconds)) in enumerate(MOTIONS.items()):
+        for number, (name, (speed, motion, seconds)) in enumerate(MOTIONS.items()):
             reported = part(progress, number / len(MOTIONS), (number + 1) / len(MOTIONS))
             inside = hidden(asked, motion, part(reported, 0.0, 0.3))
-            path = exciting_trajectory(4, seed=motion, duration=seconds)
+            path = exciting_trajectory(speed, seed=motion, duration=seconds)
             done = simulate(path, **inside.arm, seed=motion, progress=part(reported, 0.3, 1.0))
             made.append(write_bag(place / name, done.recording))
     return made

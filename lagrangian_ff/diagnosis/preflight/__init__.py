@@ -26,7 +26,7 @@ from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.kernels.rigid import Robot
 from lagrangian_ff.recording.motion import Motion
 
-__all__ = ["CHECKS", "Case", "Check", "Remedy", "effort_checks", "preflight"]
+__all__ = ["CHECKS", "Case", "Check", "Remedy", "effort_checks", "kind_checks", "preflight"]
 
 CHECKS: tuple[Callable[[Case], list[Check]], ...] = (
     check_sign,

@@ -4,7 +4,7 @@ A serial arm of unknown masses with plain friction (`chain+fri`) is fitted to so
 is judged by two Bayes factors against none: of gravity that is free in size, which shows that it is
 there; and of gravity that is half of the torque, which shows that it is not, since a size that is
 free may be nothing. Friction is judged by the power that it takes, which is linear in its
-parameters.
+parameters: where it gives some, the effort has the other sign.
 """
 
 from collections.abc import Callable, Sequence
@@ -66,6 +66,7 @@ class EffortKind:
             none is there, and the motion would show it.
         gravity_share: spread of the torque of gravity over that of the torque, of all joints.
         friction: by joint, the share of the joint's power that plain friction takes.
+        turned: joints that friction drives, where the other torques allow their sign to be wrong.
     """
 
     joints: tuple[str, ...]
@@ -73,6 +74,7 @@ class EffortKind:
     large_gravity: float
     gravity_share: float
     friction: tuple[Estimate, ...]
+    turned: tuple[str, ...] = ()
 
 
 def kind_checks(motion: Motion, sliding: Sequence[int] = ()) -> list[Check]:
@@ -88,12 +90,11 @@ def kind_checks(motion: Motion, sliding: Sequence[int] = ()) -> list[Check]:
 
 
 def _of_sign(found: EffortKind, motion: Motion) -> list[Check]:
-    """Return the joints that friction drives: what brakes does so where the sign is wrong."""
-    each = dict(zip(found.joints, found.friction, strict=True))
-    turned = [name for name, one in each.items() if -ALL_POWER < one.high < -LITTLE]
+    """Return the joints whose effort has the other sign."""
+    each, turned = dict(zip(found.joints, found.friction, strict=True)), found.turned
     if not turned or motion.effort == WITHOUT_FRICTION:
         return []  # a drive may give more than it loses
-    turned_of: dict[str | None, list[str]]
+    turned_of: dict[str | None, Sequence[str]]
     if len(turned) == len(each) > 1:
         turned_of = {None: turned}
     else:
@@ -101,10 +102,10 @@ def _of_sign(found: EffortKind, motion: Motion) -> list[Check]:
     checks = []
     for joint, names in turned_of.items():
         remedy = turned_round(motion, names)
-        shown = ", ".join(f"{name} {_percent(each[name])}" for name in names)
+        shown = ", ".join(f"{name}: {-each[name].value:.0%} of its power" for name in names)
         finding = (
-            f"the effort of {joint or 'every joint'} seems to have the wrong sign: with it "
-            f"friction would drive and not brake; it takes of the power of {shown}"
+            f"the effort of {joint or 'every joint'} seems to have the wrong sign: as recorded, "
+            f"friction drives and does not brake ({shown})"
         )
         values = {name: each[name].value for name in names}
         advice = f"Give {remedy.option}, or correct the driver"
@@ -213,6 +214,8 @@ def effort_kind(motion: Motion, sliding: Sequence[int] = ()) -> EffortKind | Non
             start.having(kernel=start.kernel.without_gravity()), few, STAGES[1:], without
         )
         some = exact(_with_gravity(none.problem, HALF))
+        friction = _friction(full, motion)
+        turned = _turned(start, few, full, friction)
     except (ModelError, NotPositiveDefiniteError, np.linalg.LinAlgError):
         return None
     return EffortKind(
@@ -220,8 +223,38 @@ def effort_kind(motion: Motion, sliding: Sequence[int] = ()) -> EffortKind | Non
         max(full.log_evidence, some.log_evidence) - none.log_evidence,
         some.log_evidence - none.log_evidence,
         _gravity_share(full),
-        _friction(full, motion),
+        friction,
+        tuple(motion.joints[n] for n in turned),
     )
+
+
+def _turned(
+    start: Problem,
+    few: Callable[[int], Samples],
+    full: Posterior[System],
+    friction: Sequence[Estimate],
+) -> list[int]:
+    """Return the joints that friction drives, and whose sign may be wrong by the evidence.
+
+    Friction brakes. And the joints share one Lagrangian, so that the evidence falls where the signs
+    of some and not of others are turned round wrongly.
+    """
+    turned = [n for n, one in enumerate(friction) if -ALL_POWER < one.high < -LITTLE]
+    count = len(friction)
+
+    def gain(joints: list[int]) -> float:
+        sign = np.where(np.isin(np.arange(count), joints), -1.0, 1.0)
+
+        def other(samples: Samples) -> Samples:
+            return replace(samples, tau=samples.tau * sign)
+
+        found = _maximised(start.of(other(start.samples)), lambda n: other(few(n)), STAGES)
+        return found.log_evidence - full.log_evidence
+
+    if not 1 < count == len(turned):
+        return turned if turned and gain(turned) > -ABSENT else []
+    # All turned round are as likely as none: is one of them more so?
+    return turned if all(gain([n]) < ABSENT for n in turned) else []
 
 
 def _maximised(

@@ -17,6 +17,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from lagrangian_ff.arm.trajectory import Trajectory
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.nodes.streaming.reference import Points, Reference
 
@@ -131,6 +132,22 @@ def nanoseconds(stamp: Time | Duration) -> int:
 def stamp(at: int) -> Time:
     """Return the stamp of a time in ns."""
     return Time(sec=at // 1_000_000_000, nanosec=at % 1_000_000_000)
+
+
+def message_of(trajectory: Trajectory, start: int) -> JointTrajectory:
+    """Return a trajectory without its effort as a message; `start` in ns, 0 for the receiver's."""
+    message = JointTrajectory(joint_names=list(trajectory.joints))
+    message.header.stamp = stamp(start)
+    for k in range(len(trajectory)):
+        at = round((trajectory.time[k] - trajectory.time[0]) * 1e9)
+        point = JointTrajectoryPoint(
+            positions=trajectory.q[k].tolist(),
+            velocities=trajectory.qd[k].tolist(),
+            accelerations=trajectory.qdd[k].tolist(),
+        )
+        point.time_from_start.sec, point.time_from_start.nanosec = divmod(at, 1_000_000_000)
+        message.points.append(point)
+    return message
 
 
 def points(message: JointTrajectory) -> Points:

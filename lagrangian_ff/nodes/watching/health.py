@@ -136,17 +136,24 @@ class Health:
         if self._coverage is not None:
             self._coverage.forget()
 
+    def rms(self) -> Floats:
+        """Return the residual of the last seconds, (N,) N·m; NaN for joints that hardly moved."""
+        if not self._seen:
+            return np.full(len(self._joints), np.nan)
+        squared, counts = (np.stack([each[k] for each in self._seen]) for k in (1, 2))
+        number = counts.sum(axis=0)
+        rms = np.sqrt((squared * counts).sum(axis=0) / np.maximum(number, 1))
+        return np.where(number >= FEWEST, rms, np.nan)
+
     def status(self, limits: Limits, more: Mapping[str, object]) -> Status:
         """Return the state over the last seconds, with further values."""
         if self._coverage is not None:
             more = {**more, **self._coverage.values()}
         if not self._seen:
             return Status(Level.STALE, "nothing to compare", more)
-        squared, counts = (np.stack([each[k] for each in self._seen]) for k in (1, 2))
         away = float(np.mean([each[3] for each in self._seen]))
-        number = counts.sum(axis=0)
-        rms = np.sqrt((squared * counts).sum(axis=0) / np.maximum(number, 1))
-        ratio = np.where(number >= FEWEST, rms / self._expected, np.nan)
+        rms = self.rms()
+        ratio = rms / self._expected
         values: dict[str, object] = {
             joint: f"{rms[n]:.4g} N·m, {ratio[n]:.2g} times what it was when identified"
             if np.isfinite(ratio[n])

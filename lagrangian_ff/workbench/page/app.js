@@ -3,24 +3,29 @@ import { h } from "./dom.js";
 import { ask, follow, open, say } from "./link.js";
 import { stairs } from "./figures.js";
 import * as data from "./data.js";
+import * as live from "./live.js";
 import * as model from "./model.js";
 import * as compare from "./compare.js";
 import * as diagnose from "./diagnose.js";
 import * as history from "./history.js";
 import * as take from "./take.js";
 
-const STEPS = { data, model, compare, diagnose, history, take };
+const STEPS = { data, live, model, compare, diagnose, history, take };
 let shown = "";
-let drawn = "";
+let drawn = "", told = "";
 
-function chosen() {
+function steps(state) {
+  return Object.entries(STEPS).filter(([, step]) => !step.listed || step.listed(state));
+}
+
+function chosen(state) {
   const name = location.hash.slice(1);
-  return name in STEPS ? name : "data";
+  return steps(state).some(([one]) => one === name) ? name : "data";
 }
 
 function drawSteps(state) {
-  const names = Object.entries(STEPS).map(([name, step]) =>
-    h("button", { "aria-current": name === chosen() ? "step" : null, onclick: () => go(name) },
+  const names = steps(state).map(([name, step]) =>
+    h("button", { "aria-current": name === chosen(state) ? "step" : null, onclick: () => go(name) },
       step.TITLE, h("small", {}, step.status(state))));
   const focused = [...document.querySelectorAll("#steps button")].indexOf(document.activeElement);
   const figure = stairs(state, 170, 90);
@@ -60,15 +65,20 @@ export function go(name) {
 
 function draw(state) {
   drawWork(state);
-  const key = [chosen(), state.version, state.work.length > 0].join();
+  live.banner(state);
+  const key = [chosen(state), state.version, state.work.length > 0].join();
+  const statuses = key + steps(state).map(([, step]) => step.status(state)).join();
+  if (statuses !== told) {
+    told = statuses;
+    drawSteps(state);
+  }
   if (key === drawn) {
     return;
   }
   drawn = key;
-  drawSteps(state);
   const place = document.getElementById("view");
-  const fresh = shown !== chosen();
-  shown = chosen();
+  const fresh = shown !== chosen(state);
+  shown = chosen(state);
   const id = place.contains(document.activeElement) ? document.activeElement.dataset.key : null;
   place.replaceChildren(...STEPS[shown].view(state, { go }));
   document.title = `${STEPS[shown].TITLE} – Workbench`;

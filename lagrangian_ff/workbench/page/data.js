@@ -2,6 +2,8 @@
 import { h, head, number } from "./dom.js";
 import { ask, upload } from "./link.js";
 import { bars } from "./figures.js";
+import { checksOfCard, notices, readAs } from "./checks.js";
+import { observed } from "./observed.js";
 
 export const TITLE = "Data";
 const LANES = {
@@ -23,7 +25,7 @@ function coverage(looked) {
       bars(joint.speeds, `speeds of ${joint.name} up to ${number(joint.fastest)} rad/s`)]));
 }
 
-function card(one) {
+function card(state, one) {
   const looked = one.looked;
   const facts = one.error
     ? h("p", { class: "bad" }, one.error)
@@ -31,7 +33,7 @@ function card(one) {
       ? h("p", { class: "facts" }, "reading…")
       : [h("p", { class: "facts" }, `${number(looked.seconds)} s at ${number(looked.rate)} Hz, ${looked.joints.length} joints` +
           (looked.gaps ? `, ${looked.gaps} gaps` : "") + (looked.rest > 0.01 ? `, at rest ${Math.round(100 * looked.rest)} % of the time` : "")),
-        coverage(looked),
+        coverage(looked), checksOfCard(state, one), readAs(state, one), observed(one),
         looked.notes.length ? h("details", {}, h("summary", {}, `${looked.notes.length} remark${looked.notes.length > 1 ? "s" : ""} and repairs`),
           h("ul", {}, looked.notes.map((note) => h("li", {}, note)))) : null];
   const select = h("select", { class: "pick", "data-key": "role" + one.id, "aria-label": `use of ${one.name}`,
@@ -76,7 +78,13 @@ export function view(state, { go }) {
       go("model");
     }
   } }, state.nodes.length ? "Go to the model" : "Learn a model");
-  const parts = [head("Recordings", "Joint states of an arm that moves: position and torque, half a minute or more, all joints at once. Two or three different motions are best.", open, next), choose];
+  const again = async () => {
+    if (await ask("learn")) {
+      go("model");
+    }
+  };
+  const parts = [head("Recordings", "Joint states of an arm that moves: position and torque, half a minute or more, all joints at once. Two or three different motions are best.", open, next), choose,
+    ...notices(state, again)];
   if (!state.cards.length) {
     parts.push(droppable(h("div", { class: "empty" }, h("h3", {}, "Drop recordings here"),
       "MCAP or db3 of a bag, CSV or NumPy. They stay on this machine."), (given) => sent([...given.files])));
@@ -84,7 +92,7 @@ export function view(state, { go }) {
   }
   const lanes = Object.entries(LANES).map(([role, [title, lead]]) =>
     droppable(h("section", { class: "lane" }, h("h3", {}, title), h("p", {}, lead),
-      state.cards.filter((one) => one.role === role).map(card)), (given) => {
+      state.cards.filter((one) => one.role === role).map((one) => card(state, one))), (given) => {
       const id = given.getData("text/x-card");
       if (id) {
         ask("role", { card: id, role });
@@ -95,7 +103,7 @@ export function view(state, { go }) {
   parts.push(h("div", { class: "lanes" }, lanes));
   const aside = state.cards.filter((one) => one.role === "aside");
   if (aside.length) {
-    parts.push(h("h3", {}, "Set aside"), h("div", { class: "lanes" }, aside.map(card)));
+    parts.push(h("h3", {}, "Set aside"), h("div", { class: "lanes" }, aside.map((one) => card(state, one))));
   }
   return parts;
 }

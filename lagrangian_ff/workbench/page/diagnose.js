@@ -2,6 +2,7 @@
 import { h, head, number, spoken } from "./dom.js";
 import { ask, current } from "./link.js";
 import { blocks, curve } from "./figures.js";
+import { checksOfFiles, notices } from "./checks.js";
 import { saver } from "./save.js";
 import { formulas } from "./formula.js";
 import { whatIf } from "./whatif.js";
@@ -62,8 +63,7 @@ export function view(state, { go }) {
   }
   const found = node.diagnosed;
   return [head("What is missing?", found.verdict, start),
-    found.checks.length ? h("section", { class: "card" }, h("h3", { class: "bad" }, "Mend the measurement first"),
-      h("ul", {}, found.checks.map((one) => h("li", {}, `${one.finding}. ${one.advice}`)))) : null,
+    ...notices(state), ...checksOfFiles(state, found.checks, found.on || []),
     ...found.findings.map((one) => card(one, busy, go)),
     ...motions(state),
     whatIf(node, busy),

@@ -26,9 +26,10 @@ export function say(text) {
   }
 }
 
+// Returns what was answered, or false after saying why not.
 async function answered(response) {
   if (response.ok) {
-    return true;
+    return response.json();
   }
   let words = "The server answered " + response.status;
   try {
@@ -40,9 +41,9 @@ async function answered(response) {
   return false;
 }
 
-export async function ask(what, asked = {}) {
+export async function ask(what, asked = {}, where = "api/ask/") {
   try {
-    const response = await fetch("api/ask/" + what, { method: "POST", body: JSON.stringify(asked) });
+    const response = await fetch(where + what, { method: "POST", body: JSON.stringify(asked) });
     return await answered(response);
   } catch {
     say("The server does not answer. Is it still running?");

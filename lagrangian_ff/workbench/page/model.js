@@ -1,6 +1,7 @@
 // The model: what it is, and how it errs on motion that it has not seen.
 import { h, head, number, spoken } from "./dom.js";
 import { ask, current } from "./link.js";
+import { checksOfFiles, notices } from "./checks.js";
 
 export const TITLE = "Model";
 
@@ -28,18 +29,29 @@ function effects(described) {
     h("th", { class: k === 3 || k === 4 ? "number" : "" }, text || h("span", { class: "quiet" }, "name"))))), h("tbody", {}, rows)) : null;
 }
 
+// Which model is learned next, with what it assumes.
+function choice(state) {
+  const chosen = state.choices.find((one) => one.name === state.choice) || state.choices[0];
+  return [h("select", { class: "pick", "data-key": "choice", "aria-label": "model to learn", "aria-describedby": "meaning",
+    onchange: (event) => ask("choose", { model: event.target.value }) },
+    state.choices.map((one) => h("option", { value: one.name, selected: one === chosen }, one.title))),
+    h("p", { class: "quiet meaning", id: "meaning" }, chosen.meaning)];
+}
+
 export function view(state, { go }) {
   const node = current(state);
   const learn = h("button", { class: node ? "plain" : "main", "data-key": "learn", disabled: state.work.length > 0,
     onclick: () => ask("learn") }, node ? "Learn again" : "Learn a model");
+  const [select, meaning] = choice(state);
   if (!node) {
-    return [head("Model", "Rigid-body dynamics and friction are learned from the recordings alone.", learn),
+    return [head("Model", "Rigid-body dynamics and friction are learned from the recordings alone.", select, learn, meaning),
       h("div", { class: "empty" }, h("h3", {}, state.work.length ? "A model is being learned" : "No model yet"),
         state.work.length ? "It is here when the bar above is full." : "Learn one from the recordings under Learn from.")];
   }
   const next = h("button", { class: "main", "data-key": "next", onclick: () => go("compare") }, "See where it fails");
   const compared = node.compared;
-  return [head("Model", `${node.described.name}, ${node.title}, in ${number(node.described.seconds)} s`, learn, next),
+  return [head("Model", `${node.described.name}, ${node.title}, in ${number(node.described.seconds)} s`, select, learn, next, meaning),
+    ...notices(state), ...checksOfFiles(state, (compared && compared.checks) || [], node.on),
     h("div", { class: "two" },
       h("section", { class: "card" }, h("h3", {}, "Friction and other effects"), effects(node.described) || h("p", { class: "quiet" }, "None beside the dynamics.")),
       h("section", { class: "card" }, h("h3", {}, "Error on unseen motion"),

@@ -11,23 +11,48 @@ export function status(state) {
 }
 
 function quoted(text) {
-  return /^[\w./+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+  return /^[\w./+=-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
+}
+
+const FORMULAS = "formulas.json";
+
+// The formulas of the user's own that the model has.
+function formulas(state) {
+  const used = new Set(line(state).map((node) => node.added.effect));
+  return state.formulas.filter((one) => used.has(one.name));
+}
+
+// The options of reading that make of one scale of the effort another.
+function scaled(before, after) {
+  const changed = [...new Set([...Object.keys(before), ...Object.keys(after)])].filter((joint) => (before[joint] ?? 1) !== (after[joint] ?? 1));
+  return changed.length ? " --effort-scale " + changed.map((joint) => quoted(`${joint}=${after[joint] ?? 1}`)).join(" ") : "";
 }
 
 function commands(state) {
-  const of = (role) => state.cards.filter((card) => card.role === role && !card.error).map((card) => quoted(card.file)).join(" ");
+  const cards = (role) => state.cards.filter((card) => card.role === role && !card.error);
+  const of = (role) => cards(role).map((card) => quoted(card.file)).join(" ");
   const steps = line(state);
-  const found = [`lagrangian_ff identify ${of("learn")} --train 1.0 --output model.npz`];
+  const { effort = "total", asked = "", urdf = "", scales = {} } = steps[0].settings;
+  const sources = Object.keys(scales), [learned = {}] = Object.values(scales);
+  const options = [asked ? ` --model ${asked}` : "", urdf ? ` --urdf ${quoted(urdf)}` : "", effort === "total" ? "" : ` --effort ${effort}`, scaled({}, learned)].join("");
+  const found = [`lagrangian_ff identify ${sources.length ? sources.map(quoted).join(" ") : of("learn")}${options} --train 1.0 --output model.npz`];
+  if (Object.values(scales).some((one) => scaled(learned, one))) {
+    found.unshift("# These recordings were read with different scales of the effort: convert them first.");
+  }
+  const own = formulas(state);
+  const file = own.length ? ` --effects-file ${FORMULAS}` : "";
+  if (own.length) {
+    found.unshift(`cat > ${FORMULAS} <<'END'\n${JSON.stringify({ effects: own }, null, 2)}\nEND`);
+  }
   let model = "model.npz";
-  steps.slice(1).forEach((node, k) => {
-    const added = node.described.effects.at(-1);
-    const [, effect, joint] = node.title.match(/^\+ (.*) on (.*)$/) || [null, added.effect, added.joint];
+  steps.slice(1).forEach(({ added }, k) => {
     const next = `model_${k + 1}.npz`;
-    found.push(`lagrangian_ff add ${model} ${effect.replaceAll(" ", "_")} --joint ${joint} --output ${next}`);
+    found.push(`lagrangian_ff add ${model} ${quoted(added.effect)} --joint ${quoted(added.joint)}${file} --output ${next}`);
     model = next;
   });
-  const unseen = of("confirm") || of("search") || of("learn");
-  found.push(`lagrangian_ff compare ${model} ${unseen} --report compare.html`);
+  const unseen = ["confirm", "search", "learn"].find((role) => of(role)) || "learn";
+  const [first] = cards(unseen);
+  found.push(`lagrangian_ff compare ${model} ${of(unseen)}${first ? scaled(learned, first.scale) : ""}${file} --report compare.html`);
   return found.join("\n");
 }
 
@@ -36,7 +61,8 @@ export function view(state) {
   if (!node) {
     return [head("Take away", "The model, for the nodes and the command line."), h("div", { class: "empty" }, h("h3", {}, "No model yet"), "Learn one first.")];
   }
-  const parameters = `/**:\n  ros__parameters:\n    model_file: /path/of/model_${node.id}.npz\n    joints: [${node.described.joints.join(", ")}]`;
+  const parameters = `/**:\n  ros__parameters:\n    model_file: /path/of/model_${node.id}.npz\n    joints: [${node.described.joints.join(", ")}]` +
+    (formulas(state).length ? `\n    effects_file: /path/of/${FORMULAS}` : "");
   return [
     head("Take away", `${node.described.name}: ${node.title}`, h("a", { class: "main", href: `api/take/${node.id}`, download: `model_${node.id}.npz` }, "Save the model"),
       node.compared ? h("a", { class: "plain", href: `api/page/compare/${node.id}`, download: "compare.html" }, "Page of the comparison") : null,
