@@ -10,14 +10,14 @@ from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected
 from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
-from lagrangian_ff.diagnosis.excite.objective import Objective
+from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
 from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question, cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, DEGREE, Splines
 from lagrangian_ff.diagnosis.excite.starts import starts_of
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
-from lagrangian_ff.kernels.threads import one_blas_thread
+from lagrangian_ff.kernels.threads import limited, one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 
 SECONDS, SHORTEST, LONGEST = 20.0, 8.0, 60.0
@@ -27,11 +27,13 @@ ROWS, FEWEST, MOST = 900, 60, 300
 """Torques that the search looks at, and samples at least and at most."""
 CLIMBED, FIRST = 2, 12
 """Starts that are climbed from, and steps from each."""
-ROUNDS = ((15, 1e3), (15, 1e3), (15, 1e3), (12, 1e4), (12, 1e5))
-"""Then rounds from the better one: steps, and the weight of excess over limits, against the log of
-nats."""
-FULL = 3600
-"""Torques that the prediction is made from."""
+ROUNDS = ((15, 30.0), (15, 30.0), (15, 100.0), (12, 1e3), (12, 1e4))
+"""Then rounds from the better one: steps, and the weight of the excess over limits against the log
+of nats."""
+SMALLER = 0.95
+"""Share of the way from the start that is left where a motion keeps the limits at no tempo."""
+LEAST = 1e-3
+"""rad, a smaller motion is none."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,8 @@ def design(
     if clear is not None and (touch := clear(pose[None, :])):
         raise ModelError(f"the motion would begin where {touch} touch: name another start")
     search = _Search.of(assumed, question, keeper, pose, seconds, size, seed)
-    with one_blas_thread():
+    # Threads that share products as small as these mostly wait for each other.
+    with limited(1), one_blas_thread():
         return search.run(wanted, seed, part(progress, 0.15, 1.0))
 
 
@@ -171,13 +174,20 @@ class _Search:
                 climbed.append(self._climbed(one, FIRST, ROUNDS[0][1]))
                 found = sorted([*climbed, *found], key=lambda one: -one.value)
                 told(one.begun, FIRST)
-            for count, hard in ROUNDS:
-                found = [self._climbed(found[0], count, hard), *found]
+            for number, (count, hard) in enumerate(ROUNDS, start=1):
+                # Other samples each time: a motion must not suit some of them alone.
+                other = self._at(seed + number)
+                found = [other._climbed(found[0], count, hard), *found]
                 told(found[0].begun, count)
         except KeyboardInterrupt:
             finished = False
         progress(0.9, "predicting what it will show")
         return replace(self._design(found), finished=finished)
+
+    def _at(self, seed: int) -> "_Search":
+        """Return the search on other samples."""
+        index = _some(len(self.objective.splines.time), len(self.pose), seed)
+        return replace(self, objective=replace(self.objective, index=index))
 
     def _starts(self, wanted: Sequence[str], seed: int, progress: Progress) -> list[_Found]:
         """Return motions to climb from, best first."""
@@ -247,22 +257,15 @@ class _Search:
     def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
         assumed, size = self.objective.assumed, self.objective.size
         reference = splines.reference(control)
-        expected = assumed.gains(reference, size)
-        many = np.arange(0, len(splines.time), max(1, len(splines.time) * len(self.pose) // FULL))
-        look = replace(self.objective, splines=splines, index=many).look(control, slope=False)
         return Design(
             self.question,
             assumed.model.joints,
             reference,
-            look.nats,
-            expected,
+            nats_of(assumed, self.objective.groups, reference, size),
+            assumed.gains(reference, size),
             self.keeper.used(reference),
             begun,
         )
-
-
-SMALLER = 0.8
-LEAST = 1e-3
 
 
 def _some(available: int, joints: int, seed: int) -> Ints:

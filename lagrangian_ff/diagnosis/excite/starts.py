@@ -62,16 +62,19 @@ def template(
     """
     for share in SHARES:
         asked = max(share * seconds, SHORTEST)
-        made = excite(
-            motion, joints, limits, joint=joint, start=start, duration=asked, seed=seed
-        )
+        made = excite(motion, joints, limits, joint=joint, start=start, duration=asked, seed=seed)
         if made.time[-1] <= seconds or asked == SHORTEST:
             break
     return made
 
 
 def strokes(
-    limits: Limits, start: Floats, joint: int, speeds: tuple[float, float], width: float, seconds: float
+    limits: Limits,
+    start: Floats,
+    joint: int,
+    speeds: tuple[float, float],
+    width: float,
+    seconds: float,
 ) -> Floats:
     """Return (M, N) rad: a joint to and fro, half of the time at each of two speeds."""
     time = np.linspace(0.0, 0.5 * seconds, max(50, round(25 * seconds)))
@@ -82,5 +85,7 @@ def strokes(
         way = speed * time + (start[joint] - low)
         track.append(low + width - np.abs(np.mod(way, 2.0 * width) - width))
     q = np.tile(start, (2 * len(time), 1))
-    q[:, joint] = np.clip(np.concatenate([track[0], track[1]]), limits.q_low[joint], limits.q_high[joint])
+    q[:, joint] = np.clip(
+        np.concatenate([track[0], track[1]]), limits.q_low[joint], limits.q_high[joint]
+    )
     return q
