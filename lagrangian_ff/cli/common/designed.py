@@ -95,16 +95,15 @@ def check(arguments: Namespace) -> None:
 
 def designed(arguments: Namespace) -> "Design":
     """Return the motion that the arguments ask for."""
-    from lagrangian_ff.diagnosis.excite import design, seen_pose
+    from lagrangian_ff.diagnosis.excite import design
     from lagrangian_ff.diagnosis.excite.assumed import SIZE
-    from lagrangian_ff.diagnosis.excite.design import SECONDS, joints_of
+    from lagrangian_ff.diagnosis.excite.design import SECONDS, pose_for
     from lagrangian_ff.identification import Model
 
     model: Model = Model.load(arguments.model)
     question = _question(arguments)
     limits = _limits(arguments, model)
-    wanted = joints_of(question, model)
-    usual = seen_pose(model, wanted[0] if len(wanted) == 1 else None, limits)
+    usual = pose_for(question, model, limits)
     start = options.pose("--start", arguments.start, model.joints, usual)
     with ExitStack() as stack:
         clear = _clear(arguments, model, stack)

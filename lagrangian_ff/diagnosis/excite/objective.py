@@ -14,7 +14,7 @@ import numpy as np
 from scipy.linalg import lapack, solve_triangular
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.diagnosis.excite.assumed import Assumed, typical
+from lagrangian_ff.diagnosis.excite.assumed import Assumed, refitted, typical
 from lagrangian_ff.diagnosis.excite.path import Reference
 from lagrangian_ff.diagnosis.excite.questions import Case
 from lagrangian_ff.diagnosis.excite.splines import Splines
@@ -282,7 +282,8 @@ def nats_of(
     """
     whitened = assumed.whitened(made)
     judged = [judge(whitened, group, assumed, size) for group in groups]
-    return min(typical(float(one.signals.min()) for one in group) for group in judged)
+    least = [[refitted(one.signals.min(), assumed.samples(whitened)) for one in g] for g in judged]
+    return min(typical(map(float, group)) for group in least)
 
 
 def _pulls(

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.excite.assumed import Expected
 from lagrangian_ff.diagnosis.excite.design import Design
 from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question
 
@@ -64,20 +65,20 @@ class Outcome:
 def outcomes(design: Mapping[str, Any], diagnosis: Mapping[str, Any]) -> tuple[Outcome, ...]:
     """Return what came of a design, from its JSON and that of a diagnosis of its recording.
 
-    Signals grow with the square of the size.
-
     Raises:
         ValueError: one of the two is no such JSON.
     """
     try:
-        promised = {(one["effect"], one["joint"]): one for one in design["expected"]}
+        every = [Expected(**one) for one in design["expected"]]
+        promised = {(one.effect, one.joint): one for one in every}
         found = []
         for one in diagnosis["findings"]:
             key = str(one["effect"]), str(one["joints"][0])
-            if key in promised and "size" in one and promised[key]["torque"] > 0.0:
-                ratio = float(one["size"]) / float(promised[key]["torque"])
-                nats = ratio**2 * float(promised[key]["nats"])
-                found.append(Outcome(*key, ratio, nats, float(one["evidence_gain"])))
+            if key in promised and "size" in one:
+                mine, torque = promised[key], float(one["size"])
+                share = torque / mine.torque if mine.torque > 0.0 else 0.0
+                gained = float(one["evidence_gain"])
+                found.append(Outcome(*key, share, mine.of_torque(torque), gained))
     except (KeyError, TypeError, IndexError, ValueError) as error:
         raise ValueError(f"not the JSON of a design and of a diagnosis: {error!r}") from None
     return tuple(found)
