@@ -135,9 +135,10 @@ def joints_of(question: Question, model: Model) -> Sequence[str]:
     """
     if isinstance(question, Everything):
         return model.joints
-    suspects = (
-        [question.suspect] if isinstance(question, For) else [question.first, question.second]
-    )
+    if isinstance(question, For):
+        suspects = [question.suspect]
+    else:
+        suspects = [question.first, question.second]
     for one in suspects:
         if one.joint not in model.joints:
             raise ModelError(f"there is no joint {one.joint}; there are {', '.join(model.joints)}")
