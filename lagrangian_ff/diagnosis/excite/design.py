@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
 from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
-from lagrangian_ff.diagnosis.excite.questions import Everything, Question, cases_of
+from lagrangian_ff.diagnosis.excite.questions import Everything, For, Question, cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, DEGREE, Splines
 from lagrangian_ff.diagnosis.excite.starts import starts_of
 from lagrangian_ff.errors import ModelError
