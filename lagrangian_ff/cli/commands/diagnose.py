@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff import report
-from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common import designed, options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
 from lagrangian_ff.cli.common.sources import LoadedModel
@@ -83,12 +83,17 @@ def add_arguments(parser: ArgumentParser) -> None:
         "SOURCE against the data that the model keeps (without it this is asked only where the "
         "model errs clearly more than on motion left out when it was identified)"
     )
+    expected = (
+        "what excite --json wrote of the designed motion that SOURCE is a recording of: findings "
+        "stand beside what it promised"
+    )
     add = "add what is confirmed, look again until nothing is, and write the model"
     rows = [
         ("--steps", int, "N", steps),
         ("--since", bool, "", since),
         ("--apply", bool, "", add),
         ("--output", Path, "NEW.npz", "with --apply: the model file to write"),
+        ("--expected", Path, "DESIGN.json", expected),
     ]
     options.add_rows(parser, rows)
     options.add_report(parser)
@@ -99,6 +104,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check(arguments)
+    promised = designed.promised(arguments.expected)
     options.load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import believed, run_record
 
@@ -121,8 +127,9 @@ def run(arguments: Namespace) -> int:
         with whole(arguments.report) as path:
             report.diagnose_page(path, found)
     if arguments.json is not None:
-        write_record(arguments.json, run_record(found))
+        write_record(arguments.json, run_record(found) | designed.outcome_record(promised, found))
     _say(found, arguments, console)
+    designed.say_outcomes(promised, found, console)
     return 0
 
 
@@ -255,5 +262,5 @@ def _check(arguments: Namespace) -> None:
         both = "--output names the model that --apply writes: give both, or neither"
         missing = "--apply needs --output NEW.npz, the model file to write"
         raise UserError(missing if arguments.apply else both)
-    reads = [arguments.model, *arguments.sources, *arguments.confirm]
+    reads = [arguments.model, *arguments.sources, *arguments.confirm, arguments.expected]
     check_outputs(arguments, reads, ".npz")

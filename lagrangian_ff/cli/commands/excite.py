@@ -112,7 +112,7 @@ def _designed(arguments: Namespace, console: Console) -> int:
     _say_joints(record, console)
     console.say(f"saved: {arguments.output}")
     if arguments.urdf is None and not arguments.arm:
-        _note_blind(console, "give --urdf to have it checked")
+        _note_blind(console, "Give --urdf to have it checked")
     _say_next(arguments, console)
     return 0
 

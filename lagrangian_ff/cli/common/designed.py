@@ -1,10 +1,13 @@
-"""`excite` for a question: its options, the design, and what is said of it."""
+"""Designed motions: options of `excite`, the design, what is said of it, and what came of it."""
 
+import json
 from argparse import ArgumentParser, Namespace
 from contextlib import ExitStack
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lagrangian_ff import budget
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar, table
 from lagrangian_ff.errors import UserError
@@ -12,7 +15,8 @@ from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
     from lagrangian_ff.arm import Trajectory
-    from lagrangian_ff.diagnosis.excite import Design, Limits, Question
+    from lagrangian_ff.diagnosis import DiagnosisRun
+    from lagrangian_ff.diagnosis.excite import Design, Limits, Outcome, Question
     from lagrangian_ff.diagnosis.excite.keeping import Clear
     from lagrangian_ff.identification import Model
 
@@ -219,3 +223,59 @@ def say(design: "Design", record: dict[str, Any], console: Console) -> None:
     ]
     console.say(table(["joint", *names], shares))
     console.say()
+
+
+Promise = dict[str, Any] | None
+"""The JSON of a design; None if none was given."""
+
+
+def promised(path: Path | None) -> Promise:
+    """Return the design in a file.
+
+    Raises:
+        UserError: it is not what `excite --json` writes of a designed motion.
+    """
+    if path is None:
+        return None
+    from lagrangian_ff.diagnosis.excite import outcomes
+
+    try:
+        design: dict[str, Any] = json.loads(budget.text_of(path, UserError))
+        outcomes(design, {"findings": []})
+    except OSError as error:
+        raise UserError(f"--expected {path}: {error.strerror or error}") from None
+    except (ValueError, RecursionError):
+        raise UserError(
+            f"--expected {path}: expected the file that lagrangian_ff excite --for, --between or "
+            "--everything writes with --json"
+        ) from None
+    return design
+
+
+def _outcomes(design: Promise, run: "DiagnosisRun") -> "tuple[Outcome, ...]":
+    from lagrangian_ff.diagnosis import run_record
+    from lagrangian_ff.diagnosis.excite import outcomes
+
+    return () if design is None else outcomes(design, run_record(run))
+
+
+def outcome_record(design: Promise, run: "DiagnosisRun") -> dict[str, Any]:
+    """Return what came of a design as JSON; nothing without one."""
+    found = [asdict(one) for one in _outcomes(design, run)]
+    return {} if design is None else {"outcomes": found}
+
+
+def say_outcomes(design: Promise, run: "DiagnosisRun", console: Console) -> None:
+    """Print what came of a design beside what it promised; nothing without one."""
+    if design is None:
+        return
+    rows = [
+        [one.effect, one.joint, number(one.ratio), number(one.promised), number(one.gained)]
+        for one in _outcomes(design, run)
+    ]
+    console.say(["", "what the design of this motion promised of what was found"])
+    if rows:
+        header = ["effect", "joint", "size over that asked for", "promised nats", "gained nats"]
+        console.say(table(header, rows))
+    else:
+        console.say("  it spoke of nothing that was found")
