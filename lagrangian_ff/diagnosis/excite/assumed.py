@@ -3,8 +3,9 @@
 The search's problem is fitted once, to the model's own data: kernel, noise and units. A motion to
 come is whitened with it, so that the search's own code gives the information A of every effect,
 tempered as the effect's was on the model's data. With true coefficients b the signal is
-s = ½ bᵀ A b. Without the effect, the search takes what is missing for noise, so that of ν samples
-of a joint the evidence grows by ½ ν log (1 + 2 s / ν): by s where the effect is small.
+s = ½ bᵀ A b. Without the effect, the search takes what is missing for noise, so that the evidence
+grows by ½ ν log (1 + 2 s / ν): by s where the effect is small. ν is the number of samples over the
+variance inflation.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -80,7 +81,7 @@ class Assumed:
         model: of the arm.
         base: the model's own data, whitened.
         problem: that of the search, for torques whose whitened variance is one.
-        density: samples per s of motion, of the base.
+        density: samples per s of motion that its noise is meant for.
         scores: of every effect on every joint on the base, in a few shapes each.
     """
 
@@ -96,12 +97,10 @@ class Assumed:
         data = model.data
         sliding = sliding_of(model.kernel, len(model.joints))
         base = fit(data, model.inputs_of(data), model.basis, progress, sliding)
-        prior = base.problem.prior
-        scaling = replace(prior.scaling, unit=prior.scaling.unit * base.amplitude)
-        problem = replace(base.problem.having(scaling=scaling), nuisance=())
         scores = bayes_factors(base, representative(base), coarse=True)
         base.forget()
-        return cls(model, base, problem, _density(base.motion, len(base.index)), tuple(scores))
+        density = _density(base.motion, len(base.index))
+        return cls(model, base, _of_variance_one(base), density, tuple(scores))
 
     @cached_property
     def inflation(self) -> Mapping[Key, float]:
@@ -115,6 +114,21 @@ class Assumed:
         samples = len(self.base.index)
         found = _by_key((o.candidate.key, self._gain(o, one_size, samples)) for o in self.scores)
         return {key: typical(nats for _, nats in values) for key, values in found.items()}
+
+    def suited_to(self, made: Reference) -> "Assumed":
+        """Return the problem fitted to a motion to come, as the search will fit its recording.
+
+        Kernel and noise are those of the torque that the model predicts, with white noise as large
+        as on the base. The search knows an arm the better, the less it has moved.
+        """
+        motion = self.motion_of(made)
+        noise = np.sqrt(self.base.x.window) * self.base.noise
+        random = np.random.default_rng(0)
+        motion = replace(motion, tau=motion.tau + noise * random.normal(size=motion.tau.shape))
+        sliding = sliding_of(self.model.kernel, len(self.model.joints))
+        fitted = fit(motion, self.model.inputs_of(motion), self.model.basis, sliding=sliding)
+        density = _density(motion, len(fitted.index))
+        return replace(self, problem=_of_variance_one(fitted), density=density)
 
     def motion_of(self, made: Reference) -> Motion:
         """Return a motion to come, with the torque that the model predicts."""
@@ -158,7 +172,7 @@ class Assumed:
     ) -> tuple[Expected, ...]:
         """Return what a motion is expected to show, of candidates or of every effect and joint."""
         whitened = self.whitened(made)
-        samples, joints = self.samples(whitened), self.model.joints
+        samples, joints = len(whitened.index), self.model.joints
         pairs = []
         for score in bayes_factors(whitened, candidates or representative(self.base)):
             candidate = score.candidate
@@ -170,21 +184,19 @@ class Assumed:
         found = []
         for (name, n), values in _by_key(pairs).items():
             torque, signal, nats = map(typical, zip(*values, strict=True))
-            found.append(Expected(name, joints[n], size, torque, signal, samples, nats))
+            count = samples / self.inflation[name, n]
+            found.append(Expected(name, joints[n], size, torque, signal, count, nats))
         return tuple(found)
 
-    def samples(self, whitened: Whitened) -> float:
-        """Return ν, how many samples of the base's density a motion to come holds."""
-        return len(whitened.index) * self.density / _density(whitened.motion, len(whitened.index))
-
-    def _gain(self, score: BayesFactor, ratio: Floats, samples: float) -> tuple[float, float]:
+    def _gain(self, score: BayesFactor, ratio: Floats, samples: int) -> tuple[float, float]:
         """Return signal and nats of an effect whose coefficients are a ratio (P,) of the prior's.
 
         Each of them as if it were the only one, and the mean over them.
         """
-        information = score.information / self.inflation[score.candidate.key]
+        inflation = self.inflation[score.candidate.key]
+        information = score.information / inflation
         signal = 0.5 * float(np.mean(np.diag(information) * ratio**2))
-        nats = expected_log_bf(2.0 * float(refitted(signal, samples)), information)
+        nats = expected_log_bf(2.0 * float(refitted(signal, samples / inflation)), information)
         return signal, max(nats, 0.0)
 
 
@@ -227,6 +239,13 @@ def spread(candidates: Sequence[Candidate], most: int) -> list[Candidate]:
         return list(candidates)
     places = (np.arange(most) + 0.5) * len(candidates) / most
     return [candidates[int(place)] for place in places]
+
+
+def _of_variance_one(whitened: Whitened) -> Problem:
+    """Return the problem with units for which the whitened torques have a variance of one."""
+    scaling = whitened.problem.prior.scaling
+    scaling = replace(scaling, unit=scaling.unit * whitened.amplitude)
+    return replace(whitened.problem.having(scaling=scaling), nuisance=(), change=None)
 
 
 def _density(motion: Motion, samples: int) -> float:

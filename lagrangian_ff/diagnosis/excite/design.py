@@ -212,8 +212,7 @@ class _Search:
                 told(one.begun, first)
             for number, (count, hard) in enumerate(rounds, start=1):
                 # Other samples each time: a motion must not suit some of them alone.
-                other = self._at(seed + number)
-                found = [other._climbed(found[0], count, hard), *found]
+                found = [self._at(seed + number)._climbed(found[0], count, hard), *found]
                 told(found[0].begun, count)
         except KeyboardInterrupt:
             finished = False
@@ -291,8 +290,8 @@ class _Search:
         )
 
     def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
-        assumed, size = self.objective.assumed, self.objective.size
-        reference = splines.reference(control)
+        size, reference = self.objective.size, splines.reference(control)
+        assumed = self.objective.assumed.suited_to(reference)
         return Design(
             self.question,
             assumed.model.joints,

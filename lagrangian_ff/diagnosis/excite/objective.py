@@ -282,8 +282,14 @@ def nats_of(
     """
     whitened = assumed.whitened(made)
     judged = [judge(whitened, group, assumed, size) for group in groups]
-    least = [[refitted(one.signals.min(), assumed.samples(whitened)) for one in g] for g in judged]
-    return min(typical(map(float, group)) for group in least)
+    count = len(whitened.index)
+    return min(
+        typical(
+            float(refitted(one.signals.min(), count / assumed.inflation[one.case.true.key]))
+            for one in group
+        )
+        for group in judged
+    )
 
 
 def _pulls(
