@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "excite"
 SUMMARY = "make the motion that shows an effect, or settles a doubt"
-USAGE = "(EFFECT|MOTION | --for E@J | --between E@J E@J | --everything) --output FILE [options]"
+USAGE = "EFFECT|MOTION|QUESTION [--model MODEL] [--arm] --output FILE [options]"
 DESCRIPTION = """\
 Makes the motion to record next, as a trajectory: a template, by the name of an effect that is to be
 shown or by its own; or a motion designed for a question, so that what it is expected to say, in

@@ -47,6 +47,7 @@ def add_questions(parser: ArgumentParser) -> None:
         ("--size", float, "SHARE",
          "torque of the effects on the model's own data, over that of the joint (default: 0.05)"),
         ("--shape", list, "NAME=VALUE", "with --for: the effect's shape, if it is known"),
+        ("--search", float, "SHARE", "of the usual search, which takes a minute (default: 1)"),
     ))  # fmt: skip
 
 
@@ -54,7 +55,7 @@ def add_limits(parser: ArgumentParser) -> None:
     """Declare limits and obstacles of a designed motion."""
     group = parser.add_argument_group("limits of a designed motion")
     for option, (_, unit, meaning) in BOUNDS.items():
-        text = f"{meaning} (default: what the model's own data reached, less 5 %)"
+        text = f"{meaning} (default: what the model's own data reached, less a twentieth)"
         options.add_list(group, f"--{option}", f"JOINT={unit}", text)
     options.add_rows(group, (
         ("--urdf", Path, "FILE",
@@ -77,7 +78,7 @@ def check(arguments: Namespace) -> None:
         raise UserError(
             "name one: an effect or a motion for a template, or --for, --between or --everything"
         )
-    own = ["size", "shape", "urdf", "floor", "clearance", "box", *BOUNDS]
+    own = ["size", "shape", "search", "urdf", "floor", "clearance", "box", *BOUNDS]
     given = [f"--{name}" for name in own if getattr(arguments, name) not in (None, [])]
     if arguments.what is not None:
         if given:
@@ -87,6 +88,8 @@ def check(arguments: Namespace) -> None:
         raise UserError("a designed motion needs --model, which predicts what it will show")
     if arguments.joint is not None:
         raise UserError("--joint is for a template: a question names its joints, as E@JOINT")
+    if arguments.search is not None and not 0.0 < arguments.search <= 10.0:
+        raise UserError(f"--search {arguments.search:g}: expected more than 0, and 10 at most")
     if arguments.shape and arguments.suspect is None:
         raise UserError("--shape goes with --for")
     if arguments.urdf is None and (arguments.box or arguments.floor is not None):
@@ -101,7 +104,7 @@ def designed(arguments: Namespace) -> "Design":
     """Return the motion that the arguments ask for."""
     from lagrangian_ff.diagnosis.excite import design
     from lagrangian_ff.diagnosis.excite.assumed import SIZE
-    from lagrangian_ff.diagnosis.excite.design import SECONDS, pose_for
+    from lagrangian_ff.diagnosis.excite.design import SECONDS, USUAL, pose_for
     from lagrangian_ff.identification import Model
 
     model: Model = Model.load(arguments.model)
@@ -120,6 +123,7 @@ def designed(arguments: Namespace) -> "Design":
             seconds=SECONDS if arguments.duration is None else arguments.duration,
             size=SIZE if arguments.size is None else arguments.size,
             clear=clear,
+            effort=USUAL if arguments.search is None else USUAL.scaled(arguments.search),
             seed=arguments.seed,
             progress=progress,
         )

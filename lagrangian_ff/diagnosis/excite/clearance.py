@@ -143,12 +143,9 @@ class Clearance:
 def _add(geometry: Any, name: str, box: Box) -> None:
     import pinocchio
 
-    try:
-        import coal
-    except ImportError:  # Pinocchio before 3.5
-        import hppfcl as coal
+    shapes = getattr(pinocchio, "coal", None) or pinocchio.hppfcl  # the name before 3.5
     place = pinocchio.SE3(np.eye(3), np.array(box.centre))
-    shape = coal.Box(*box.size)
+    shape = shapes.Box(*box.size)
     geometry.addGeometryObject(pinocchio.GeometryObject(name, FIXED, place, shape))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected
+from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected, representative
 from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
 from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
@@ -48,6 +48,11 @@ class Effort:
     rounds: tuple[tuple[int, float], ...] = (
         (15, 30.0), (15, 30.0), (15, 100.0), (12, 1e3), (12, 1e4)
     )  # fmt: skip
+
+    def scaled(self, share: float) -> "Effort":
+        """Return a share of this effort, at least one look at each place."""
+        rounds = tuple((max(1, round(share * count)), hard) for count, hard in self.rounds)
+        return replace(self, first=max(1, round(share * self.first)), rounds=rounds)
 
 
 USUAL = Effort()
@@ -292,15 +297,19 @@ class _Search:
     def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
         size, reference = self.objective.size, splines.reference(control)
         assumed = self.objective.assumed.suited_to(reference)
-        return Design(
-            self.question,
-            assumed.model.joints,
-            reference,
-            nats_of(assumed, self.objective.groups, reference, size),
-            assumed.gains(reference, size),
-            self.keeper.used(reference),
-            begun,
-        )
+        groups = self.objective.groups
+        asked = [case.true for group in groups for case in group]
+        keys = {one.key for one in asked}
+        others = [one for one in representative(assumed.base) if one.key not in keys]
+        expected = assumed.gains(reference, size, [*asked, *others])
+        nats = nats_of(assumed, groups, reference, size)
+        if isinstance(self.question, For):
+            name, joint = self.question.suspect.effect, self.question.suspect.joint
+            own = [one.nats for one in expected if (one.effect, one.joint) == (name, joint)]
+            nats = min(nats, *own)
+        used = self.keeper.used(reference)
+        joints = assumed.model.joints
+        return Design(self.question, joints, reference, nats, expected, used, begun)
 
 
 def _some(available: int, wanted: int, seed: int) -> Ints:

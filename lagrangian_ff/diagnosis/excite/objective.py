@@ -20,7 +20,7 @@ from lagrangian_ff.diagnosis.excite.questions import Case
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, chain_of, tangent_terms
+from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, chain_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States
@@ -308,7 +308,7 @@ def _pulls(
     for term, place in basis.slices():
         yield Pull(term, -on(term) @ c[place].T)
     last = basis.size
-    for up, down in tangent_terms(basis):
+    for up, down in basis.tangents(TANGENT):
         factor = on(up) @ c[last : last + 1].T / TANGENT
         yield Pull(up, -factor)
         yield Pull(down, factor)
