@@ -73,6 +73,25 @@ class Basis:
             first = last
         return placed
 
+    def tangents(self, step: float) -> list[tuple[Term, Term]]:
+        """Return terms of one parameter with a shape a relative step above and below its value.
+
+        Their difference is, to first order, what an error in the shape adds.
+        """
+        found = []
+        for term in self.terms:
+            if len(term.effect.parameters) != 1:
+                continue
+            for shape in term.effect.shapes:
+                value = term.shape.get(shape.name, 0.0)
+                if value > 0.0 and not shape.whole:
+                    up, down = (
+                        replace(term, shape={**term.shape, shape.name: value * factor})
+                        for factor in (1.0 + step, 1.0 - step)
+                    )
+                    found.append((up, down))
+        return found
+
     def of_joints(self, joints: tuple[int, ...]) -> "Basis":
         """Return the terms that act on these joints."""
         return Basis(tuple(term for term in self.terms if term.joint in joints))

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
 from lagrangian_ff.arm import JOINTS, Trajectory, read_trajectory, simulate, true_torque
-from lagrangian_ff.cli.commands.excite import CLOSE, joint_trajectory_yaml
 from lagrangian_ff.cli.common import arm_motion
+from lagrangian_ff.cli.common.joint_trajectory import CLOSE, joint_trajectory_yaml
 from lagrangian_ff.diagnosis.excite import NEXT_MOTIONS
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ArmError

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff import report
-from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common import designed, options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, check_sources, whole, write_record
 from lagrangian_ff.cli.common.sources import LoadedModel
@@ -88,6 +88,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         "the kind of gear of all joints, or JOINT=GEAR; what is usual in it is shown beside the "
         f"evidence, and decides nothing: {', '.join(GEARS)}"
     )
+    expected = (
+        "what excite --json wrote of the designed motion that SOURCE is a recording of: findings "
+        "stand beside what it promised"
+    )
     add = "add what is confirmed, look again until nothing is, and write the model"
     rows = [
         ("--steps", int, "N", steps),
@@ -95,6 +99,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--gear", list, "GEAR", gear),
         ("--apply", bool, "", add),
         ("--output", Path, "NEW.npz", "with --apply: the model file to write"),
+        ("--expected", Path, "DESIGN.json", expected),
     ]
     options.add_rows(parser, rows)
     options.add_report(parser)
@@ -105,6 +110,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     console = Console(arguments.json)
     _check(arguments)
+    promised = designed.promised(arguments.expected)
     options.load_own_effects(arguments, console)
     from lagrangian_ff.diagnosis import believed, run_record
 
@@ -128,8 +134,9 @@ def run(arguments: Namespace) -> int:
         with whole(arguments.report) as path:
             report.diagnose_page(path, found)
     if arguments.json is not None:
-        write_record(arguments.json, run_record(found))
+        write_record(arguments.json, run_record(found) | designed.outcome_record(promised, found))
     _say(found, arguments, console)
+    designed.say_outcomes(promised, found, console)
     return 0
 
 
@@ -267,5 +274,5 @@ def _check(arguments: Namespace) -> None:
         both = "--output names the model that --apply writes: give both, or neither"
         missing = "--apply needs --output NEW.npz, the model file to write"
         raise UserError(missing if arguments.apply else both)
-    reads = [arguments.model, *arguments.sources, *arguments.confirm]
+    reads = [arguments.model, *arguments.sources, *arguments.confirm, arguments.expected]
     check_outputs(arguments, reads, ".npz")

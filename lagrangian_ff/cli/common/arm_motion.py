@@ -1,5 +1,7 @@
 """A motion of the simulated arm that keeps clear of itself, the floor and its torque limits."""
 
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 
 import numpy as np
@@ -14,9 +16,10 @@ from lagrangian_ff.arm import (
     limits,
     true_torque,
 )
+from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite import Limits, excite
-from lagrangian_ff.errors import ArmError
+from lagrangian_ff.errors import ArmError, UserError
 from lagrangian_ff.progress import Progress, silent
 
 REACHES = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
@@ -93,8 +96,42 @@ def clear_motion(
 
 def _limits() -> Limits:
     arm = limits()
-    whole = Limits(arm.lower, arm.upper, arm.velocity, arm.velocity / UNTIL_FAST)
+    hardness, effort = arm.velocity / UNTIL_FAST, USED_EFFORT * arm.effort
+    whole = Limits(arm.lower, arm.upper, arm.velocity, hardness, tau_max=effort)
     return Limits.within(whole, JOINTS)
+
+
+def arm_limits(joints: Sequence[str]) -> Limits:
+    """Return the limits of the arm.
+
+    Raises:
+        UserError: the joints are not those of the arm, in their order.
+    """
+    _check_joints(joints)
+    return _limits()
+
+
+@contextmanager
+def arm_clear(joints: Sequence[str], margin: float) -> Iterator[Callable[[Floats], str]]:
+    """Give what says what touches on a path (M, 6) rad of the arm; empty if nothing does.
+
+    Raises:
+        UserError: the joints are not those of the arm, in their order.
+    """
+    _check_joints(joints)
+    with Surroundings(margin=margin) as surroundings:
+
+        def touching(path: Floats) -> str:
+            return next(filter(None, map(surroundings.first_contact, path)), "")
+
+        yield touching
+
+
+def _check_joints(joints: Sequence[str]) -> None:
+    if tuple(joints) != JOINTS:
+        raise UserError(
+            f"--arm: the model is of {', '.join(joints)}, the simulated arm has {', '.join(JOINTS)}"
+        )
 
 
 def _poses(joint: str) -> list[Floats]:

@@ -13,6 +13,7 @@ from lagrangian_ff.errors import UserError
 if TYPE_CHECKING:
     from argparse import _ActionsContainer
 
+    from lagrangian_ff.arrays import Floats
     from lagrangian_ff.effects import Effect
     from lagrangian_ff.recording import Conditioning
 
@@ -176,6 +177,22 @@ def gears(texts: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
             )
         found |= dict.fromkeys([joint] if sign else joints, kind)
     return found
+
+
+def pose(option: str, texts: Sequence[str], joints: Sequence[str], usual: "Floats") -> "Floats":
+    """Return (N,) the usual values of the joints with those that the user gives.
+
+    Raises:
+        UserError: a value is of another form, or of a joint that is not there.
+    """
+    given = assignments(option, texts)
+    unknown = [name for name in given if name not in joints]
+    if unknown:
+        raise UserError(f"{option}: no joint {', '.join(unknown)}; there are {', '.join(joints)}")
+    out = usual.copy()
+    for name, value in given.items():
+        out[list(joints).index(name)] = value
+    return out
 
 
 def check_seed(arguments: Namespace) -> None:

@@ -1,14 +1,17 @@
 """What `diagnose` will see in a motion before the arm has made it.
 
 The search's problem is fitted once, to the model's own data: kernel, noise and units. A motion to
-come is whitened with it, so that the search's own code gives the information A of every effect.
-With true coefficients b the expected log Bayes factor is ½ (bᵀ A b − log |A + I|), tempered as the
-effect's was on the model's data.
+come is whitened with it, so that the search's own code gives the information A of every effect,
+tempered as the effect's was on the model's data. With true coefficients b the signal is
+s = ½ bᵀ A b. Without the effect, the search takes what is missing for noise, so that the evidence
+grows by ½ ν log (1 + 2 s / ν): by s where the effect is small. ν is the number of samples over the
+variance inflation.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -38,6 +41,7 @@ SHAPES = 3
 """Shapes of an effect that stand for all of them."""
 
 Key = tuple[str, int]
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -48,14 +52,25 @@ class Expected:
         effect, joint: their names.
         size: torque (rms) of the effect on the model's own data, over that of the joint.
         torque: N·m (rms) of such an effect in this motion.
-        nats: the log Bayes factor expected at this size. Of several shapes both are the typical.
+        signal: s, nats, were the noise known.  samples: ν.
+        nats: the log Bayes factor expected at this size after all is refitted.
+
+    Of several shapes all are the typical.
     """
 
     effect: str
     joint: str
     size: float
     torque: float
+    signal: float
+    samples: float
     nats: float
+
+    def of_torque(self, torque: float) -> float:
+        """Return the nats expected if the effect has another torque, N·m (rms), in this motion."""
+        ratio = torque / self.torque if self.torque > 0.0 else 0.0
+        price = refitted(self.signal, self.samples) - self.nats
+        return max(float(refitted(ratio**2 * self.signal, self.samples) - price), 0.0)
 
 
 @dataclass(frozen=True)
@@ -66,7 +81,7 @@ class Assumed:
         model: of the arm.
         base: the model's own data, whitened.
         problem: that of the search, for torques whose whitened variance is one.
-        density: samples per s of motion, of the base.
+        density: samples per s of motion that its noise is meant for.
         scores: of every effect on every joint on the base, in a few shapes each.
     """
 
@@ -82,12 +97,10 @@ class Assumed:
         data = model.data
         sliding = sliding_of(model.kernel, len(model.joints))
         base = fit(data, model.inputs_of(data), model.basis, progress, sliding)
-        prior = base.problem.prior
-        scaling = replace(prior.scaling, unit=prior.scaling.unit * base.amplitude)
-        problem = replace(base.problem.having(scaling=scaling), nuisance=())
         scores = bayes_factors(base, representative(base), coarse=True)
         base.forget()
-        return cls(model, base, problem, _density(base.motion, len(base.index)), tuple(scores))
+        density = _density(base.motion, len(base.index))
+        return cls(model, base, _of_variance_one(base), density, tuple(scores))
 
     @cached_property
     def inflation(self) -> Mapping[Key, float]:
@@ -98,8 +111,24 @@ class Assumed:
     def seen(self, size: float) -> Mapping[Key, float]:
         """Return by effect and joint the nats that the model's own data would show at a size."""
         one_size = np.array([size / PRIOR_SHARE])
-        found = _by_key((one.candidate.key, self._gain(one, one_size)) for one in self.scores)
-        return {key: typical(values) for key, values in found.items()}
+        samples = len(self.base.index)
+        found = _by_key((o.candidate.key, self._gain(o, one_size, samples)) for o in self.scores)
+        return {key: typical(nats for _, nats in values) for key, values in found.items()}
+
+    def suited_to(self, made: Reference) -> "Assumed":
+        """Return the problem fitted to a motion to come, as the search will fit its recording.
+
+        Kernel and noise are those of the torque that the model predicts, with white noise as large
+        as on the base. The search knows an arm the better, the less it has moved.
+        """
+        motion = self.motion_of(made)
+        noise = np.sqrt(self.base.x.window) * self.base.noise
+        random = np.random.default_rng(0)
+        motion = replace(motion, tau=motion.tau + noise * random.normal(size=motion.tau.shape))
+        sliding = sliding_of(self.model.kernel, len(self.model.joints))
+        fitted = fit(motion, self.model.inputs_of(motion), self.model.basis, sliding=sliding)
+        density = _density(motion, len(fitted.index))
+        return replace(self, problem=_of_variance_one(fitted), density=density)
 
     def motion_of(self, made: Reference) -> Motion:
         """Return a motion to come, with the torque that the model predicts."""
@@ -143,29 +172,37 @@ class Assumed:
     ) -> tuple[Expected, ...]:
         """Return what a motion is expected to show, of candidates or of every effect and joint."""
         whitened = self.whitened(made)
-        gains, torques = [], []
+        samples, joints = len(whitened.index), self.model.joints
+        pairs = []
         for score in bayes_factors(whitened, candidates or representative(self.base)):
             candidate = score.candidate
             columns, b = candidate.columns(whitened.x), self.coefficients(candidate, size)
             prior = expected(columns, float(whitened.spread[candidate.joint]))
-            ratio = b / np.where(prior > 0.0, prior, np.inf)
-            gains.append((candidate.key, self._gain(score, ratio)))
-            rms = np.sqrt(np.mean((columns * b) ** 2, axis=0))
-            torques.append((candidate.key, float(np.sqrt(np.mean(rms**2)))))
-        torque, joints = _by_key(torques), self.model.joints
-        return tuple(
-            Expected(name, joints[n], size, float(np.mean(torque[name, n])), typical(nats))
-            for (name, n), nats in _by_key(gains).items()
-        )
+            gain = self._gain(score, b / np.where(prior > 0.0, prior, np.inf), samples)
+            torque = float(np.sqrt(np.mean((columns * b) ** 2)))
+            pairs.append((candidate.key, (torque, *gain)))
+        found = []
+        for (name, n), values in _by_key(pairs).items():
+            torque, signal, nats = map(typical, zip(*values, strict=True))
+            count = samples / self.inflation[name, n]
+            found.append(Expected(name, joints[n], size, torque, signal, count, nats))
+        return tuple(found)
 
-    def _gain(self, score: BayesFactor, ratio: Floats) -> float:
-        """Return the nats expected of an effect whose coefficients are a ratio (P,) of the prior's.
+    def _gain(self, score: BayesFactor, ratio: Floats, samples: int) -> tuple[float, float]:
+        """Return signal and nats of an effect whose coefficients are a ratio (P,) of the prior's.
 
         Each of them as if it were the only one, and the mean over them.
         """
-        information = score.information / self.inflation[score.candidate.key]
-        signal = float(np.mean(np.diag(information) * ratio**2))
-        return max(expected_log_bf(signal, information), 0.0)
+        inflation = self.inflation[score.candidate.key]
+        information = score.information / inflation
+        signal = 0.5 * float(np.mean(np.diag(information) * ratio**2))
+        nats = expected_log_bf(2.0 * float(refitted(signal, samples / inflation)), information)
+        return signal, max(nats, 0.0)
+
+
+def refitted(signal: Floats | float, samples: float) -> Floats:
+    """Return ½ ν log (1 + 2 s / ν) of signals s and ν samples, nats."""
+    return np.asarray(0.5 * samples * np.log1p(2.0 * np.asarray(signal) / samples))
 
 
 def typical(nats: Iterable[float]) -> float:
@@ -173,8 +210,8 @@ def typical(nats: Iterable[float]) -> float:
     return float(np.expm1(np.mean(np.log1p(np.array(list(nats))))))
 
 
-def _by_key(pairs: Iterable[tuple[Key, float]]) -> dict[Key, list[float]]:
-    found: dict[Key, list[float]] = {}
+def _by_key(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
+    found: dict[Key, list[Value]] = {}
     for key, value in pairs:
         found.setdefault(key, []).append(value)
     return found
@@ -202,6 +239,13 @@ def spread(candidates: Sequence[Candidate], most: int) -> list[Candidate]:
         return list(candidates)
     places = (np.arange(most) + 0.5) * len(candidates) / most
     return [candidates[int(place)] for place in places]
+
+
+def _of_variance_one(whitened: Whitened) -> Problem:
+    """Return the problem with units for which the whitened torques have a variance of one."""
+    scaling = whitened.problem.prior.scaling
+    scaling = replace(scaling, unit=scaling.unit * whitened.amplitude)
+    return replace(whitened.problem.having(scaling=scaling), nuisance=(), change=None)
 
 
 def _density(motion: Motion, samples: int) -> float:

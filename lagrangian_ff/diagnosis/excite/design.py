@@ -7,31 +7,55 @@ import numpy as np
 import scipy
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected
+from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Expected, representative
 from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
-from lagrangian_ff.diagnosis.excite.objective import Objective
+from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
-from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question, cases_of
+from lagrangian_ff.diagnosis.excite.questions import Everything, For, Question, cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, DEGREE, Splines
 from lagrangian_ff.diagnosis.excite.starts import starts_of
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
-from lagrangian_ff.kernels.threads import one_blas_thread
+from lagrangian_ff.kernels.threads import limited, one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 
 SECONDS, SHORTEST, LONGEST = 20.0, 8.0, 60.0
 SPACING = 0.2
 """s between the knots."""
-ROWS, FEWEST, MOST = 900, 60, 300
-"""Torques that the search looks at, and samples at least and at most."""
-CLIMBED, FIRST = 2, 12
-"""Starts that are climbed from, and steps from each."""
-ROUNDS = ((15, 1e3), (15, 1e3), (15, 1e3), (12, 1e4), (12, 1e5))
-"""Then rounds from the better one: steps, and the weight of excess over limits, against the log of
-nats."""
-FULL = 3600
-"""Torques that the prediction is made from."""
+FEWEST, MOST = 60, 300
+"""Samples that the search looks at, at least and at most."""
+SMALLER = 0.95
+"""Share of the way from the start that is left where a motion keeps the limits at no tempo."""
+LEAST = 1e-3
+"""rad, a smaller motion is none."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long the search goes on.
+
+    Attributes:
+        rows: torques that it looks at.
+        starts: that are climbed from.  first: looks on the way up from each.
+        rounds: then from the better one: looks, and the weight of the excess over limits against
+            the log of nats.
+    """
+
+    rows: int = 900
+    starts: int = 2
+    first: int = 12
+    rounds: tuple[tuple[int, float], ...] = (
+        (15, 30.0), (15, 30.0), (15, 100.0), (12, 1e3), (12, 1e4)
+    )  # fmt: skip
+
+    def scaled(self, share: float) -> "Effort":
+        """Return a share of this effort, at least one look at each place."""
+        rounds = tuple((max(1, round(share * count)), hard) for count, hard in self.rounds)
+        return replace(self, first=max(1, round(share * self.first)), rounds=rounds)
+
+
+USUAL = Effort()
 
 
 @dataclass(frozen=True)
@@ -68,6 +92,7 @@ def design(
     size: float = SIZE,
     clear: Clear | None = None,
     assumed: Assumed | None = None,
+    effort: Effort = USUAL,
     seed: int = 0,
     progress: Progress = silent,
 ) -> Design:
@@ -82,6 +107,7 @@ def design(
         size: of effects, see `Expected`.
         clear: says what touches on a path; None if nothing is known of that.
         assumed: of the model, if it is at hand.
+        effort: how long the search goes on.
         seed: of what is random.
         progress: receives the share done, 0 to 1.
 
@@ -95,24 +121,39 @@ def design(
         raise ModelError(f"a size of {size:g}: expected more than 0, and 1 at most")
     limits = limits_of(model) if limits is None else limits
     assumed = Assumed.of(model, part(progress, 0.0, 0.15)) if assumed is None else assumed
-    wanted = joints_of(question, model)
-    pose = seen_pose(model, wanted[0] if len(wanted) == 1 else None, limits)
-    pose = pose if start is None else inside("start", start, model.joints, limits)
+    pose = pose_for(question, model, limits) if start is None else start
+    pose = inside("start", pose, model.joints, limits)
     keeper = Keeper(model, limits, 2.0 * assumed.base.noise, clear)
     if clear is not None and (touch := clear(pose[None, :])):
         raise ModelError(f"the motion would begin where {touch} touch: name another start")
-    search = _Search.of(assumed, question, keeper, pose, seconds, size, seed)
-    with one_blas_thread():
-        return search.run(wanted, seed, part(progress, 0.15, 1.0))
+    search = _Search.of(assumed, question, keeper, pose, seconds, size, effort, seed)
+    # Threads that share products as small as these mostly wait for each other.
+    with limited(1), one_blas_thread():
+        return search.run(joints_of(question, model), seed, part(progress, 0.15, 1.0))
 
 
 def joints_of(question: Question, model: Model) -> Sequence[str]:
-    """Return the joints that a question is about."""
+    """Return the joints that a question is about.
+
+    Raises:
+        ModelError: the model lacks one.
+    """
+    if isinstance(question, Everything):
+        return model.joints
     if isinstance(question, For):
-        return [question.suspect.joint]
-    if isinstance(question, Between):
-        return list(dict.fromkeys([question.first.joint, question.second.joint]))
-    return model.joints
+        suspects = [question.suspect]
+    else:
+        suspects = [question.first, question.second]
+    for one in suspects:
+        if one.joint not in model.joints:
+            raise ModelError(f"there is no joint {one.joint}; there are {', '.join(model.joints)}")
+    return list(dict.fromkeys(one.joint for one in suspects))
+
+
+def pose_for(question: Question, model: Model, limits: Limits) -> Floats:
+    """Return (N,) rad, where a motion for a question begins; see `seen_pose`."""
+    wanted = joints_of(question, model)
+    return seen_pose(model, wanted[0] if len(wanted) == 1 else None, limits)
 
 
 @dataclass(frozen=True)
@@ -132,6 +173,7 @@ class _Search:
     objective: Objective
     keeper: Keeper
     pose: Floats
+    effort: Effort
 
     @classmethod
     def of(
@@ -142,6 +184,7 @@ class _Search:
         pose: Floats,
         seconds: float,
         size: float,
+        effort: Effort,
         seed: int,
     ) -> "_Search":
         splines = Splines(GRID * round(seconds / GRID), round(seconds / SPACING) + DEGREE)
@@ -150,15 +193,16 @@ class _Search:
             cases_of(question, assumed, size),
             splines,
             size,
-            _some(len(splines.time), len(pose), seed),
+            _some(len(splines.time), effort.rows // len(pose), seed),
             dynamics=isinstance(question, Everything),
         )
-        return cls(question, every, keeper, pose)
+        return cls(question, every, keeper, pose, effort)
 
     def run(self, wanted: Sequence[str], seed: int, progress: Progress) -> Design:
         """Return the best motion."""
         found, done, finished = self._starts(wanted, seed, progress), 0, True
-        steps = CLIMBED * FIRST + sum(count for count, _ in ROUNDS)
+        first, rounds = self.effort.first, self.effort.rounds
+        steps = self.effort.starts * first + sum(count for count, _ in rounds)
 
         def told(name: str, count: int) -> None:
             nonlocal done
@@ -167,17 +211,23 @@ class _Search:
 
         try:
             climbed = []
-            for one in found[:CLIMBED]:
-                climbed.append(self._climbed(one, FIRST, ROUNDS[0][1]))
+            for one in found[: self.effort.starts]:
+                climbed.append(self._climbed(one, first, rounds[0][1]))
                 found = sorted([*climbed, *found], key=lambda one: -one.value)
-                told(one.begun, FIRST)
-            for count, hard in ROUNDS:
-                found = [self._climbed(found[0], count, hard), *found]
+                told(one.begun, first)
+            for number, (count, hard) in enumerate(rounds, start=1):
+                # Other samples each time: a motion must not suit some of them alone.
+                found = [self._at(seed + number)._climbed(found[0], count, hard), *found]
                 told(found[0].begun, count)
         except KeyboardInterrupt:
             finished = False
         progress(0.9, "predicting what it will show")
         return replace(self._design(found), finished=finished)
+
+    def _at(self, seed: int) -> "_Search":
+        """Return the search on other samples."""
+        index = _some(len(self.objective.splines.time), self.effort.rows // len(self.pose), seed)
+        return replace(self, objective=replace(self.objective, index=index))
 
     def _starts(self, wanted: Sequence[str], seed: int, progress: Progress) -> list[_Found]:
         """Return motions to climb from, best first."""
@@ -191,7 +241,7 @@ class _Search:
             near = np.clip(splines.nearest(q, self.pose), limits.q_low, limits.q_high)
             control = self.keeper.cleared(splines, near, np.tile(self.pose, (splines.count, 1)))
             if control is not None:
-                value = self._value(control, ROUNDS[0][1])
+                value = self._value(control, self.effort.rounds[0][1])
                 found.append(_Found(control, value, name))
         if not found:
             raise ModelError("no motion from the start is clear: name another, or fewer obstacles")
@@ -202,7 +252,7 @@ class _Search:
         return look.value - hard * self.keeper.penalty(self.objective.splines, control)[0]
 
     def _climbed(self, begin: _Found, steps: int, hard: float) -> _Found:
-        """Return the motion after some steps uphill."""
+        """Return the motion after some looks on the way uphill."""
         limits, splines = self.keeper.limits, self.objective.splines
         free = slice(AT_REST, splines.count - AT_REST)
         control = begin.control.copy()
@@ -221,7 +271,7 @@ class _Search:
             jac=True,
             method="L-BFGS-B",
             bounds=list(ends) * (splines.count - 2 * AT_REST),
-            options={"maxiter": steps, "maxfun": 2 * steps},
+            options={"maxiter": steps, "maxfun": steps},
         )
         control[free] = found.x.reshape(-1, control.shape[1])
         clear = self.keeper.cleared(splines, control, begin.control)
@@ -245,28 +295,25 @@ class _Search:
         )
 
     def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
-        assumed, size = self.objective.assumed, self.objective.size
-        reference = splines.reference(control)
-        expected = assumed.gains(reference, size)
-        many = np.arange(0, len(splines.time), max(1, len(splines.time) * len(self.pose) // FULL))
-        look = replace(self.objective, splines=splines, index=many).look(control, slope=False)
-        return Design(
-            self.question,
-            assumed.model.joints,
-            reference,
-            look.nats,
-            expected,
-            self.keeper.used(reference),
-            begun,
-        )
+        size, reference = self.objective.size, splines.reference(control)
+        assumed = self.objective.assumed.suited_to(reference)
+        groups = self.objective.groups
+        asked = [case.true for group in groups for case in group]
+        keys = {one.key for one in asked}
+        others = [one for one in representative(assumed.base) if one.key not in keys]
+        expected = assumed.gains(reference, size, [*asked, *others])
+        nats = nats_of(assumed, groups, reference, size)
+        if isinstance(self.question, For):
+            name, joint = self.question.suspect.effect, self.question.suspect.joint
+            own = [one.nats for one in expected if (one.effect, one.joint) == (name, joint)]
+            nats = min(nats, *own)
+        used = self.keeper.used(reference)
+        joints = assumed.model.joints
+        return Design(self.question, joints, reference, nats, expected, used, begun)
 
 
-SMALLER = 0.8
-LEAST = 1e-3
-
-
-def _some(available: int, joints: int, seed: int) -> Ints:
+def _some(available: int, wanted: int, seed: int) -> Ints:
     """Return (S,) samples to look at, one somewhere in each of as many even stretches."""
-    count = int(np.clip(ROWS // joints, FEWEST, MOST))
+    count = int(np.clip(wanted, FEWEST, MOST))
     place = np.arange(count) + np.random.default_rng(seed).uniform(size=count)
     return np.asarray(place * available / count, dtype=np.int64)

@@ -16,7 +16,7 @@ INSIDE = 0.98
 ROUNDING = 1e-9
 SLOWER = 1.01
 """Factor of time by which a motion is slowed down again and again until its torque is allowed."""
-MOST_SLOWINGS = 60
+MOST_SLOWINGS = 12
 SMALLER = 0.8
 EVERY = 4
 """Points of a motion, every fourth of which has its torque predicted during the search."""
@@ -122,14 +122,14 @@ class Keeper:
         return None
 
     def penalty(self, splines: Splines, control: Floats) -> tuple[float, Floats]:
-        """Return the mean square excess over the limits, and its slope by the control points."""
+        """Return the squared excess over the limits, integrated over time, and its slope."""
         limits = self.limits
         bounds = [limits.qd_max, limits.qdd_max, limits.jerk_max]
         value, slope = 0.0, np.zeros_like(control)
         for rate, most in zip(splines.rates[1:], bounds, strict=True):
             if most is not None:
                 some = rate[::2]
-                over, by = _excess(some @ control, most)
+                over, by = _excess(some @ control, most, 2 * GRID)
                 value += over
                 slope += some.T @ by
         over, by_torque = self._torque_penalty(splines, control)
@@ -139,8 +139,9 @@ class Keeper:
         rows = [rate[::EVERY] for rate in splines.rates[:3]]
         x = [one @ control for one in rows]
         time = splines.time[::EVERY]
-        tau = self.model.predict(*x, time=time)
-        value, by_torque = _excess(tau, self.tau_max)
+        q, qd, qdd = x
+        tau = self.model.predict(q, qd, qdd, time=time)
+        value, by_torque = _excess(tau, self.tau_max, EVERY * GRID)
         slope = np.zeros_like(control)
         bad = np.flatnonzero(by_torque.any(axis=1))
         if not len(bad):
@@ -165,8 +166,12 @@ def _share(values: Floats, most: Floats) -> Floats:
     return np.asarray(np.abs(values).max(axis=0) / np.maximum(most, 1e-9))
 
 
-def _excess(values: Floats, most: Floats) -> tuple[float, Floats]:
-    """Return the mean square of what exceeds a limit, and its slope by the values (M, N)."""
+def _excess(values: Floats, most: Floats, step: float) -> tuple[float, Floats]:
+    """Return the integral of the squared excess over a limit, and its slope by the values (M, N).
+
+    Args:
+        step: s between the values.
+    """
     limit = np.maximum(INSIDE * most, 1e-9)
     over = np.maximum(np.abs(values) / limit - 1.0, 0.0)
-    return float(np.mean(over**2)), 2.0 * over * np.sign(values) / limit / over.size
+    return step * float(np.sum(over**2)), step * 2.0 * over * np.sign(values) / limit

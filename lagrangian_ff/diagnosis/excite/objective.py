@@ -14,21 +14,22 @@ import numpy as np
 from scipy.linalg import lapack, solve_triangular
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.diagnosis.excite.assumed import Assumed, typical
+from lagrangian_ff.diagnosis.excite.assumed import Assumed, refitted, typical
+from lagrangian_ff.diagnosis.excite.path import Reference
 from lagrangian_ff.diagnosis.excite.questions import Case
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, tangent_terms
+from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, chain_of
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Term
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States
 from lagrangian_ff.recording.motion import Motion
 
 SOFT = 0.1
 """Width in the log of nats over which the least of several passes from one to the next."""
 FAINT = 0.02
-"""Weight below which a rival plays no part in the slope."""
+"""Share of the largest weight below which a rival plays no part in the slope."""
 STEP = 1e-6
 """Step of differences, relative to the largest value of a coordinate."""
 COLOURS = 9
@@ -49,17 +50,16 @@ class Look:
 
     Attributes:
         value: the mean of log (1 + signal) over the cases of the least group.
-        nats: of the least group, the typical least signal over the rivals.
         pulls: how the value grows with the columns.
-        weights: (S, N, D) how it grows with rigid-body torques.  share: (D,) the weight of each.
+        weights: (S, N, P) each, how it grows with rigid-body torques.
+        shares: the weight of each of these columns.
     """
 
     whitened: Whitened
     value: float
-    nats: float
     pulls: list[Pull] = field(default_factory=list)
-    weights: Floats = field(default_factory=lambda: np.empty(0))
-    share: Floats = field(default_factory=lambda: np.empty(0))
+    weights: list[Floats] = field(default_factory=list)
+    shares: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -82,55 +82,49 @@ class Objective:
     def look(self, control: Floats, slope: bool = True) -> Look:
         """Return the value of control points (K, N), and what its slope needs."""
         whitened = self._whitened(control)
-        white: dict[object, Floats] = {}
-
-        def whitened_once(one: Candidate) -> Floats:
-            key = one.key, tuple(sorted(one.shape.items()))
-            if key not in white:
-                on = np.tile(one.term().on(whitened.joints), (len(one.effect.parameters), 1))
-                white[key] = whitened.shared(one.columns(whitened.x), on)
-            return white[key]
-
-        values, parts, nats = [], [], []
-        for group in self.groups:
-            of_group: list[float] = []
-            exact: list[float] = []
-            for case in group:
-                b = self.assumed.coefficients(case.true, self.size)
-                z = whitened.project(whitened_once(case.true) * b)
-                rest = [_beside(z, r and whitened.project(whitened_once(r))) for r in case.rivals]
-                f = self.assumed.inflation.get(case.true.key, 1.0) * len(b)
-                signals = np.array([0.5 * float(np.sum(one**2)) / f for one in rest])
-                least, weights = softmin(np.log1p(signals))
-                of_group.append(least)
-                exact.append(float(signals.min()))
-                parts.append((len(values), case, b, rest, weights / (1.0 + signals) / f))
-            values.append(float(np.mean(of_group)))
-            nats.append(typical(exact))
-        value, of_groups = softmin(np.array(values))
-        cases = len(parts)
+        judged = [judge(whitened, group, self.assumed, self.size) for group in self.groups]
+        softened = [[softmin(np.log1p(one.signals)) for one in group] for group in judged]
+        means = [float(np.mean([least for least, _ in group])) for group in softened]
+        value, of_groups = softmin(np.array(means))
         if self.dynamics:
             noise = np.tile(whitened.problem.variances, len(self.index))
-            value += (whitened.system.log_det - float(np.sum(np.log(noise)))) / cases
-        look = Look(whitened, value, min(nats))
-        if not slope:
-            return look
-        weights, share = [], []
-        for number, case, b, rest, by_signal in parts:
-            by_signal = by_signal * of_groups[number] / len(self.groups[number])
-            for rival, z, part in zip(case.rivals, rest, by_signal.tolist(), strict=True):
-                if part * (1.0 + 0.5 * float(np.sum(z**2))) < FAINT / cases:
-                    continue
-                w = solve_triangular(whitened.system.upper, z, check_finite=False)
-                white_design = whitened.system.white_design
-                if rival is not None:
-                    white_design = np.column_stack([white_design, whitened_once(rival)])
-                c = _coefficients(white_design, whitened_once(case.true) * b)
-                weights.append(w)
-                share += [part] * len(b)
-                look.pulls.extend(self._pulls(whitened, case.true, rival, part * w, b, c))
-        shape = (len(self.index), whitened.joints, -1)
-        return replace(look, weights=np.hstack(weights).reshape(shape), share=np.array(share))
+            value += (whitened.system.log_det - float(np.sum(np.log(noise)))) / self._cases
+        look = Look(whitened, value)
+        if slope:
+            for number, (group, soft) in enumerate(zip(judged, softened, strict=True)):
+                for one, (_, weights) in zip(group, soft, strict=True):
+                    share = of_groups[number] / len(group) * weights
+                    self._pull(look, one, share)
+        return look
+
+    def _pull(self, look: Look, one: "Judged", share: Floats) -> None:
+        """Add how the value grows with one case.
+
+        Args:
+            share: (R,) of the log of each signal in the value.
+        """
+        whitened, b = look.whitened, one.b
+        joints, unit = whitened.joints, whitened.problem.unit
+        for number in np.flatnonzero(share > FAINT * share.max()).tolist():
+            by_squares = share[number] / (1.0 + one.signals[number]) / one.divisor
+            rival, white = one.case.rivals[number], one.rivals[number]
+            known = whitened.system.white_design
+            known = known if white is None else np.column_stack([known, white])
+            c = _coefficients(known, one.white)
+            w = solve_triangular(whitened.system.upper, one.left[number], check_finite=False)
+            by_joint = w.reshape(-1, joints, len(b))
+            look.weights.append(by_joint)
+            look.shares.extend([by_squares] * len(b))
+            look.pulls.extend(
+                _pulls(
+                    whitened.basis,
+                    one.case.true,
+                    rival,
+                    by_squares * by_joint / unit[:, None],
+                    b,
+                    c,
+                )
+            )
 
     def _whitened(self, control: Floats) -> Whitened:
         """Return the samples whitened; effects with a memory see the motion between them."""
@@ -173,47 +167,15 @@ class Objective:
     def _uses(self) -> bool:
         return any(term.effect.uses for term in self._terms)
 
-    def _pulls(
-        self,
-        whitened: Whitened,
-        true: Candidate,
-        rival: Candidate | None,
-        w: Floats,
-        b: Floats,
-        c: Floats,
-    ) -> Iterator[Pull]:
-        """Yield the pulls of one effect (P parameters) beside what imitates it.
-
-        Args:
-            w: (S N, P).  c: (B, P) the coefficients of the imitation.
-        """
-        joints, unit = whitened.joints, whitened.problem.unit
-        by_joint = w.reshape(-1, joints, len(b)) / unit[:, None]
-
-        def on(term: Term) -> Floats:
-            return np.asarray(np.tensordot(term.on(joints), by_joint, axes=(0, 1)))
-
-        yield Pull(true.term(), on(true.term()) * b)
-        basis, last = whitened.basis, whitened.basis.size
-        for term, place in basis.slices():
-            yield Pull(term, -on(term) @ c[place].T)
-        for up, down in tangent_terms(basis):
-            factor = on(up) @ c[last : last + 1].T / TANGENT
-            yield Pull(up, -factor)
-            yield Pull(down, factor)
-            last += 1
-        if rival is not None:
-            yield Pull(rival.term(), -on(rival.term()) @ c[last:].T)
-
     def slope(self, look: Look, control: Floats) -> Floats:
         """Return (K, N) the slope of the value by the control points."""
         whitened, x = look.whitened, look.whitened.x
         still = replace(x, whole=None, index=None, window=1)
         states = States.of(x.q, x.qd, x.qdd)
-        kernel, joints = whitened.problem.kernel, whitened.joints
+        kernel, joints = chain_of(whitened.problem), whitened.joints
         plain = kernel.cross(states, states)
-        flat = look.weights.reshape(-1, len(look.share))
-        pulled = flat * look.share
+        flat = np.concatenate(look.weights, axis=2).reshape(-1, len(look.shares))
+        pulled = flat * np.array(look.shares)
         precision = _inverse(whitened.system.upper) if self.dynamics else None
         here = [pull for pull in _merged(look.pulls) if not pull.term.effect.remembers]
         before = _sums(here, still)
@@ -263,6 +225,98 @@ class Objective:
         return out
 
 
+@dataclass(frozen=True)
+class Judged:
+    """A case in a motion.
+
+    Attributes:
+        b: (P,) the true coefficients, each as if it were the only one.
+        white: (S N, P) the whitened columns times b.
+        rivals: those of each rival, (S N, R); None for the plain model.
+        left: for each rival the whitened columns times b, (S N, P), that it cannot imitate.
+        divisor: of half their squares, which makes them nats.
+    """
+
+    case: Case
+    b: Floats
+    white: Floats
+    rivals: list[Floats | None]
+    left: list[Floats]
+    divisor: float
+
+    @property
+    def signals(self) -> Floats:
+        """Return (R,) nats that decide against each rival."""
+        return np.array([0.5 * float(np.sum(one**2)) for one in self.left]) / self.divisor
+
+
+def judge(whitened: Whitened, group: Sequence[Case], assumed: Assumed, size: float) -> list[Judged]:
+    """Return cases as a motion shows them."""
+    white: dict[object, Floats] = {}
+
+    def white_of(one: Candidate) -> Floats:
+        key = one.key, tuple(sorted(one.shape.items()))
+        if key not in white:
+            on = np.tile(one.term().on(whitened.joints), (len(one.effect.parameters), 1))
+            white[key] = whitened.shared(one.columns(whitened.x), on)
+        return white[key]
+
+    found = []
+    for case in group:
+        b = assumed.coefficients(case.true, size)
+        z = white_of(case.true) * b
+        rivals = [None if one is None else white_of(one) for one in case.rivals]
+        own = whitened.project(z)
+        left = [own if one is None else _beside(own, whitened.project(one)) for one in rivals]
+        divisor = assumed.inflation[case.true.key] * len(b)
+        found.append(Judged(case, b, z, rivals, left, divisor))
+    return found
+
+
+def nats_of(
+    assumed: Assumed, groups: Sequence[Sequence[Case]], made: Reference, size: float
+) -> float:
+    """Return the nats that a motion is expected to give to decide a question.
+
+    Of each effect against the rival that imitates it best, the typical one of the least group.
+    """
+    whitened = assumed.whitened(made)
+    judged = [judge(whitened, group, assumed, size) for group in groups]
+    count = len(whitened.index)
+    return min(
+        typical(
+            float(refitted(one.signals.min(), count / assumed.inflation[one.case.true.key]))
+            for one in group
+        )
+        for group in judged
+    )
+
+
+def _pulls(
+    basis: Basis, true: Candidate, rival: Candidate | None, weight: Floats, b: Floats, c: Floats
+) -> Iterator[Pull]:
+    """Yield the pulls of one effect (P parameters) beside what imitates it.
+
+    Args:
+        weight: (S, N, P) of the torques.  c: (B, P) the coefficients of the imitation.
+    """
+
+    def on(term: Term) -> Floats:
+        return np.asarray(np.einsum("n,snp->sp", term.on(weight.shape[1]), weight))
+
+    yield Pull(true.term(), on(true.term()) * b)
+    for term, place in basis.slices():
+        yield Pull(term, -on(term) @ c[place].T)
+    last = basis.size
+    for up, down in basis.tangents(TANGENT):
+        factor = on(up) @ c[last : last + 1].T / TANGENT
+        yield Pull(up, -factor)
+        yield Pull(down, factor)
+        last += 1
+    if rival is not None:
+        yield Pull(rival.term(), -on(rival.term()) @ c[last:].T)
+
+
 def softmin(values: Floats) -> tuple[float, Floats]:
     """Return a smooth least of some values, and its slope by each."""
     least = float(values.min())
@@ -270,10 +324,8 @@ def softmin(values: Floats) -> tuple[float, Floats]:
     return least - SOFT * float(np.log(part.sum())), part / part.sum()
 
 
-def _beside(z: Floats, rival: Floats | None) -> Floats:
+def _beside(z: Floats, rival: Floats) -> Floats:
     """Return whitened columns with those of a rival projected out."""
-    if rival is None:
-        return z
     size = np.sqrt(np.sum(rival**2, axis=0))
     span, triangle = np.linalg.qr(rival / np.where(size > 0.0, size, 1.0))
     span = span[:, np.abs(np.diag(triangle)) > 1e-6]

@@ -126,11 +126,8 @@ def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
 
 
 def _checked(suspect: Suspect, assumed: Assumed) -> Suspect:
-    joints = assumed.model.joints
     if suspect.effect not in EFFECTS:
         raise ModelError(f"there is no effect '{suspect.effect}'; lagrangian_ff effects lists all")
-    if suspect.joint not in joints:
-        raise ModelError(f"there is no joint {suspect.joint}; there are {', '.join(joints)}")
     effect = EFFECTS[suspect.effect]
     known = {shape.name for shape in effect.shapes}
     if strange := [name for name in suspect.shape if name not in known]:

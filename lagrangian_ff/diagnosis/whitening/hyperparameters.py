@@ -37,6 +37,8 @@ LEAST_NOISE = 1e-7
 """Least noise relative to the prior variance; with less, many samples have no factor."""
 FAILED = 1e12
 SIGN_SPEEDS = np.geomspace(0.002, 0.3, 28)  # rad/s
+HELD = 0.05
+"""Share of the speed of the fastest joint below which a joint counts as held, before the fit."""
 START_NOISE = 1e-2
 """Variance of the noise relative to the prior's, before the fit."""
 
@@ -131,6 +133,8 @@ def _started(
     unit = spread.max(initial=0.0) or 1.0
     share = np.maximum(spread / unit, 1e-4) ** 2
     kernel = Chain.start(states)
+    # A joint that is held trembles: scaled to that, its inertia would outweigh all others'.
+    kernel = kernel.replace(inertia=np.minimum(kernel.inertia, kernel.inertia.min() / HELD**2))
     if sliding is not None:
         kernel = kernel.replace(prismatic=sliding)
     if weightless:

@@ -16,7 +16,7 @@ from scipy.linalg import solve_triangular
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Nuisance, Problem, within
 from lagrangian_ff.identification.samples import Samples
 from lagrangian_ff.identification.solving.posterior import exact
@@ -381,23 +381,5 @@ def _tangents(basis: Basis, x: Inputs) -> list[Nuisance]:
     """Return the derivatives of the columns by the shapes: to first order, the shapes' errors."""
     return [
         Nuisance(up.joint, (up.columns(x) - down.columns(x)) / TANGENT)
-        for up, down in tangent_terms(basis)
+        for up, down in basis.tangents(TANGENT)
     ]
-
-
-def tangent_terms(basis: Basis) -> list[tuple[Term, Term]]:
-    """Return the terms with a shape `TANGENT` above and below, whose difference is a tangent."""
-    found = []
-    for term in basis.terms:
-        if len(term.effect.parameters) != 1:
-            continue
-        for shape in term.effect.shapes:
-            if shape.whole or not term.shape.get(shape.name, 0.0) > 0.0:
-                continue
-            value = term.shape[shape.name]
-            up, down = (
-                replace(term, shape={**term.shape, shape.name: value * factor})
-                for factor in (1.0 + TANGENT, 1.0 - TANGENT)
-            )
-            found.append((up, down))
-    return found
