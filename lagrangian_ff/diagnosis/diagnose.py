@@ -28,7 +28,7 @@ from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
 from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
-from lagrangian_ff.diagnosis.search.nonparametric import with_joint_names
+from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
 from lagrangian_ff.diagnosis.search.signs import unnatural
 from lagrangian_ff.diagnosis.whitening import Whitened, fit
@@ -308,7 +308,9 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
     candidate = step.score.candidate
     words = with_joint_names(candidate.source.coordinate, joints)
     share = step.score.size / float(whitened.spread[candidate.joint])
-    return Unexplained(joints[candidate.joint], words, share, step.score.log_bf)
+    assert not isinstance(candidate.source, Effect)
+    curve = curve_of(candidate.source, candidate.joint, joints)
+    return Unexplained(joints[candidate.joint], words, share, step.score.log_bf, curve)
 
 
 def _remainders(

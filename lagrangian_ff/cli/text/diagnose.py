@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Changed, Diagnosis, DiagnosisRun, Finding
     from lagrangian_ff.diagnosis.consequence import Consequence
     from lagrangian_ff.diagnosis.preflight import Check
-    from lagrangian_ff.diagnosis.results import Found
+    from lagrangian_ff.diagnosis.results import Found, Unexplained
     from lagrangian_ff.identification.records import FittedEffect
 
 LEGEND = (
@@ -89,12 +89,21 @@ def say_diagnosis(
     for rest in diagnosis.unexplained:
         console.bullet(
             f"{rest.joint}: something {rest.share:.1%} the size of its torque depends on "
-            f"{rest.coordinate}"
+            f"{rest.coordinate}{_as_curve(rest)}"
         )
     if diagnosis.remainders:
         console.say(["", "more than noise is left: it changes more slowly than noise does"])
     for left in diagnosis.remainders:
         console.bullet(f"{left.joint}: {number(left.size)} N·m, {left.share:.1%} of its torque")
+
+
+def _as_curve(rest: "Unexplained") -> str:
+    """Return what the curve of a torque without explanation does to the error."""
+    made = rest.consequence
+    if made is None:
+        return ""
+    errors = f"{number(made.whole_before)} -> {number(made.whole_after)} N·m on unseen motion"
+    return f"; as a curve: {errors}" + ("" if made.worth else ", not worth it")
 
 
 def touches(diagnosis: "Diagnosis") -> list[list[str]]:
@@ -264,6 +273,12 @@ def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
             "added.",
             "Identify and diagnose from recordings without it, or with it from the beginning.",
         ]
+    from lagrangian_ff.diagnosis.sentences import curve_command
+
+    commands = [curve_command(rest, model) for rest in diagnosis.unexplained]
+    if any(commands):
+        lines.append("next: take it in as a curve, whatever it is")
+        lines += [f"  {command}" for command in commands if command]
     if diagnosis.unexplained:
         lines += [
             "next: where is it, and do you know of an effect that looks so? Bring it:",
