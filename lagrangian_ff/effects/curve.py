@@ -188,10 +188,7 @@ class Curve(Effect):
 
     def made(self, axes: tuple[Axis, ...], seen: Flags, heights: Floats) -> "Curve":
         """Return the curve with these B-splines and heights; see the attributes."""
-        return curve_over(
-            self.over, friction=self.friction, odd=self.odd, monotone=self.monotone,
-            axes=axes, seen=seen, heights=heights,
-        )  # fmt: skip
+        return _curve(self.over, self.friction, self.odd, self.monotone, axes, seen, heights)
 
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         at, fade = self._at(x, joint)
@@ -206,6 +203,10 @@ class Curve(Effect):
         at, fade = self._at(x, joint)
         known = sum((weight * self.seen[row] for weight, row in self._splines(at)), 0.0 * fade)
         return np.asarray(fade * known < 1.0 - 1e-9)
+
+    def whole(self) -> "Curve":
+        """Return the curve with every height that it could have as a parameter."""
+        return self.made(self.axes, self.seen, np.eye(len(self.seen))[:, self.seen])
 
     def table(self, b: Floats, count: int = 50) -> tuple[list[Floats], Floats]:
         """Return places along each coordinate, (count,), and the torque there for parameters b.
@@ -254,16 +255,12 @@ class Curve(Effect):
 
 
 def curve_over(
-    over: Sequence[Over],
-    *,
-    friction: bool = False,
-    odd: bool = False,
-    monotone: bool = False,
-    axes: tuple[Axis, ...] = (),
-    seen: Flags | None = None,
-    heights: Floats | None = None,
+    over: Sequence[Over], *, friction: bool = False, odd: bool = False, monotone: bool = False
 ) -> Curve:
-    """Return a curve; without axes it is a wish, which `identification.extend` fulfils.
+    """Return a curve that is not made yet: a wish, which `identification.extend` fulfils.
+
+    Args:
+        over, friction, odd, monotone: see `Curve`.
 
     Raises:
         EffectError: it is over none or more than two coordinates, over one twice, or monotone over
@@ -274,8 +271,20 @@ def curve_over(
         raise EffectError(f"a curve is over one or two different coordinates, got {len(over)}")
     if monotone and len(over) > 1:
         raise EffectError("only a curve over one coordinate can be monotone")
+    nothing = (), np.zeros(0, dtype=bool), np.zeros((0, 0))
+    return _curve(over, friction, odd, monotone, *nothing)
+
+
+def _curve(
+    over: tuple[Over, ...],
+    friction: bool,
+    odd: bool,
+    monotone: bool,
+    axes: tuple[Axis, ...],
+    seen: Flags,
+    heights: Floats,
+) -> Curve:
     kinds = {one.kind for one in over}
-    heights = np.zeros((0, 0)) if heights is None else np.asarray(heights, dtype=np.float64)
     words = " and ".join(one.words for one in over)
     brakes = friction or "velocity" in kinds or "reversal" in kinds
     formula = f"f({', '.join(one.symbol for one in over)})"
@@ -296,8 +305,7 @@ def curve_over(
         "remembers": "reversal" in kinds,
         "uses": frozenset({"load"} & kinds),
         "over": over, "friction": friction, "odd": odd, "monotone": monotone, "axes": axes,
-        "seen": np.zeros(0, dtype=bool) if seen is None else np.asarray(seen, dtype=bool),
-        "heights": heights,
+        "seen": seen, "heights": heights,
     }  # fmt: skip
     made: Curve = type("Curve", (Curve,), content)()
     return made
@@ -352,6 +360,6 @@ def from_stored(record: Mapping[str, Any], joints: Sequence[str]) -> Curve:
         raise ValueError("a curve has heights, or is over a joint, that cannot be")
     flags = {name: bool(record[name]) for name in ("friction", "odd", "monotone")}
     try:
-        return curve_over(known, **flags, axes=axes, seen=seen, heights=heights)
+        return curve_over(known, **flags).made(axes, seen, heights)
     except EffectError as error:
         raise ValueError(str(error)) from error

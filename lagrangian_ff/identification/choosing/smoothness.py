@@ -63,7 +63,7 @@ def smooth(found: Posterior[System], wish: Curve, joint: int) -> Curve:
     tried = [_tried(found, wish, joint, at, axes) for axes in _axes(wish, at)]
     evidence, best = max(tried, key=lambda one: one[0])
     if not np.isfinite(evidence) or not best.heights.shape[1]:
-        raise ModelError(f"{wish.meaning} changes nothing: the model has all of it already")
+        raise ModelError(f"the model's data show nothing of {wish.meaning}")
     return _rising(found, best, joint, at[0]) if wish.monotone else best
 
 
