@@ -1,0 +1,1 @@
+"""Formulas proposed for a torque that no effect of the catalogue explains."""
