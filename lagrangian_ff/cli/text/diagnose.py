@@ -64,7 +64,7 @@ def say_diagnosis(
         ]
         console.say(table(header, rows))
         console.paragraph(LEGEND.format(unseen=diagnosis.confirmed_on), "  ")
-        say_equations("as torque,", [_entry(one, every) for one in diagnosis.found], console)
+        say_equations("as torque,", [fitted_effect(one, every) for one in diagnosis.found], console)
         doubts = [no_fall(one) or doubt(one, every) for one in diagnosis.found]
         if any(doubts):
             console.say()
@@ -123,7 +123,7 @@ def touches(diagnosis: "Diagnosis") -> list[list[str]]:
     ]
 
 
-def _entry(found: "Found", every: Sequence[str]) -> "FittedEffect":
+def fitted_effect(found: "Found", every: Sequence[str]) -> "FittedEffect":
     """Return a finding as `say_equations` takes the effects of a model."""
     from lagrangian_ff.identification.records import FittedEffect
 

@@ -40,8 +40,8 @@ from lagrangian_ff.recording.motion import Motion
 
 PROMISING = 24
 """Formulas that are looked closer at."""
-PROPOSED = 5
-"""Formulas that are proposed, at most."""
+PROPOSED = 3
+"""Formulas that are judged on unseen motion and proposed, at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,12 +69,12 @@ class Proposal:
     def record(self) -> dict[str, Any]:
         """Return the formula as a file of effects holds it."""
         effect = self.finding.effect
-        every = (*effect.parameters, *effect.shapes)
+        shapes = {one.name: one.unit for one in effect.shapes}
         return {
             "name": effect.name,
             "formula": effect.formula,
             "shapes": {one.name: [one.low, one.high, one.steps] for one in effect.shapes},
-            "units": {one.name: one.unit for one in every},
+            "units": {**{one.name: one.unit for one in effect.parameters}, **shapes},
             "meaning": self.words,
         }
 
