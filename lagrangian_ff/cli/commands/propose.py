@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "propose"
 SUMMARY = "propose formulas for a torque that no known effect explains"
-USAGE = "MODEL SOURCE [SOURCE ...] [--joint J] [--confirm SOURCE ...] [--output MINE.json]"
+USAGE = "MODEL SOURCE [SOURCE ...] [--joint J] [--confirm SOURCE ...] [options]"
 DESCRIPTION = """\
 Searches a grammar of physical forms for what a model lacks on a joint, or for the curve that it has
 there: dry and viscous friction and friction in proportion to the load, times functions of position,
