@@ -15,13 +15,12 @@ import numpy as np
 from lagrangian_ff import recording
 from lagrangian_ff.arm import JOINTS, exciting_trajectory, simulate
 from lagrangian_ff.arm.hiding import hidden, wanted
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.diagnosis.adding import add
 from lagrangian_ff.diagnosis.proposing.propose import propose
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import Curve, Inputs
 from lagrangian_ff.effects.formula import Range, formula_effect
-from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
@@ -68,6 +67,8 @@ class Judged:
         name: of the case.
         before, curve, formula, true: N·m rms of the joint: without it, with the curve, with the
             formula proposed first, and with the true structure; NaN where there is none.
+        inside: share of the recording inside what the curve has seen.
+        ratio_inside: the error with the curve over that with the true structure, there.
         proposed: names of the formulas proposed, best first.
         verdicts: of them.
         rank: of the true form among them, from 1; 0 if it is not there.
@@ -78,6 +79,8 @@ class Judged:
     curve: float
     formula: float
     true: float
+    inside: float
+    ratio_inside: float
     proposed: tuple[str, ...]
     verdicts: tuple[str, ...]
     rank: int
@@ -112,32 +115,41 @@ def judged(case: Strange, seed: int = 0, progress: Progress = silent) -> Judged:
     name = JOINTS[case.joint]
     model = identify([first], Settings(train=1.0)).model
     progress(0.2, f"{case.name}: with a curve")
-    try:
-        curve = _error(
-            add(model, "curve", name, over=case.over, friction=case.friction), second, case
-        )
-    except ModelError:
-        curve = np.nan
+    curved = add(model, "curve", name, over=case.over, friction=case.friction)
     truth = formula_effect("truth", case.true, case.ranges)
-    true = _error(extend(model, truth, name).model, second, case)
+    curve, true = (_missed(one, second, case) for one in (curved, extend(model, truth, name).model))
+    inside = ~_outside(curved, second, case)
     found = propose(model, first, second, name, progress=part(progress, 0.4, 1.0))
     names = tuple(one.name for one in found.proposals)
     ranks = [n for n, one in enumerate(names, 1) if one in case.forms]
     errors = [one.finding.errors[1] for one in found.proposals]
     return Judged(
         case.name,
-        _error(model, second, case),
-        curve,
+        _rms(_missed(model, second, case)),
+        _rms(curve),
         errors[0] if errors and errors[0] is not None else np.nan,
-        true,
+        _rms(true),
+        float(np.mean(inside)),
+        _rms(curve[inside]) / _rms(true[inside]),
         names,
         tuple(one.finding.said for one in found.proposals),
         ranks[0] if ranks else 0,
     )
 
 
-def _error(model: Model, motion: Motion, case: Strange) -> float:
-    return float(compare(model, motion).score.rmse[case.joint])
+def _missed(model: Model, motion: Motion, case: Strange) -> Floats:
+    return np.asarray(compare(model, motion).residual[:, case.joint])
+
+
+def _outside(model: Model, motion: Motion, case: Strange) -> Flags:
+    """Return (M,) where a motion leaves what the curve of a model has seen."""
+    curve = model.basis.terms[-1].effect
+    assert isinstance(curve, Curve)
+    return curve.outside(model.inputs_of(motion), case.joint)
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _motion(case: Strange, number: int) -> Motion:

@@ -38,9 +38,8 @@ def test_parameters_are_factors_and_what_has_a_range_is_searched() -> None:
 
 def test_formulas_read_other_joints_and_the_time_since_a_reversal() -> None:
     x = trial_motion()
-    both = formula_effect(
-        "both", "A*cos(q-q_3) + B*qd_2 + C*sign(qd)*exp(-since/T)", {"T": (0.1, 2)}
-    )
+    text = "A*cos(q-q_3) + B*qd_2 + C*sign(qd)*exp(-since/T)"
+    both = formula_effect("both", text, {"T": (0.1, 2.0)})
     columns = both.columns(x, 0, {"T": 0.5})
     np.testing.assert_allclose(columns[:, 0], np.cos(x.q[:, 0] - x.q[:, 2]), atol=1e-12)
     np.testing.assert_allclose(columns[:, 1], x.qd[:, 1], atol=1e-12)
