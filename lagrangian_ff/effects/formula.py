@@ -139,6 +139,7 @@ def formula_effect(
             raise _error(name, f"{shape} has a range and is not in the formula")
         if not 0.0 < low < high < np.inf:
             raise _error(name, f"{shape} has the range {low} to {high}, expected 0 < low < high")
+    brakes = any(what in ("qd", SINCE) for what, _ in inputs.values())
     own = [one for one in unknown if one not in shapes]
     if not own:
         raise _error(name, "it has no parameter; write one before each term, as in A*sin(q)")
@@ -157,6 +158,8 @@ def formula_effect(
         "uses": frozenset({"load"} & {what for what, _ in inputs.values()}),
         "remembers": SINCE in inputs,
         "coordinate": "velocity" if "qd" in names else "position",
+        "kind": "friction" if brakes else "mechanics",
+        "part": "friction" if brakes else "inertia" if "qdd" in inputs else "gravity",
     }
     effect: Formula = type("Formula", (Formula,), content)()
     still: dict[str, Any] = {**dict.fromkeys(inputs, np.ones(1)), SIGN: np.ones(1)}

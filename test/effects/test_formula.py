@@ -56,6 +56,12 @@ def test_formulas_read_other_joints_and_the_time_since_a_reversal() -> None:
         far.columns(x, 0, {})
 
 
+def test_what_no_velocity_is_in_is_no_friction() -> None:
+    parts = {"A*sign(qd)*q": "friction", "A*exp(-since)": "friction", "A*qdd*abs(qdd)": "inertia",
+             "A*sin(q)": "gravity", "A*load^2": "gravity"}  # fmt: skip
+    assert {text: formula_effect("mine", text, {}).part for text in parts} == parts
+
+
 def test_a_sign_is_as_wide_as_that_of_the_model() -> None:
     x = replace(trial_motion(), sign_speed=np.full(3, 0.3))
     found = formula_effect("dry", "A*sign(qd)", {}).columns(x, 0, {})[:, 0]

@@ -280,6 +280,12 @@ def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
         lines.append("next: take it in as a curve, whatever it is")
         lines += [f"  {command}" for command in commands if command]
     if diagnosis.unexplained:
+        joint = diagnosis.unexplained[0].joint
+        lines += [
+            "next: have a formula proposed for it",
+            f"  lagrangian_ff propose {model} {again} --joint {joint} --output mine.json",
+        ]
+    if diagnosis.unexplained:
         lines += [
             "next: where is it, and do you know of an effect that looks so? Bring it:",
             f"  lagrangian_ff compare {model} {sources} --report where.html",
