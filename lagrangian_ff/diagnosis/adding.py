@@ -3,27 +3,26 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis.compare import compare
-from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.consequence import consequence_of, errors_of
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
     Doubt,
     Finding,
     Reason,
+    Unexplained,
     Verdict,
     sorted_findings,
 )
-from lagrangian_ff.diagnosis.sentences import no_help, reason
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.diagnosis.sentences import history_of_curve, no_help, reason
+from lagrangian_ff.effects import EFFECTS, Effect, Over, curve_over
+from lagrangian_ff.effects.curve import NAME as CURVE
 from lagrangian_ff.errors import EffectError, ModelError
 from lagrangian_ff.identification import Model, extend, without
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 
-BLOCK_SECONDS = 3.0
+MOST_CURVES = 2
+"""Torques without an explanation that are tried as a curve."""
 MOST = 4
 """Findings for which the model is refitted, and all confirmed ones; others have no consequence."""
 
@@ -35,22 +34,38 @@ def add(
     shape: Mapping[str, float] | None = None,
     why: Mapping[str, object] | None = None,
     progress: Progress = silent,
+    *,
+    over: Sequence[str] = (),
+    friction: bool = False,
+    odd: bool = False,
+    monotone: bool = False,
 ) -> Model:
     """Return the model with one more effect, refitted from the data that it keeps.
 
     Args:
-        model: with its data.  effect: a name of the catalogue.  joint: where it acts.
+        model: with its data.  joint: where it acts.
+        effect: a name of the catalogue, or `curve` for one without a formula.
         shape: nonlinear parameters; those not given are searched.
         why: for the history: `why`, `verdict`, `evidence_gain`, `p_value`.
         progress: receives the share done, 0 to 1.
+        over: the one or two coordinates of a curve, such as `velocity` or `position@joint_2`.
+        friction, odd, monotone: of a curve: whether it changes sign with the direction of motion,
+            with its first coordinate, and whether it only rises or only falls.
 
     Raises:
-        EffectError: there is no such effect.
-        ModelError: there is no such joint, or the model has the effect or its equal already.
+        EffectError: there is no such effect or coordinate.
+        ModelError: there is no such joint, the model has the effect or its equal already, or a
+            curve is over what does not move.
     """
+    if effect == CURVE:
+        of = [Over.of(text, model.joints) for text in over]
+        wish = curve_over(of, friction=friction, odd=odd, monotone=monotone)
+        return extend(model, wish, joint, None, why, progress).model
+    if over or friction or odd or monotone:
+        raise EffectError(f"{effect} has a form of its own: only a {CURVE} is over a coordinate")
     if effect not in EFFECTS:
         raise EffectError(
-            f"there is no effect '{effect}'; there are {', '.join(EFFECTS)} "
+            f"there is no effect '{effect}'; there are {', '.join(EFFECTS)} and {CURVE} "
             "(lagrangian_ff effects lists them)"
         )
     return extend(model, EFFECTS[effect], joint, shape, why, progress).model
@@ -61,7 +76,7 @@ def history(model: Model) -> dict[str, object]:
     return {"model": model.name, "steps": [dict(step) for step in model.steps]}
 
 
-def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
+def apply(diagnosis: Diagnosis, progress: Progress = silent, *, curves: bool = False) -> Model:
     """Return the model with all confirmed findings, added one by one, each with its reason.
 
     Only confirmed findings that lower the error are added; without any the result is the same
@@ -70,9 +85,14 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent) -> Model:
     Args:
         diagnosis: with its consequences no model is fitted again.
         progress: receives the share done, 0 to 1.
+        curves: whether to add, as curves, what is unexplained and lowers the error so.
     """
-    if any(not one.once for one in diagnosis.confirmed) and not diagnosis.tried:
+    waiting = any(not one.once for one in diagnosis.confirmed) and not diagnosis.tried
+    untried = curves and all(one.consequence is None for one in diagnosis.unexplained)
+    if waiting or (untried and diagnosis.unexplained):
         diagnosis = with_consequences(diagnosis, progress)
+    if curves and diagnosis.curves:
+        return diagnosis.curves[-1][1].model
     return diagnosis.tried[-1][1].model if diagnosis.tried else diagnosis.model
 
 
@@ -84,19 +104,26 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
     beside all others. One that does not lower the error then is left out, and no more than
     suggested; the rest is judged again without it. Findings that are not confirmed are tried
     beside those that are kept; an ambiguous one that does not help is no more than suggested
-    either.
+    either. What is unexplained is tried as a curve, one after the other, after those that are kept.
     """
     kept = [one for one in diagnosis.findings if one.confirmed and not one.once]
     others = [one for one in diagnosis.findings if not one.confirmed][: max(0, MOST - len(kept))]
-    whole, done = len(kept) + len(others), 0
+    whole = len(kept) + len(others) + min(MOST_CURVES, len(diagnosis.unexplained))
+    done = 0
 
-    def extended(model: Model, finding: Finding) -> Model | None:
+    def extended(model: Model, finding: Finding | Unexplained) -> Model | None:
         nonlocal done
-        progress(done / whole, f"adding {finding.effect.name} to see the error fall")
+        effect: Effect | None
+        if isinstance(finding, Finding):
+            effect, shape, why = finding.effect, finding.shape, for_history(finding, diagnosis)
+        else:
+            effect, shape, why = finding.curve, {}, history_of_curve(finding)
+        if effect is None:
+            return None
+        progress(done / whole, f"adding {effect.name} to see the error fall")
         done = min(done + 1, whole)
-        why = for_history(finding, diagnosis)
         try:
-            return extend(model, finding.effect, finding.joint, finding.shape, why).model
+            return extend(model, effect, finding.joint, shape, why).model
         except ModelError:  # the model has it by another name, or one before made it superfluous
             return None
 
@@ -108,14 +135,14 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         same = alike.index(False) if False in alike else len(alike)
         model, made = diagnosis.model, [_alone(finding) for finding in findings[:same]]
         model = next((f.consequence.model for f in reversed(made) if f.consequence), model)
-        error = _errors(model, motion)
+        error = errors_of(model, motion)
         for finding in findings[same:]:
             larger = extended(model, finding)
             if larger is None:
                 made.append(replace(finding, consequence=None))
                 continue
-            new = _errors(larger, motion)
-            consequence = _between(larger, motion, finding.joint, error, new)
+            new = errors_of(larger, motion)
+            consequence = consequence_of(larger, motion, finding.joint, error, new)
             made.append(replace(finding, consequence=consequence))
             model, error = larger, new
         return made, model
@@ -128,21 +155,32 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         tried, model = chain(useful, tried)
         useful, useless, model = _worth(tried, model, motion)
         dropped += useless
-    error = _errors(model, motion)
+    error = errors_of(model, motion)
     suggested = []
     for finding in others:
         larger = extended(model, finding)
         if larger is not None:
-            new = _errors(larger, motion)
-            made = _between(larger, motion, finding.joint, error, new)
+            new = errors_of(larger, motion)
+            made = consequence_of(larger, motion, finding.joint, error, new)
             finding = replace(finding, consequence=made)
             if finding.verdict is Verdict.AMBIGUOUS and not made.worth:
                 finding = _useless(finding)
         suggested.append(finding)
+    curves: list[Unexplained] = []
+    for rest in diagnosis.unexplained:
+        larger = extended(model, rest) if len(curves) < MOST_CURVES else None
+        if larger is not None:
+            new = errors_of(larger, motion)
+            made = consequence_of(larger, motion, rest.joint, error, new)
+            rest = replace(rest, consequence=made)
+            if made.worth:
+                model, error = larger, new
+        curves.append(rest)
     by_name = {_key(one): one for one in (*useful, *dropped, *suggested)}
     findings = [by_name.get(_key(one), one) for one in diagnosis.findings]
     progress(1.0, "adding what was found")
-    return replace(diagnosis, findings=sorted_findings(findings))
+    ordered = sorted_findings(findings)
+    return replace(diagnosis, findings=ordered, unexplained=tuple(curves))
 
 
 def _alone(finding: Finding) -> Finding:
@@ -172,7 +210,7 @@ def _worth(
         tried: with their consequences, one added after the other; those without have none.
         model: with all of them.
     """
-    error = _errors(model, motion)
+    error = errors_of(model, motion)
     useful, useless = list(tried), []
     for finding in reversed(tried):
         made = finding.consequence
@@ -180,8 +218,8 @@ def _worth(
             continue
         if len(useful) > 1:
             less = without(model, finding.effect, finding.joint)
-            before = _errors(less, motion)
-            made = replace(made, beside=_between(model, motion, finding.joint, before, error))
+            before = errors_of(less, motion)
+            made = replace(made, beside=consequence_of(model, motion, finding.joint, before, error))
         place = useful.index(finding)
         finding = replace(finding, consequence=made)
         if made.worth:
@@ -192,47 +230,6 @@ def _worth(
             model, error = less, before
         del useful[place]
     return useful, useless, model
-
-
-def _errors(model: Model, motion: Motion) -> Floats:
-    """Return (M, N) N·m that a model misses."""
-    return compare(model, motion).residual
-
-
-def _between(
-    model: Model, motion: Motion, joint: str, before: Floats, after: Floats
-) -> Consequence:
-    """Return the consequence with a larger model, of residuals (M, N) before and after."""
-    column = model.joints.index(joint)
-    block = motion.blocks(BLOCK_SECONDS)
-    starts = np.flatnonzero(np.diff(block, prepend=-1))
-    counts = np.diff([*starts, len(block)])
-
-    def by_block(error: Floats) -> Floats:
-        sums = np.add.reduceat(error[:, column] ** 2, starts)
-        return np.asarray(np.sqrt(sums / counts))
-
-    def rms(error: Floats) -> float:
-        return float(np.sqrt(np.mean(error**2)))
-
-    blocks = by_block(before), by_block(after)
-    whole = rms(before[:, column]), rms(after[:, column])
-    falls = (blocks[0] ** 2 - blocks[1] ** 2) * counts
-    scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
-    scatter *= len(counts) / max(1, len(counts) - 1)
-    squares = float(np.sum(before[:, column] ** 2))
-    each = [dict(zip(model.joints, map(rms, one.T), strict=True)) for one in (before, after)]
-    return Consequence(
-        model,
-        motion.elapsed[starts],
-        *blocks,
-        *whole,
-        rms(before),
-        rms(after),
-        float(np.sqrt(scatter)) / squares if squares > 0.0 else 0.0,
-        each[0],
-        each[1],
-    )
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

@@ -6,7 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.identification import Model
+from lagrangian_ff.recording.motion import Motion
+
+BLOCK_SECONDS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,3 +65,44 @@ class Consequence:
         rise = {n: self.joints_after[n] / b for n, b in self.joints_before.items() if b > 0.0}
         worst = max(rise, key=lambda name: rise[name], default="")
         return worst if worst and rise[worst] > 1.0 else ""
+
+
+def errors_of(model: Model, motion: Motion) -> Floats:
+    """Return (M, N) N·m that a model misses."""
+    return compare(model, motion).residual
+
+
+def consequence_of(
+    model: Model, motion: Motion, joint: str, before: Floats, after: Floats
+) -> Consequence:
+    """Return the consequence with a larger model, of residuals (M, N) before and after."""
+    column = model.joints.index(joint)
+    block = motion.blocks(BLOCK_SECONDS)
+    starts = np.flatnonzero(np.diff(block, prepend=-1))
+    counts = np.diff([*starts, len(block)])
+
+    def by_block(error: Floats) -> Floats:
+        sums = np.add.reduceat(error[:, column] ** 2, starts)
+        return np.asarray(np.sqrt(sums / counts))
+
+    def rms(error: Floats) -> float:
+        return float(np.sqrt(np.mean(error**2)))
+
+    blocks = by_block(before), by_block(after)
+    whole = rms(before[:, column]), rms(after[:, column])
+    falls = (blocks[0] ** 2 - blocks[1] ** 2) * counts
+    scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
+    scatter *= len(counts) / max(1, len(counts) - 1)
+    squares = float(np.sum(before[:, column] ** 2))
+    each = [dict(zip(model.joints, map(rms, one.T), strict=True)) for one in (before, after)]
+    return Consequence(
+        model,
+        motion.elapsed[starts],
+        *blocks,
+        *whole,
+        rms(before),
+        rms(after),
+        float(np.sqrt(scatter)) / squares if squares > 0.0 else 0.0,
+        each[0],
+        each[1],
+    )

@@ -28,7 +28,7 @@ from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
 from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
-from lagrangian_ff.diagnosis.search.nonparametric import with_joint_names
+from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
 from lagrangian_ff.diagnosis.search.signs import unnatural
 from lagrangian_ff.diagnosis.whitening import Whitened, fit
@@ -63,19 +63,7 @@ def diagnose(
         ModelError: a recording lacks a joint of the model.
         RecordingError: there is too little motion.
     """
-    first = _of_model(model, motion)
-    unseen = _of_model(model, confirm) if not isinstance(confirm, Sequence) or confirm else None
-    separate = unseen is not None
-    if unseen is None:
-        cut = round((1.0 - thresholds.USED.held_back) * len(first))
-        first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
-    for one in (first, unseen):
-        if (length := seconds(one)) < thresholds.USED.shortest:
-            raise RecordingError(
-                f"{one.source}: {length:.1f} s of motion to judge by, expected at least "
-                f"{thresholds.USED.shortest:g} s: not observable here; record half a minute or "
-                "more in which every joint moves through its range at several speeds"
-            )
+    first, unseen, separate = searched_and_unseen(model, motion, confirm)
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
@@ -111,6 +99,30 @@ def diagnose(
         misfit=misfit,
         contacts=tuple(contacts),
     )
+
+
+def searched_and_unseen(
+    model: Model, motion: Motion | Sequence[Motion], confirm: Motion | Sequence[Motion] = ()
+) -> tuple[Motion, Motion, bool]:
+    """Return the motion to search, that to confirm on, and whether they are separate recordings.
+
+    Args:
+        motion, confirm: see `diagnose`, which says what is raised, too.
+    """
+    first = _of_model(model, motion)
+    unseen = _of_model(model, confirm) if not isinstance(confirm, Sequence) or confirm else None
+    separate = unseen is not None
+    if unseen is None:
+        cut = round((1.0 - thresholds.USED.held_back) * len(first))
+        first, unseen = first.take(slice(0, cut)), first.take(slice(cut, len(first)))
+    for one in (first, unseen):
+        if (length := seconds(one)) < thresholds.USED.shortest:
+            raise RecordingError(
+                f"{one.source}: {length:.1f} s of motion to judge by, expected at least "
+                f"{thresholds.USED.shortest:g} s: not observable here; record half a minute or "
+                "more in which every joint moves through its range at several speeds"
+            )
+    return first, unseen, separate
 
 
 def _of_model(model: Model, motion: Motion | Sequence[Motion]) -> Motion:
@@ -297,7 +309,9 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
     candidate = step.score.candidate
     words = with_joint_names(candidate.source.coordinate, joints)
     share = step.score.size / float(whitened.spread[candidate.joint])
-    return Unexplained(joints[candidate.joint], words, share, step.score.log_bf)
+    assert not isinstance(candidate.source, Effect)
+    curve = curve_of(candidate.source, candidate.joint, joints)
+    return Unexplained(joints[candidate.joint], words, share, step.score.log_bf, curve)
 
 
 def _remainders(

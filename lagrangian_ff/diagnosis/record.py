@@ -14,9 +14,9 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.misfit import Misfit
 from lagrangian_ff.diagnosis.preflight.base import Check
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Found
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Found, Unexplained
 from lagrangian_ff.diagnosis.run import Changed, DiagnosisRun
-from lagrangian_ff.diagnosis.sentences import reason, verdict
+from lagrangian_ff.diagnosis.sentences import curve_command, history_of_curve, reason, verdict
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.record_json import by_name
 
@@ -32,6 +32,7 @@ def run_record(run: DiagnosisRun) -> Record:
         "verdict": verdict(run.diagnosis, run.changed),
         "model": run.model_file,
         "model_name": run.diagnosis.model.name,
+        "unexplained": [_unexplained(one, run.model_file) for one in run.diagnosis.unexplained],
         "sources": list(run.sources),
         "confirm": list(run.confirm),
     }
@@ -64,15 +65,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
         "verdict": verdict(diagnosis),
         "seconds_wanting": diagnosis.wanting,
         "findings": [_finding(diagnosis, one) for one in diagnosis.found],
-        "unexplained": [
-            {
-                "joint": one.joint,
-                "coordinate": one.coordinate,
-                "share": one.share,
-                "evidence_gain": one.log_bayes_factor,
-            }
-            for one in diagnosis.unexplained
-        ],
+        "unexplained": [_unexplained(one, "MODEL.npz") for one in diagnosis.unexplained],
         "more_than_noise": [asdict(one) for one in diagnosis.remainders],
         "contacts": [{**asdict(one), "sure": one.sure} for one in diagnosis.contacts],
         "not_observable": [asdict(one) for one in diagnosis.not_observable],
@@ -90,6 +83,25 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
         "noise": dict(zip(diagnosis.model.joints, diagnosis.noise.tolist(), strict=True)),
         "steps": _steps(diagnosis.tried),
         "error": _misfit(diagnosis.misfit) if diagnosis.misfit is not None else {},
+    }
+
+
+def _unexplained(rest: Unexplained, model: str) -> Record:
+    """Return a torque that no effect fits, with the curve that takes it in and what that does."""
+    made, curve = rest.consequence, rest.curve
+    return {
+        "joint": rest.joint,
+        "coordinate": rest.coordinate,
+        "share": rest.share,
+        "evidence_gain": rest.log_bayes_factor,
+        "effect": curve.name if curve else None,
+        "over": [one.text() for one in curve.over] if curve else [],
+        "friction": curve.friction if curve else False,
+        "command": curve_command(rest, model),
+        "error_before": made.whole_before if made else None,
+        "error_after": made.whole_after if made else None,
+        "lowers_error": made.worth if made else None,
+        **history_of_curve(rest),
     }
 
 
@@ -225,13 +237,16 @@ class SavedFinding:
 
 
 def saved_findings(text: str) -> tuple[SavedFinding, ...]:
-    """Return the findings of a diagnosis' JSON.
+    """Return the findings of a diagnosis' JSON, and what is unexplained as curves.
 
     Raises:
         ValueError: the text is not the JSON of a diagnosis.
     """
     try:
-        return tuple(_saved(one) for one in json.loads(text)["findings"])
+        held = json.loads(text)
+        rest = [one for one in held.get("unexplained", ()) if one.get("effect")]
+        curves = [{**one, "joints": [one["joint"]], "shape": {}} for one in rest]
+        return tuple(_saved(one) for one in [*held["findings"], *curves])
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not the JSON of a diagnosis: {error!r}") from None
 

@@ -11,7 +11,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
 from lagrangian_ff.diagnosis.misfit import Misfit
-from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
+from lagrangian_ff.effects import EFFECTS, Curve, Effect, look_alikes
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
@@ -264,12 +264,16 @@ class Unexplained:
         joint: its name.  coordinate: in words.
         share: root mean square of this torque over that of the joint's torque.
         log_bayes_factor: nats.
+        curve: which takes it into a model; None if no curve over two coordinates does.
+        consequence: of adding this curve; None if it was not tried.
     """
 
     joint: str
     coordinate: str
     share: float
     log_bayes_factor: float
+    curve: Curve | None = None
+    consequence: Consequence | None = None
 
 
 @dataclass(frozen=True)
@@ -366,6 +370,12 @@ class Diagnosis:
         """Return the confirmed findings that were added, each to those before it."""
         made = [(one, one.consequence) for one in self.confirmed]
         return tuple((one, consequence) for one, consequence in made if consequence is not None)
+
+    @property
+    def curves(self) -> tuple[tuple[Unexplained, Consequence], ...]:
+        """Return what is unexplained and lowers the error as a curve, added after the findings."""
+        tried = [(one, one.consequence) for one in self.unexplained]
+        return tuple((one, made) for one, made in tried if made is not None and made.worth)
 
     @property
     def found(self) -> tuple[Found, ...]:

@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, Remainder, TakenUp, Verdict
+from lagrangian_ff.diagnosis.results import (
+    Diagnosis,
+    Finding,
+    Reason,
+    Remainder,
+    TakenUp,
+    Unexplained,
+    Verdict,
+)
 from lagrangian_ff.words import counted, listed, spoken, which
 
 if TYPE_CHECKING:
@@ -144,6 +152,28 @@ def reason(finding: Finding, diagnosis: Diagnosis) -> str:
     if finding.rivals:
         doubts.append(f"it may be {' or '.join(finding.rivals)} too")
     return f"{text}; no more than {finding.verdict.value}: {'; '.join(doubts)}"
+
+
+def curve_command(rest: Unexplained, model: str) -> str:
+    """Return the command that takes the curve of a torque into the model of a file; or nothing."""
+    if rest.curve is None:
+        return ""
+    over = " ".join(one.text() for one in rest.curve.over)
+    return (
+        f"lagrangian_ff add {model} curve --joint {rest.joint} --over {over}"
+        f"{' --friction' if rest.curve.friction else ''} --output NEW.npz"
+    )
+
+
+def history_of_curve(rest: Unexplained) -> dict[str, object]:
+    """Return the entry of a model's history for what is unexplained and is added as a curve."""
+    return {
+        "why": f"no known effect explains what depends on {rest.coordinate}; it gains "
+        f"{rest.log_bayes_factor:.0f} nats of evidence, and unseen motion has it too",
+        "verdict": "unexplained",
+        "evidence_gain": rest.log_bayes_factor,
+        "p_value": None,
+    }
 
 
 def _taken_up(taken_up: TakenUp, every: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ from importlib import import_module
 from types import ModuleType
 
 from lagrangian_ff.effects.base import Effect
+from lagrangian_ff.effects.curve import curve_named
 
 _FILES = (
     "offset", "torque_gain", "saturation", "delay", "drift", "eccentricity", "viscous", "coulomb",
@@ -37,6 +38,11 @@ EFFECTS: dict[str, Effect] = {
 
 GROUPS: dict[str, tuple[str, ...]] = {"fri": ("viscous", "coulomb", "offset")}
 """Names that stand for several effects: `fri` is the friction basis (51) of the paper."""
+
+
+def effect_of(name: str) -> Effect | None:
+    """Return the effect, or the curve, of a name, for what it says of itself; None if none is."""
+    return EFFECTS.get(name) or curve_named(name)
 
 
 def look_alikes(effect: Effect) -> dict[str, str]:

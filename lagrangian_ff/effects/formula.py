@@ -1,13 +1,15 @@
 """Effects that are written as a formula: parsed, never executed.
 
 A formula is a sum of terms, each with a parameter as a factor: `A exp(-(q/w)^2) + B qd abs(qd)`
-written `A*exp(-(q/w)^2) + B*qd*abs(qd)`. Names that are no input and have a range are shapes, which
-are searched; all others are parameters, which the torque is linear in.
+written `A*exp(-(q/w)^2) + B*qd*abs(qd)`. Inputs are those of the joint itself, and `q_2` is the
+position of the second joint, counted from 1. Names that are no input and have a range are shapes,
+which are searched; all others are parameters, which the torque is linear in.
 """
 
 import ast
 import json
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -20,7 +22,16 @@ from lagrangian_ff.effects.inputs import SIGN_SPEED, Inputs
 from lagrangian_ff.errors import EffectError
 
 LONGEST = 400  # characters
+USUAL_STEPS, MOST_STEPS = 6, 400
 INPUTS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "load": "N·m"}
+SINCE = "since"
+"""The input that is the time in s since the joint turned round."""
+OTHER = re.compile(r"(q|qd|qdd|load)_([1-9]\d{0,2})")
+"""The inputs of other joints."""
+SIGN = "sign(qd)"
+"""The smoothed sign of the joint's own velocity, as wide as that of its Coulomb friction."""
+Range = tuple[float, float] | tuple[float, float, int]
+"""The ends of what is searched for a number, and how many values are tried first."""
 CONSTANTS = {"pi": np.pi}
 FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "tanh": np.tanh, "atan": np.arctan,
@@ -54,12 +65,40 @@ class Sum:
         return self.parts.get("", 0.0)
 
 
-class _Formula(Effect):
+class Formula(Effect):
+    """A torque that a formula describes.
+
+    Attributes:
+        tree: the formula, parsed.
+        inputs: its inputs: by name the attribute of the motion and the joint, None for its own.
+        only: the one joint that it is tried on; None for all.
+    """
+
     tree: ClassVar[ast.expr]
+    inputs: ClassVar[Mapping[str, tuple[str, int | None]]]
+    only: ClassVar[int | None] = None
+
+    @property
+    def last(self) -> int:
+        """Return the number of the last joint that it reads besides its own, from 1; 0 for none."""
+        return max((of + 1 for _, of in self.inputs.values() if of is not None), default=0)
+
+    def candidates(self, x: Inputs, joint: int) -> Sequence[Values]:
+        """Return the shapes to try; none on a joint that it reads as another one."""
+        others = {of for _, of in self.inputs.values()}
+        if self.last > x.joints or joint in others or self.only not in (None, joint):
+            return []
+        return super().candidates(x, joint)
 
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
-        given: dict[str, Any] = {name: getattr(x, name)[:, joint] for name in INPUTS}
-        found = self.torque({**given, **shape})
+        if self.last > x.joints:
+            raise _error(self.name, f"it reads joint {self.last}; there are {x.joints} joints")
+        given: dict[str, Any] = {
+            name: x.since_reversal(joint) if what == SINCE else
+            getattr(x, what)[:, joint if of is None else of]
+            for name, (what, of) in self.inputs.items()
+        }  # fmt: skip
+        found = self.torque({**given, SIGN: x.sign(joint), **shape})
         parts = [found.parts.get(one.name, 0.0) for one in self.parameters]
         return np.column_stack([np.broadcast_to(np.asarray(one), len(x)) for one in parts])
 
@@ -70,8 +109,13 @@ class _Formula(Effect):
 
 
 def formula_effect(
-    name: str, formula: str, shapes: Mapping[str, tuple[float, float]], meaning: str = ""
-) -> Effect:
+    name: str,
+    formula: str,
+    shapes: Mapping[str, Range],
+    meaning: str = "",
+    units: Mapping[str, str] | None = None,
+    only: int | None = None,
+) -> Formula:
     """Return an effect whose torque is a formula.
 
     Args:
@@ -79,18 +123,23 @@ def formula_effect(
         formula: see above.
         shapes: the range of each number that is searched, by name.
         meaning: what it is, in a few words.
+        units: of parameters and shapes, by name; SI if not given.
+        only: the one joint that it is tried on, from 0; None for all.
 
     Raises:
         EffectError: the formula cannot be read, or is not linear in its parameters.
     """
     tree = _parsed(name, formula)
     names = _names(tree)
-    unknown = [one for one in names if one not in {**INPUTS, **CONSTANTS}]
-    for shape, (low, high) in shapes.items():
+    inputs = {one: read for one in names if (read := _input(one)) is not None}
+    unknown = [one for one in names if one not in {**inputs, **CONSTANTS}]
+    units = units or {}
+    for shape, (low, high, *_) in shapes.items():
         if shape not in unknown:
             raise _error(name, f"{shape} has a range and is not in the formula")
         if not 0.0 < low < high < np.inf:
             raise _error(name, f"{shape} has the range {low} to {high}, expected 0 < low < high")
+    brakes = any(what in ("qd", SINCE) for what, _ in inputs.values())
     own = [one for one in unknown if one not in shapes]
     if not own:
         raise _error(name, "it has no parameter; write one before each term, as in A*sin(q)")
@@ -98,26 +147,46 @@ def formula_effect(
         "name": name,
         "formula": formula,
         "tree": tree,
+        "inputs": inputs,
+        "only": only,
         "meaning": meaning or f"a formula of your own, {formula}",
         "source": "a formula of the user",
-        "parameters": tuple(Parameter(one, "SI", "a factor of the formula") for one in own),
-        "shapes": tuple(
-            Shape(one, "SI", "a number of the formula", low, high, float(np.sqrt(low * high)))
-            for one, (low, high) in shapes.items()
+        "parameters": tuple(
+            Parameter(one, units.get(one, "SI"), "a factor of the formula") for one in own
         ),
-        "uses": frozenset({"load"} & set(names)),
+        "shapes": tuple(_shape(one, units.get(one, "SI"), *given) for one, given in shapes.items()),
+        "uses": frozenset({"load"} & {what for what, _ in inputs.values()}),
+        "remembers": SINCE in inputs,
         "coordinate": "velocity" if "qd" in names else "position",
+        "kind": "friction" if brakes else "mechanics",
+        "part": "friction" if brakes else "inertia" if "qdd" in inputs else "gravity",
     }
-    effect: _Formula = type("Formula", (_Formula,), content)()
-    still: dict[str, Any] = {one: np.ones(1) for one in INPUTS}
+    effect: Formula = type("Formula", (Formula,), content)()
+    still: dict[str, Any] = {**dict.fromkeys(inputs, np.ones(1)), SIGN: np.ones(1)}
     found = effect.torque({**still, **{one.name: one.start for one in effect.shapes}})
     if "" in found.parts and np.any(found.value != 0.0):
         raise _error(name, "a term has no parameter as a factor; the torque must be linear in them")
     return effect
 
 
+def _input(name: str) -> tuple[str, int | None] | None:
+    """Return what an input reads of the motion, and of which joint; None if it is no input."""
+    match = OTHER.fullmatch(name)
+    if match is not None:
+        return match[1], int(match[2]) - 1
+    return (name, None) if name in INPUTS or name == SINCE else None
+
+
+def _shape(name: str, unit: str, low: float, high: float, steps: int = USUAL_STEPS) -> Shape:
+    middle = float(np.sqrt(low * high))
+    return Shape(name, unit, "a number of the formula", low, high, middle, steps)
+
+
 def read_formulas(file: Path) -> list[Effect]:
-    """Return the effects in a JSON file: {"effects": [{"name", "formula", "shapes", "meaning"}]}.
+    """Return the effects in a JSON file: a list `effects` of objects.
+
+    Each has `name` and `formula`, and may have `shapes`, by name [low, high] or [low, high, steps],
+    `units` by name, and `meaning`.
 
     Raises:
         EffectError: the file cannot be read, or holds something else.
@@ -133,9 +202,15 @@ def read_formulas(file: Path) -> list[Effect]:
 
 def _read(one: Mapping[str, Any]) -> Effect:
     ranges = one.get("shapes", {})
-    shapes = {str(name): (float(low), float(high)) for name, (low, high) in ranges.items()}
+    shapes = {str(name): _range(*given) for name, given in ranges.items()}
+    units = {str(key): str(unit) for key, unit in one.get("units", {}).items()}
     name, formula, meaning = (str(one.get(key, "")) for key in ("name", "formula", "meaning"))
-    return formula_effect(name, formula, shapes, meaning)
+    return formula_effect(name, formula, shapes, meaning, units)
+
+
+def _range(low: Any, high: Any, steps: Any = USUAL_STEPS) -> Range:
+    """Return the range of a shape from JSON."""
+    return float(low), float(high), int(np.clip(int(steps), 2, MOST_STEPS))
 
 
 def _error(name: str, words: str) -> EffectError:
@@ -155,7 +230,8 @@ def _parsed(name: str, formula: str) -> ast.expr:
             raise _error(
                 name,
                 f"{formula!r} holds {ast.unparse(node) if isinstance(node, ast.expr) else node!r}; "
-                f"expected numbers, + - * / ^, {', '.join(INPUTS)}, names of your own and "
+                f"expected numbers, + - * / ^, {', '.join(INPUTS)}, {SINCE}, those of other "
+                "joints as in q_2, names of your own and "
                 f"{', '.join(FUNCTIONS)}",
             )
     return tree
@@ -191,6 +267,8 @@ def _evaluated(node: ast.expr, given: Mapping[str, Any], name: str) -> Sum:
         sign = -1.0 if isinstance(node.op, ast.USub) else 1.0
         return Sum({key: sign * value for key, value in inner.parts.items()})
     if isinstance(node, ast.Call):
+        if ast.unparse(node) == SIGN and SIGN in given:
+            return Sum({"": given[SIGN]})
         inner = _evaluated(node.args[0], given, name)
         assert isinstance(node.func, ast.Name)
         if not inner.plain:

@@ -22,7 +22,7 @@ import numpy as np
 from lagrangian_ff.effects import base
 from lagrangian_ff.effects.base import BROUGHT, Effect, Inputs, Origin
 from lagrangian_ff.effects.catalogue import EFFECTS, GROUPS, effect_classes
-from lagrangian_ff.effects.formula import read_formulas
+from lagrangian_ff.effects.formula import Formula, read_formulas
 from lagrangian_ff.effects.time_limit import in_time
 from lagrangian_ff.errors import EffectError
 from lagrangian_ff.kernels import KERNELS, States
@@ -181,7 +181,7 @@ def check(effect: Effect) -> None:
     """
     _check_words(effect)
     _check_numbers(effect)
-    moving = trial_motion()
+    moving = trial_motion(effect.last + 1 if isinstance(effect, Formula) else 0)
     still = replace(moving, time=np.full(len(moving), np.inf), segment=np.arange(len(moving)))
     names = {shape.name for shape in effect.shapes}
     tried = [{shape.name: shape.start for shape in effect.shapes}]
@@ -235,14 +235,19 @@ def _refuse(effect: Effect, what: str, expected: str, came: object) -> None:
     raise EffectError(f"effect '{name}': expected {what} to be {expected}, got {came!r}")
 
 
-def trial_motion() -> Inputs:
-    """Return joints that stand still first, then swing for 10 s, carry a load and warm up."""
+def trial_motion(joints: int = 0) -> Inputs:
+    """Return joints that stand still first, then swing for 10 s, carry a load and warm up.
+
+    Args:
+        joints: how many at least; never fewer than three.
+    """
+    count = max(3, joints)
     time = np.arange(1000) / 100.0
-    q = np.sin(np.maximum(time - 0.2, 0.0)[:, None] * np.linspace(2.0, 6.0, 3))
+    q = np.sin(np.maximum(time - 0.2, 0.0)[:, None] * np.linspace(2.0, 6.0, count))
     qd = np.gradient(q, time, axis=0)
     qdd = np.gradient(qd, time, axis=0)
     qd[:10] = qdd[:10] = 0.0
     load = 2.0 * qdd + 10.0 * np.cos(q)
-    warm = 20.0 + time[:, None] * np.ones(3)
+    warm = 20.0 + time[:, None] * np.ones(count)
     states = States.of(q, qd, qdd)
     return Inputs.of(states, time=time, load=load, torque=load + qd, temperature=warm)

@@ -7,16 +7,18 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Effect, Inputs
+from lagrangian_ff.effects.curve import Curve
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.blueprint import Blueprint
 from lagrangian_ff.identification.build import Identification, build
 from lagrangian_ff.identification.choosing.shapes import best_shape, fall, refit_shapes
 from lagrangian_ff.identification.choosing.simplex import validation_score
+from lagrangian_ff.identification.choosing.smoothness import smooth, without_bounds
 from lagrangian_ff.identification.history import Reason, Step
 from lagrangian_ff.identification.memory import require_room
 from lagrangian_ff.identification.model import Model
-from lagrangian_ff.identification.solving.posterior import exact
+from lagrangian_ff.identification.solving.posterior import Posterior, exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.record_json import read
@@ -43,14 +45,15 @@ def extend(
     effect.
 
     Args:
-        model: with the data it keeps.  effect: to add.  joint: name of its joint.
+        model: with the data it keeps.  joint: name of its joint.
+        effect: to add; a curve that is not made yet gets the smoothness of largest evidence.
         shape: nonlinear parameters, kept as given; the others are searched.
         why: fields for the model's history that give the reason.
         progress: receives the share done, 0 to 1.
 
     Raises:
-        ModelError: there is no such joint, the model has the effect, or an equal one, already, or
-            there is not enough memory.
+        ModelError: there is no such joint, the model has the effect, or an equal one, already, a
+            curve is over what does not move, or there is not enough memory.
     """
     if joint not in model.joints:
         raise ModelError(f"the model has no joint '{joint}'; it has {', '.join(model.joints)}")
@@ -72,6 +75,9 @@ def extend(
     require_room(old, len(subset.samples))
     progress(0.1, f"adding {effect.name}")
     before = exact(subset)
+    wish = effect if isinstance(effect, Curve) and not effect.axes else None
+    if wish is not None:
+        effect = smooth(before, wish, number)
     term = Term(effect, number, best_shape(before, effect, number, given))
     _, own = fall(before, term)
     if own < SAME:
@@ -88,14 +94,19 @@ def extend(
     new = replace(old, name=f"{model.name}+{effect.name}@{joint}", prior=prior)
     progress(0.3, "choosing the noise")
     new = replace(new, prior=replace(prior, noise=_best_noise(new, inputs)))
+    if wish is not None:  # its torque was noise when its smoothness was chosen
+        new = _smoother(new, inputs, wish)
     progress(0.6, "fitting")
     then = model.identified
     again = any(t.effect.uses for t in new.prior.basis.terms)
     done = 0.8 if again else 1.0
     found = build(new, inputs, then.sources, part(progress, 0.6, done))
     if again:
-        seen = found.model.inputs_of(found.model.data)
-        found = build(new, seen, then.sources, part(progress, done, 1.0))
+        inputs = found.model.inputs_of(found.model.data)
+        found = build(new, inputs, then.sources, part(progress, done, 1.0))
+    while (fewer := _bounded(found.posterior)) is not None:
+        new = replace(new, prior=replace(new.prior, basis=fewer))
+        found = build(new, inputs, then.sources, part(progress, done, 1.0))
     reason = read(Reason, why or {})
     step = Step.between(f"{effect.name} on {joint}", then, found.model.identified, reason)
     progress(1.0, "fitting")
@@ -113,6 +124,26 @@ def without(model: Model, effect: Effect, joint: str) -> Model:
     prior = replace(old.prior, basis=Basis(tuple(kept)))
     less = replace(old, prior=prior)
     return build(replace(less, prior=replace(prior, noise=_best_noise(less, inputs))), inputs).model
+
+
+def _smoother(blueprint: Blueprint, inputs: Inputs, wish: Curve) -> Blueprint:
+    """Return a blueprint whose last term, a curve, has the smoothness that suits its noise."""
+    *terms, last = blueprint.prior.basis.terms
+    without = replace(blueprint, prior=replace(blueprint.prior, basis=Basis(tuple(terms))))
+    effect = smooth(exact(without.subset(inputs)), wish, last.joint)
+    basis = Basis((*terms, replace(last, effect=effect)))
+    return replace(blueprint, prior=replace(blueprint.prior, basis=basis))
+
+
+def _bounded(found: Posterior) -> Basis | None:
+    """Return the basis without the steps of monotone curves that are at 0; None if none is."""
+    smaller: dict[int, Term] = {}
+    for _, own, solution in found.systems:
+        less = without_bounds(solution, own)
+        if less is not None:
+            smaller |= {id(a): b for a, b in zip(own.terms, less.terms, strict=True)}
+    basis = found.problem.basis
+    return Basis(tuple(smaller.get(id(t), t) for t in basis.terms)) if smaller else None
 
 
 def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:

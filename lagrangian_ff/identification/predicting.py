@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.effects import Curve, Inputs, effect_of
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Prior
@@ -128,7 +128,8 @@ def by_part(terms: Terms) -> dict[str, Floats]:
         "friction": np.zeros_like(terms.gravity),
     }
     for name, torque in terms.effects.items():
-        part = EFFECTS[name].part
+        effect = effect_of(name)
+        part = effect.part if effect else "friction"
         parts[part] = parts[part] + torque
     return parts
 
@@ -287,6 +288,25 @@ class TorqueModel:
         load += self.basis.constant(len(self.joints), self.coefficients)
         speed = self.basis.sign_speed(len(self.joints))
         return Inputs.of(x, time, segment, load, load, speed, temperature)
+
+    def curves_outside(
+        self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, *, time: ArrayLike | None = None
+    ) -> dict[str, float]:
+        """Return, in words, the curves that a motion leaves, with the share of it outside.
+
+        Args:
+            q, qd, qdd, time: see `predict`.
+        """
+        curves = [term for term in self.basis.terms if isinstance(term.effect, Curve)]
+        found: dict[str, float] = {}
+        x = self.inputs(q, qd, qdd, time=time) if curves else None
+        for term in curves:
+            assert x is not None
+            assert isinstance(term.effect, Curve)
+            share = float(np.mean(term.effect.outside(x, term.joint)))
+            if share > 0.0:
+                found[f"{term.effect.meaning} on {self.joints[term.joint]}"] = share
+        return found
 
     def terms(
         self,

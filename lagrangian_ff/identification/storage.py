@@ -9,6 +9,7 @@ import numpy as np
 from lagrangian_ff import budget
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.effects.curve import Curve, from_stored
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.identification.basis import Basis, Term
@@ -52,6 +53,9 @@ PROBES = 20
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
+CURVE = "curve"
+"""What the file holds of a curve, beside its name."""
+
 HELD = ("header", TEMPERATURE, TRUST, *ARRAYS)
 """All that is read of a file."""
 
@@ -70,10 +74,7 @@ def save(model: TorqueModel, path: Path) -> None:
         "units": {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "tau": "N·m", "time": "s"},
         "name": model.name,
         "hyperparameters": {k: v.tolist() for k, v in model.kernel.hyperparameters.items()},
-        "basis": [
-            {"effect": t.effect.name, "joint": t.joint, "shape": dict(t.shape)}
-            for t in model.basis.terms
-        ],
+        "basis": [_term_record(term) for term in model.basis.terms],
         "range": by_name(model.range),
         "record": dict(model.record),
         "steps": [dict(step) for step in model.steps],
@@ -224,7 +225,7 @@ def _build(
         _require_weight(weight, (len(seen), len(joints)))
     basis = Basis(
         tuple(
-            Term(_effect(entry["effect"], path), int(entry["joint"]), dict(entry["shape"]))
+            Term(_effect(entry, joints, path), int(entry["joint"]), dict(entry["shape"]))
             for entry in header["basis"]
         )
     )
@@ -282,8 +283,9 @@ def _require_usable(model: TorqueModel) -> None:
 
 def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> Family:
     # Effects at joints come last in a model's name, and a joint's own may hold a +.
-    without_joints, _, _ = header["name"].partition("@")
-    family, held = parse(without_joints).kernel, header.get("mechanism")
+    without_joints, at, _ = header["name"].partition("@")
+    basic = without_joints.rpartition("+")[0] if at else without_joints
+    family, held = parse(basic or "none").kernel, header.get("mechanism")
     if held is None:
         return family
     if held["kind"] == ROBOT:
@@ -326,7 +328,15 @@ def _require_weight(weight: Floats, shape: tuple[int, ...]) -> None:
         raise ValueError(f"array {TRUST} holds values outside 0 to 1")
 
 
-def _effect(name: str, path: Path) -> Effect:
+def _term_record(term: Term) -> dict[str, Any]:
+    record = {"effect": term.effect.name, "joint": term.joint, "shape": dict(term.shape)}
+    return record | ({CURVE: term.effect.stored()} if isinstance(term.effect, Curve) else {})
+
+
+def _effect(entry: dict[str, Any], joints: tuple[str, ...], path: Path) -> Effect:
+    name = entry["effect"]
+    if CURVE in entry:
+        return from_stored(entry[CURVE], joints)
     if name not in EFFECTS:
         raise ModelError(
             f"{path} has the effect '{name}', which is not in the catalogue; if it is one of "

@@ -222,6 +222,11 @@ class References:
         if plan.excess.worst:
             met = "fades to zero there" if (plan.weight < 1.0).any() else "is sent all the same"
             self._warnings.add("out of range", f"{plan.excess.worst}; the torque {met}")
+        states = reference.sample(plan.time)
+        for words, share in self._ready.model.curves_outside(*states).items():
+            self._warnings.add(
+                "outside a curve", f"{share:.0%} of the reference leaves what {words} has seen"
+            )
         if ahead < 0.0:
             self._warnings.add(
                 "late start",

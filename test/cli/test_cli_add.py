@@ -1,5 +1,6 @@
 """`add` on the command line: a model with one more effect."""
 
+import itertools
 import json
 from pathlib import Path
 
@@ -38,6 +39,35 @@ def test_the_error_falls_and_the_parameters_are_told(model: Path, tmp_path: Path
         "identified", "coulomb on shoulder", "coulomb on elbow"
     ]  # fmt: skip
     assert Model.load(model).name == "chain+viscous"
+
+
+def test_a_curve_is_added_over_what_is_asked(tmp_path: Path) -> None:
+    model, output = (
+        small_model(tmp_path / "small.npz", "--model", "chain+offset"),
+        tmp_path / "n.npz",
+    )
+    arguments = ("add", model, "curve", "--joint", "elbow", "--output", output)
+    outcome = lagrangian_ff(
+        *arguments, "--over", "velocity", "--odd", "--monotone", "--json", tmp_path / "added.json"
+    )
+    assert outcome.code == 0, outcome
+    record = json.loads((tmp_path / "added.json").read_text())
+    assert record["joints"]["elbow"]["after"] < 0.6 * record["joints"]["elbow"]["before"]
+    ((curve,),) = (record["curves"],)
+    (over,) = curve["over"]
+    assert (over["coordinate"], over["unit"], curve["friction"]) == ("velocity", "rad/s", False)
+    rising = [b - a for a, b in itertools.pairwise(curve["torque"])]
+    assert min(rising) >= 0.0
+    assert "velocity from" in outcome.text
+    assert Model.load(output).name == "chain+offset+curve_velocity@elbow"
+    for wrong, words in (
+        ((), "--over velocity"),
+        (("--over", "speed"), "expected one or two of position"),
+        (("--over", "position@knee"), "has the joints shoulder, elbow"),
+        (("--over", "position", "velocity", "--monotone"), "over one coordinate"),
+        (("--over", "velocity", "--shape", "v=1"), "a curve has none"),
+    ):
+        assert_refused(lagrangian_ff(*arguments, "--force", *wrong), words)
 
 
 def test_without_a_name_the_new_file_is_called_what_it_is(model: Path) -> None:

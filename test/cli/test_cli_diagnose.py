@@ -26,7 +26,7 @@ from lagrangian_ff.cli.text.diagnose import doubt, excite, fall_table, next_step
 from lagrangian_ff.diagnosis import Finding
 from lagrangian_ff.diagnosis.results import Unexplained
 from lagrangian_ff.diagnosis.thresholds import Effort, using
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Over, curve_over
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording import Recording
 
@@ -239,6 +239,9 @@ def test_the_measurement_comes_first_and_the_unexplained_is_not_forgotten() -> N
     assert any("--effects-file" in line for line in lines)
     assert excite("ripple", "elbow", "model.npz") in "\n".join(lines)
     assert next_steps(run(diagnosis())) == []
+    curved = Unexplained("elbow", "velocity", 0.1, 30.0, curve_over([Over("velocity")]))
+    text = "\n".join(next_steps(run(diagnosis(unexplained=(curved,)))))
+    assert "add model.npz curve --joint elbow --over velocity --output NEW.npz" in text
 
 
 def test_doubts_say_why_and_what_to_do() -> None:

@@ -334,14 +334,6 @@ def test_a_clean_arm_lacks_nothing() -> None:
     assert "noise" in verdict(found)
 
 
-def test_what_no_effect_explains_is_named_by_its_coordinate() -> None:
-    motions = [two_rods.motion(seed, hidden=two_rods.sore_spot) for seed in (1, 2)]
-    found = diagnose(model_of(two_rods.sore_spot), motions[0], motions[1])
-    assert not found.confirmed
-    rest = [(one.joint, one.coordinate) for one in found.unexplained]
-    assert ("shoulder", "position, changing sign with direction") in rest
-
-
 def test_one_recording_is_confirmed_on_its_end() -> None:
     motion = two_rods.motion(1, 60.0, two_rods.stick)
     found = diagnose(model_of(two_rods.stick), motion)

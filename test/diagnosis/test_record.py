@@ -21,6 +21,7 @@ from diagnosis_examples import (
 from lagrangian_ff.diagnosis import Changed, Round, Verdict, run_record, verdict
 from lagrangian_ff.diagnosis.record import saved_findings
 from lagrangian_ff.diagnosis.results import Change, Found, Remainder, Unexplained
+from lagrangian_ff.effects import Over, curve_over
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.record_json import to_json
 
@@ -194,6 +195,16 @@ def test_findings_are_read_back_from_the_json() -> None:
     assert (effect.effect, effect.joints, effect.shape) == ("stribeck", ("elbow",), {"v_s": 0.1})
     assert effect.history["evidence_gain"] == 213.0
     assert effect.history["verdict"] == "confirmed"
+    over = curve_over([Over("position", 1, "elbow")], friction=True)
+    rest = Unexplained("shoulder", "the position of elbow", 0.1, 60.0, over)
+    text = to_json(run_record(run(diagnosis(unexplained=(rest,)))))
+    (curve,) = saved_findings(text)
+    assert (curve.effect, curve.joints) == ("curve_friction_position2", ("shoulder",))
+    assert "60 nats" in str(curve.history["why"])
+    assert json.loads(text)["unexplained"][0]["command"] == (
+        "lagrangian_ff add model.npz curve --joint shoulder --over position@elbow --friction "
+        "--output NEW.npz"
+    )
     assert (load.once, effect.once) == (True, False)
 
 

@@ -1,6 +1,7 @@
 """Effects written as formulas: what they compute, and what is refused without being run."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,53 @@ def test_parameters_are_factors_and_what_has_a_range_is_searched() -> None:
     np.testing.assert_allclose(columns[:, 0], np.exp(-((q / 0.5) ** 2)) + qd, atol=1e-12)
     np.testing.assert_allclose(columns[:, 1], -2.0 * np.sin(q) / np.pi, atol=1e-12)
     check(bump)
+
+
+def test_formulas_read_other_joints_and_the_time_since_a_reversal() -> None:
+    x = trial_motion()
+    text = "A*cos(q-q_3) + B*qd_2 + C*sign(qd)*exp(-since/T)"
+    both = formula_effect("both", text, {"T": (0.1, 2.0)})
+    columns = both.columns(x, 0, {"T": 0.5})
+    np.testing.assert_allclose(columns[:, 0], np.cos(x.q[:, 0] - x.q[:, 2]), atol=1e-12)
+    np.testing.assert_allclose(columns[:, 1], x.qd[:, 1], atol=1e-12)
+    decay = x.sign(0) * np.exp(-x.since_reversal(0) / 0.5)
+    np.testing.assert_allclose(columns[:, 2], decay, atol=1e-12)
+    assert both.remembers
+    assert both.candidates(x, 0)
+    assert not both.candidates(x, 2)  # which it reads as another one
+    check(both)
+    far = formula_effect("far", "A*q_9", {})
+    check(far)
+    assert not far.candidates(x, 0)
+    with pytest.raises(EffectError, match="joint 9; there are 3"):
+        far.columns(x, 0, {})
+
+
+def test_what_no_velocity_is_in_is_no_friction() -> None:
+    parts = {"A*sign(qd)*q": "friction", "A*exp(-since)": "friction", "A*qdd*abs(qdd)": "inertia",
+             "A*sin(q)": "gravity", "A*load^2": "gravity"}  # fmt: skip
+    assert {text: formula_effect("mine", text, {}).part for text in parts} == parts
+
+
+def test_a_sign_is_as_wide_as_that_of_the_model() -> None:
+    x = replace(trial_motion(), sign_speed=np.full(3, 0.3))
+    found = formula_effect("dry", "A*sign(qd)", {}).columns(x, 0, {})[:, 0]
+    np.testing.assert_array_equal(found, x.sign(0))
+
+
+def test_units_and_the_number_of_values_come_from_the_file(tmp_path: Path) -> None:
+    file = tmp_path / "mine.json"
+    one = {
+        "name": "my_wave", "formula": "A*cos(n*q)", "shapes": {"n": [1.0, 20.0, 33]},
+        "units": {"A": "N·m", "n": "1"},
+    }  # fmt: skip
+    file.write_text(json.dumps({"effects": [one]}))
+    try:
+        (effect,) = load_effects(file)
+        assert (effect.parameters[0].unit, effect.shapes[0].unit) == ("N·m", "1")
+        assert len(effect.candidates(trial_motion(), 0)) == 33
+    finally:
+        EFFECTS.pop("my_wave", None)
 
 
 @pytest.mark.parametrize(

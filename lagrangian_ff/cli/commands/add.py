@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from lagrangian_ff.identification.history import Step
     from lagrangian_ff.identification.records import FittedEffect
 
+FORM = ("over", "friction", "odd", "monotone")
+"""Options that say what a curve is like."""
 NAME = "add"
 SUMMARY = "add a physical effect to a model, refit it, and see the error fall"
 USAGE = "MODEL EFFECT --joint J [--joint K ...] [options]"
@@ -34,6 +36,12 @@ examples:
   lagrangian_ff add model.npz stribeck --joint joint_2
   lagrangian_ff add model.npz ripple --joint joint_2 --shape order=18 --output better.npz
   lagrangian_ff add model.npz ripple --joint joint_2 --because missing.json
+  lagrangian_ff add model.npz curve --joint joint_3 --over velocity --odd
+  lagrangian_ff add model.npz curve --joint joint_3 --over position position@joint_4 --friction
+
+a curve is for what diagnose calls unexplained: splines over one or two of position, velocity,
+acceleration, load and reversal (the time since the joint turned round), of the joint itself or of
+another one. The evidence chooses how smooth it is. Outside what the model has seen it is zero.
 
 what comes out:
   the error of each joint before and after, on the data that the model holds out (or on blocks
@@ -47,7 +55,7 @@ What the model has already, by this name or as the same torque under another, is
 def add_arguments(parser: ArgumentParser) -> None:
     options.add_model(parser)
     effect, joint = (
-        ("effect", str, "EFFECT", "its name; lagrangian_ff effects lists them"),
+        ("effect", str, "EFFECT", "its name; lagrangian_ff effects lists them; or curve"),
         ("--joint", str, "JOINT", "the joint it acts on; may be given several times"),
     )
     options.add_rows(parser, [effect])
@@ -59,6 +67,14 @@ def add_arguments(parser: ArgumentParser) -> None:
          "what diagnose --json wrote: the history holds its evidence, and its shape is used"),
         ("--output", Path, "NEW.npz",
          "the model file to write (default: MODEL+EFFECT@JOINT.npz beside MODEL)"),
+    ))  # fmt: skip
+    options.add_rows(parser.add_argument_group("a curve"), (
+        ("--over", list, "COORDINATE",
+         "what it is over: one or two of position, velocity, acceleration, load, reversal; of "
+         "another joint as in position@joint_2"),
+        ("--friction", bool, "", "it changes sign with the direction of motion"),
+        ("--odd", bool, "", "f(-x) = -f(x), in the first coordinate"),
+        ("--monotone", bool, "", "it only rises, or only falls"),
     ))  # fmt: skip
     options.add_common(parser)
 
@@ -79,7 +95,8 @@ def run(arguments: Namespace) -> int:
     from lagrangian_ff.identification.history import Step
 
     model = before = Model.load(arguments.model)
-    effect = options.effect_named(arguments.effect)
+    effect = _effect(arguments, model.joints)
+    form = {name: getattr(arguments, name) for name in FORM}
     shape = _shape(effect, arguments.shape, model.joints)
     why: dict[str, Mapping[str, object]] = {joint: {"why": "added by hand"} for joint in joints}
     shapes = dict.fromkeys(joints, shape)
@@ -89,7 +106,8 @@ def run(arguments: Namespace) -> int:
             why[joint], shapes[joint] = finding.history, shape or finding.shape
     for joint in joints:
         with progress_bar(f"adding {effect.name} on {joint}") as progress:
-            model = add(model, effect.name, joint, shapes[joint], why[joint], progress)
+            name, given = arguments.effect, shapes[joint]
+            model = add(model, name, joint, given, why[joint], progress, **form)
     with whole(arguments.output) as path:
         model.save(path)
     step = Step.between(effect.name, before.identified, model.identified)
@@ -106,12 +124,53 @@ def run(arguments: Namespace) -> int:
         "joints": {joint: by_name(error) for joint, error in step.joints.items()},
         "judged_on": step.judged_on,
         "effects": [by_name(one) for one in added],
+        "curves": _curves(model, effect.name, joints),
     }
     write_record(arguments.json, record)
     _say(model, effect, step, added, console)
     saved = arguments.output
     console.say([f"saved: {saved}", "next:", f"  lagrangian_ff history {saved}"])
     return 0
+
+
+def _effect(arguments: Namespace, joints: Sequence[str]) -> "Effect":
+    """Return the effect that is named, or the curve that is described.
+
+    Raises:
+        UserError: there is no such effect, or no such curve.
+    """
+    from lagrangian_ff.effects import Over, curve_over
+    from lagrangian_ff.effects.curve import NAME as CURVE
+
+    if arguments.effect != CURVE:
+        return options.effect_named(arguments.effect)
+    if not arguments.over:
+        raise UserError("a curve needs one or two coordinates: --over velocity, for example")
+    if arguments.shape:
+        raise UserError(f"--shape {arguments.shape[0]}: a curve has none; its form is found")
+    over = [Over.of(text, joints) for text in options.names(arguments.over)]
+    form = {name: getattr(arguments, name) for name in FORM if name != "over"}
+    return curve_over(over, **form)
+
+
+def _curves(model: "Model", name: str, joints: Sequence[str]) -> list[dict[str, object]]:
+    """Return the torque of curves over their coordinates, as JSON holds it."""
+    from lagrangian_ff.effects import Curve
+
+    found = []
+    for term, place in model.basis.slices():
+        curve, joint = term.effect, model.joints[term.joint]
+        if isinstance(curve, Curve) and curve.name == name and joint in joints:
+            at, torque = curve.table(model.coefficients[place])
+            over = [
+                {"coordinate": one.text(), "unit": one.unit, "at": values.tolist()}
+                for one, values in zip(curve.over, at, strict=True)
+            ]
+            friction = curve.friction
+            found.append(
+                {"joint": joint, "over": over, "friction": friction, "torque": torque.tolist()}
+            )
+    return found
 
 
 def _because(file: Path, effect: str, joint: str) -> "SavedFinding":
@@ -187,9 +246,16 @@ def _say(
     added: "Sequence[FittedEffect]",
     console: Console,
 ) -> None:
+    from lagrangian_ff.effects import Curve
+
+    of = {(one.effect, one.joint) for one in added}
     console.say(f"{model.name}, judged on {step.judged_on}")
     console.say(before_after_table(step.joints))
     say_equations("what was added, torque", added, console)
+    for term, place in model.basis.slices():
+        joint = model.joints[term.joint]
+        if isinstance(term.effect, Curve) and (term.effect.name, joint) in of:
+            console.paragraph(f"{joint}: {term.effect.words(model.coefficients[place])}", "  ")
     console.say()
     if effect.caution:
         console.note(f"{effect.name}: {effect.caution}")

@@ -43,6 +43,7 @@ examples:
   lagrangian_ff diagnose model.npz bag --confirm other_bag
   lagrangian_ff diagnose model.npz bag --report missing.html --json missing.json
   lagrangian_ff diagnose model.npz bag --apply --output better.npz
+  lagrangian_ff diagnose model.npz bag --apply --curves --output better.npz
   lagrangian_ff diagnose last_year.npz bag --since
   lagrangian_ff diagnose model.npz bag --effects-file my_effects.py
 
@@ -93,11 +94,16 @@ def add_arguments(parser: ArgumentParser) -> None:
         "stand beside what it promised"
     )
     add = "add what is confirmed, look again until nothing is, and write the model"
+    curves = (
+        "with --apply: take in as curves, too, what no known effect fits, if unseen motion has it "
+        "and the error falls"
+    )
     rows = [
         ("--steps", int, "N", steps),
         ("--since", bool, "", since),
         ("--gear", list, "GEAR", gear),
         ("--apply", bool, "", add),
+        ("--curves", bool, "", curves),
         ("--output", Path, "NEW.npz", "with --apply: the model file to write"),
         ("--expected", Path, "DESIGN.json", expected),
     ]
@@ -188,7 +194,8 @@ def _found(
 
     steps = MOST_STEPS if arguments.steps is None else arguments.steps
     where = None
-    rounds = tuple(_rounds(model, motions, confirm, steps, apply=arguments.apply))
+    how = {"apply": arguments.apply, "curves": arguments.curves}
+    rounds = tuple(_rounds(model, motions, confirm, steps, **how))
     if arguments.json is not None or arguments.report is not None:
         with progress_bar("looking where it fails") as progress:
             compared = compare(model, concatenate(motions), intervals=True)
@@ -204,12 +211,13 @@ def _found(
 
 
 def _rounds(
-    model: "Model", motions: "Motions", confirm: "Motions", steps: int, *, apply: bool
+    model: "Model", motions: "Motions", confirm: "Motions", steps: int, *, apply: bool, curves: bool
 ) -> "Iterator[Round]":
     """Diagnose; with `apply` add what is confirmed and diagnose again until nothing is confirmed.
 
     Args:
         steps: the most effects a round, and the most rounds.
+        curves: whether what is unexplained is added too, as curves.
     """
     from lagrangian_ff import diagnosis as engine
 
@@ -219,11 +227,11 @@ def _rounds(
             found = engine.diagnose(model, motions, confirm, steps=steps, progress=progress)
         with progress_bar("watching the error fall") as progress:
             found = engine.with_consequences(found, progress)
-        if not apply or not found.confirmed:
+        if not apply or not (found.confirmed or (curves and found.curves)):
             yield engine.Round(found)
             return
         with progress_bar("adding what is confirmed") as progress:
-            model = engine.apply(found, progress)
+            model = engine.apply(found, progress, curves=curves)
         yield engine.Round(found, model)
 
 
@@ -274,5 +282,7 @@ def _check(arguments: Namespace) -> None:
         both = "--output names the model that --apply writes: give both, or neither"
         missing = "--apply needs --output NEW.npz, the model file to write"
         raise UserError(missing if arguments.apply else both)
+    if arguments.curves and not arguments.apply:
+        raise UserError("--curves says what --apply adds: give both, or neither")
     reads = [arguments.model, *arguments.sources, *arguments.confirm, arguments.expected]
     check_outputs(arguments, reads, ".npz")

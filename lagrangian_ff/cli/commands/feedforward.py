@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, table
 from lagrangian_ff.cli.common.outputs import check_outputs, write_record, write_table
-from lagrangian_ff.cli.common.sources import out_of_range
+from lagrangian_ff.cli.common.sources import out_of_range, warn_of_curves
 from lagrangian_ff.cli.text.model import scaling
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.numbers import number
@@ -91,6 +91,7 @@ def run(arguments: Namespace) -> int:
     console.say(_table(model, torque))
     then = "There the model guesses: stay inside, or identify from a motion that goes there"
     away.warn("trajectory", "the model", f": {away.when()}. {then}", console)
+    warn_of_curves(model, trajectory.time, states, "trajectory", console)
     console.say(f"saved: {arguments.output}")
     return 0
 
@@ -114,7 +115,7 @@ def _of_model(
 
 def _without(terms: "Terms", without: tuple[str, ...]) -> "Floats":
     """Return the torque less some of its parts; raise UserError if there is no such part."""
-    from lagrangian_ff.effects import EFFECTS
+    from lagrangian_ff.effects import effect_of
     from lagrangian_ff.identification.predicting import by_part
 
     parts = by_part(terms)
@@ -129,7 +130,8 @@ def _without(terms: "Terms", without: tuple[str, ...]) -> "Floats":
         if name not in without:
             torque = torque + values
     for name in terms.effects:
-        if name in without and EFFECTS[name].part not in without:
+        effect = effect_of(name)
+        if name in without and effect is not None and effect.part not in without:
             torque = torque - terms.effects[name]
     return torque
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lagrangian_ff.cli.common import options
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.outputs import check_outputs, write_record, write_table
-from lagrangian_ff.cli.common.sources import LoadedModel, out_of_range
+from lagrangian_ff.cli.common.sources import LoadedModel, out_of_range, warn_of_curves
 from lagrangian_ff.cli.text.errors import covered, say_errors
 from lagrangian_ff.errors import UserError
 
@@ -72,9 +72,11 @@ def run(arguments: Namespace) -> int:
     write_record(arguments.json, {"model": str(arguments.model), **comparison.record()})
     console.say(f"{arguments.model} ({model.name}) on {motion.source}")
     say_errors(comparison.score, console)
-    away = out_of_range(model, motion.time, (motion.q, motion.qd, motion.qdd))
+    states = motion.q, motion.qd, motion.qdd
+    away = out_of_range(model, motion.time, states)
     then = "There it guesses; identify from this recording too if such motions matter"
     away.warn("motion", "the model", f": {away.when()}. {then}", console)
+    warn_of_curves(model, motion.time, states, "motion", console)
     if comparison.interval is not None:
         console.paragraph(covered(comparison.interval))
         if comparison.warning:

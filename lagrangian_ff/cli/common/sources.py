@@ -164,6 +164,20 @@ class OutOfRange:
         return ", ".join(shown) + (f" and {more} more times" if more > 0 else "")
 
 
+def warn_of_curves(
+    model: "Model",
+    time: "Floats",
+    states: "tuple[Floats, Floats, Floats]",
+    what: str,
+    console: Console,
+) -> None:
+    """Note which curves of a model a motion leaves: they are zero there."""
+    for words, share in model.curves_outside(*states, time=time).items():
+        console.note(
+            f"{share:.1%} of the {what} lies outside what {words} has seen: it fades to zero there"
+        )
+
+
 def out_of_range(
     model: "Model", time: "Floats", states: "tuple[Floats, Floats, Floats]"
 ) -> OutOfRange:

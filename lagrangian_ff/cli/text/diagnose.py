@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lagrangian_ff.diagnosis.consequence import Consequence
     from lagrangian_ff.diagnosis.observable import Observability
     from lagrangian_ff.diagnosis.preflight import Check
-    from lagrangian_ff.diagnosis.results import Found, NotObservable
+    from lagrangian_ff.diagnosis.results import Found, NotObservable, Unexplained
     from lagrangian_ff.identification.records import FittedEffect
 
 LEGEND = (
@@ -65,7 +65,7 @@ def say_diagnosis(
         ]
         console.say(table(header, rows))
         console.paragraph(LEGEND.format(unseen=diagnosis.confirmed_on), "  ")
-        say_equations("as torque,", [_entry(one, every) for one in diagnosis.found], console)
+        say_equations("as torque,", [fitted_effect(one, every) for one in diagnosis.found], console)
         doubts = [no_fall(one) or doubt(one, every) for one in diagnosis.found]
         if any(doubts):
             console.say()
@@ -90,12 +90,21 @@ def say_diagnosis(
     for rest in diagnosis.unexplained:
         console.bullet(
             f"{rest.joint}: something {rest.share:.1%} the size of its torque depends on "
-            f"{rest.coordinate}"
+            f"{rest.coordinate}{_as_curve(rest)}"
         )
     if diagnosis.remainders:
         console.say(["", "more than noise is left: it changes more slowly than noise does"])
     for left in diagnosis.remainders:
         console.bullet(f"{left.joint}: {number(left.size)} N·m, {left.share:.1%} of its torque")
+
+
+def _as_curve(rest: "Unexplained") -> str:
+    """Return what the curve of a torque without explanation does to the error."""
+    made = rest.consequence
+    if made is None:
+        return ""
+    errors = f"{number(made.whole_before)} -> {number(made.whole_after)} N·m on unseen motion"
+    return f"; as a curve: {errors}" + ("" if made.worth else ", not worth it")
 
 
 def touches(diagnosis: "Diagnosis") -> list[list[str]]:
@@ -115,7 +124,7 @@ def touches(diagnosis: "Diagnosis") -> list[list[str]]:
     ]
 
 
-def _entry(found: "Found", every: Sequence[str]) -> "FittedEffect":
+def fitted_effect(found: "Found", every: Sequence[str]) -> "FittedEffect":
     """Return a finding as `say_equations` takes the effects of a model."""
     from lagrangian_ff.identification.records import FittedEffect
 
@@ -288,6 +297,18 @@ def next_steps(found: "DiagnosisRun", saved: str = "") -> list[str]:
             f"next: {sure[0].effect.name} is of this recording, not of the arm: nothing is to be "
             "added.",
             "Identify and diagnose from recordings without it, or with it from the beginning.",
+        ]
+    from lagrangian_ff.diagnosis.sentences import curve_command
+
+    commands = [curve_command(rest, model) for rest in diagnosis.unexplained]
+    if any(commands):
+        lines.append("next: take it in as a curve, whatever it is")
+        lines += [f"  {command}" for command in commands if command]
+    if diagnosis.unexplained:
+        joint = diagnosis.unexplained[0].joint
+        lines += [
+            "next: have a formula proposed for it",
+            f"  lagrangian_ff propose {model} {again} --joint {joint} --output mine.json",
         ]
     if diagnosis.unexplained:
         lines += [

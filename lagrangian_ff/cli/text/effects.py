@@ -87,8 +87,10 @@ def say_equations(
     """Print the torque of effects as equations, and their parameters."""
     console.say(["", f"{heading} in N·m with qd in rad/s"])
     console.say(equations(effects))
-    console.say(["", f"{whose} parameters with 90 % intervals"])
-    console.say(parameter_table(effects))
+    rows = parameter_table(effects)
+    if rows:
+        console.say(["", f"{whose} parameters with 90 % intervals"])
+        console.say(rows)
 
 
 def equations(effects: "Sequence[FittedEffect]") -> list[str]:
@@ -109,6 +111,8 @@ def parameter_table(effects: "Sequence[FittedEffect]") -> list[str]:
     rows = []
     joint = None
     for one in effects:
+        if is_curve(one.effect):  # many numbers that mean nothing one by one
+            continue
         for name, found in one.parameters.items():
             shown = "" if one.joint == joint else one.joint
             values = map(number, (found.value, found.low, found.high))
@@ -116,6 +120,13 @@ def parameter_table(effects: "Sequence[FittedEffect]") -> list[str]:
             joint = one.joint
     header = ["joint", "effect", "", "value", "5 %", "95 %", "unit", ""]
     return table(header, rows) if rows else []
+
+
+def is_curve(effect: str) -> bool:
+    """Return whether an effect is a curve, by its name."""
+    from lagrangian_ff.effects.curve import curve_named
+
+    return curve_named(effect) is not None
 
 
 def remark(effect: str, found: "Estimate") -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis.excite.path import Limits, Reference
+from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording.motion import Motion

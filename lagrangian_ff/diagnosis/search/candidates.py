@@ -1,13 +1,18 @@
 """The candidates: every effect of the catalogue, and every curve, on every joint."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.nonparametric import ALTERNATIVES, Alternative
-from lagrangian_ff.effects import EFFECTS, Effect, Inputs
+from lagrangian_ff.effects import EFFECTS, Curve, Effect, Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.recording.motion import WITHOUT_FRICTION
+
+HELD = 0.9
+"""Share of a candidate's squares from which on a curve has it."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,25 @@ def searched_for(effort: str, basis: Basis) -> Mapping[str, Effect] | None:
         return None
     every = EFFECTS.items()
     return {name: one for name, one in every if one.plain or one.kind != "friction"}
+
+
+def not_held(candidates: Sequence[Candidate], x: Inputs, basis: Basis) -> list[Candidate]:
+    """Return the candidates that no curve of their joint in a basis already holds.
+
+    What is over the same coordinates as a curve is left of it at the most.
+    """
+    left = list(candidates)
+    for term in basis.terms:
+        if not isinstance(term.effect, Curve):
+            continue
+        span, _ = np.linalg.qr(Term(term.effect.whole(), term.joint).columns(x))
+        left = [c for c in left if c.joint != term.joint or not _held(c.columns(x), span)]
+    return left
+
+
+def _held(columns: Floats, span: Floats) -> bool:
+    outside = columns - span @ (span.T @ columns)
+    return float(np.sum(outside**2)) < (1.0 - HELD) * float(np.sum(columns**2))
 
 
 def nonparametric(x: Inputs, joints: Iterable[int]) -> list[Candidate]:

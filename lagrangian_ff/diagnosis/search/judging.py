@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
     log_bayes_factor_of,
     refined,
 )
-from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
+from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric, not_held
 from lagrangian_ff.diagnosis.search.nonparametric import sinusoids
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.search.signs import natural
@@ -64,15 +64,19 @@ def causes_of(basis: Basis) -> frozenset[tuple[str, int]]:
 def candidates_of(
     whitened: Whitened, joints: Sequence[int] | range, effects: Mapping[str, Effect] | None
 ) -> list[Candidate]:
-    """Return all candidates on some joints: effects, curves and sinusoids."""
+    """Return all candidates on some joints: effects, curves and sinusoids.
+
+    What a curve of the model has is none.
+    """
     x = whitened.x
     residual = whitened.motion.tau - whitened.inputs.torque
     waves = enumerate(sinusoids(whitened.motion.time, residual))
-    return [
+    every = [
         *named(x, whitened.basis, joints, effects),
         *nonparametric(x, joints),
         *(Candidate(wave, joint) for joint, wave in waves if joint in joints),
     ]
+    return not_held(every, x, whitened.basis)
 
 
 def possible(score: BayesFactor, causes: frozenset[tuple[str, int]], x: Inputs) -> bool:

@@ -6,13 +6,13 @@ coordinate explains clearly more than every effect does, the finding is that coo
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.products import WITH_SIGN, Product
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import Curve, Inputs, Over, curve_over
 from lagrangian_ff.sampling import usual_step
 
 KNOTS, PRODUCT_KNOTS = 9, 5
@@ -31,6 +31,7 @@ class Spline:
         reads: returns the coordinate (M,) of the inputs, for a joint.
         knots: (K,) where the curve may bend.
         friction: whether it changes sign with the direction of motion.
+        of: the coordinate as a curve of a model has it; None for time.
     """
 
     name: str
@@ -38,6 +39,11 @@ class Spline:
     reads: Callable[[Inputs, int], Floats]
     knots: tuple[float, ...]
     friction: bool
+    of: Over | None = None
+
+    def over(self, joint: int) -> tuple[Over, ...]:
+        """Return the coordinate; none where it is time."""
+        return (self.of,) if self.of else ()
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """Return hat functions (S, K) over the coordinate."""
@@ -58,6 +64,11 @@ class SplineProduct:
     coordinate: str
     other: int
     knots: tuple[tuple[float, ...], tuple[float, ...]]
+    friction = True
+
+    def over(self, joint: int) -> tuple[Over, ...]:
+        """Return both positions."""
+        return Over("position"), Over("position", self.other)
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """Return products (S, K K) of hat functions, times the smoothed sign."""
@@ -80,6 +91,11 @@ class Sinusoid:
     name: str
     coordinate: str
     frequency: float
+    friction = False
+
+    def over(self, joint: int) -> tuple[Over, ...]:
+        """Return none: no curve of a model is over time."""
+        return ()
 
     def columns(self, x: Inputs, joint: int) -> Floats:
         """Return cosine and sine (S, 2) of time; zero where time is not known."""
@@ -89,6 +105,16 @@ class Sinusoid:
 
 
 Alternative = Spline | SplineProduct | Sinusoid | Product
+
+
+def curve_of(source: Alternative, joint: int, joints: Sequence[str]) -> Curve | None:
+    """Return the curve that takes an alternative on a joint into a model; None if none does.
+
+    None is over time, nor over more than two coordinates.
+    """
+    over = source.over(joint)
+    named = [one if one.joint is None else replace(one, name=joints[one.joint]) for one in over]
+    return curve_over(named, friction=source.friction) if 1 <= len(named) <= 2 else None
 
 
 def _hats(values: Floats, knots: Sequence[float]) -> Floats:
@@ -109,40 +135,34 @@ def with_joint_names(words: str, joints: Sequence[str]) -> str:
     return re.sub(r"\bjoint (\d+)\b", lambda match: joints[int(match.group(1))], words)
 
 
-def _of(kind: str, other: int | None = None) -> Callable[[Inputs, int], Floats]:
-    """Return the reader of a coordinate, of the joint itself or of another."""
-    return lambda x, joint: np.asarray(getattr(x, kind)[:, joint if other is None else other])
-
-
 def _time(x: Inputs, joint: int) -> Floats:
     return np.minimum(x.time, 1e9)
 
 
 def _make(
-    words: str, reads: Callable[[Inputs, int], Floats], *, friction: bool = False, name: str = ""
+    words: str, of: Over | None, *, friction: bool = False, name: str = ""
 ) -> Callable[[Inputs, int], Iterator[Spline]]:
-    """Return the maker of a spline over a coordinate, named after it unless a name is given."""
+    """Return the maker of a spline over a coordinate, or time; named after it if not otherwise."""
+    reads = of.read if of else _time
     name = name or (f"friction over {words}" if friction else words)
     coordinate = f"{words}, {WITH_SIGN}" if friction else words
 
     def make(x: Inputs, joint: int) -> Iterator[Spline]:
         knots = _knots(reads(x, joint))
         if len(knots) >= 3:
-            yield Spline(name, coordinate, reads, knots, friction)
+            yield Spline(name, coordinate, reads, knots, friction, of)
 
     return make
 
 
-def _neighbours(
-    words: str, kind: str, *, friction: bool = False
-) -> Callable[[Inputs, int], Iterator[Spline]]:
+def _neighbours(kind: str, *, friction: bool = False) -> Callable[[Inputs, int], Iterator[Spline]]:
     """Return the maker of splines over a coordinate of each other joint."""
 
     def make(x: Inputs, joint: int) -> Iterator[Spline]:
         for other in range(x.joints):
             if other != joint:
-                of = f"{words} of joint {other}"
-                yield from _make(of, _of(kind, other), friction=friction)(x, joint)
+                of = f"{kind} of joint {other}"
+                yield from _make(of, Over(kind, other), friction=friction)(x, joint)
 
     return make
 
@@ -165,17 +185,17 @@ def _knots(values: Floats, count: int = KNOTS) -> tuple[float, ...]:
 
 
 ALTERNATIVES: tuple[Callable[[Inputs, int], Iterator[Alternative]], ...] = (
-    _make("velocity", _of("qd")),
-    _make("position", _of("q")),
-    _make("acceleration", _of("qdd")),
-    _make("time", _time),
-    _make("position", _of("q"), friction=True),
-    _make("time", _time, friction=True),
-    _make("load", _of("load"), friction=True),
-    _make("acceleration", _of("qdd"), friction=True),
-    _make("time since reversal", Inputs.since_reversal, friction=True, name="since reversal"),
-    _neighbours("velocity", "qd"),
-    _neighbours("position", "q", friction=True),
+    _make("velocity", Over("velocity")),
+    _make("position", Over("position")),
+    _make("acceleration", Over("acceleration")),
+    _make("time", None),
+    _make("position", Over("position"), friction=True),
+    _make("time", None, friction=True),
+    _make("load", Over("load"), friction=True),
+    _make("acceleration", Over("acceleration"), friction=True),
+    _make("time since reversal", Over("reversal"), friction=True, name="since reversal"),
+    _neighbours("velocity"),
+    _neighbours("position", friction=True),
     _products,
 )
 """Every alternative but the sinusoids; a new one joins here."""

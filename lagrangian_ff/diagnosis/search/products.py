@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import Inputs, Over
 from lagrangian_ff.words import listed
 
 WITH_SIGN = "changing sign with direction"
@@ -55,6 +55,18 @@ class Product:
         return f"{' and '.join(parts)}{sign}"
 
     @property
+    def friction(self) -> bool:
+        """Return whether it changes sign with the direction of motion."""
+        return self.factor in ("sign", "load")
+
+    def over(self, joint: int) -> tuple[Over, ...]:
+        """Return the coordinates that it depends on, if a joint has it."""
+        read = KINDS.get(self.factor)
+        first = [(read, joint if read == "load" else self.other)] if read else []
+        places = [*first, *(("position", n) for n in self.positions)]
+        return tuple(Over(kind, None if n == joint else n) for kind, n in places)
+
+    @property
     def parts(self) -> list[Part]:
         """Return the parts that it is the sum of: products over fewer positions too."""
         sizes = range(0 if self.factor else 1, len(self.positions) + 1)
@@ -90,6 +102,8 @@ WORDS = {
     "qdd": ("the acceleration of {}", ""),
 }
 """Words of a factor before and after the positions."""
+KINDS = {"load": "load", "qd": "velocity", "qdd": "acceleration"}
+"""Coordinates that factors are."""
 DEEPEST = {"": 3, "sign": 3, "load": 1, "qd": 2, "qdd": 1}
 """Positions multiplied with a factor, at most."""
 

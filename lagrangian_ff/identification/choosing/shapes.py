@@ -54,17 +54,17 @@ def fall(found: Posterior[System], term: Term) -> tuple[float, float]:
         The fall as a share of the squares, and the share of the term itself that the model's
         basis does not hold already: 0 for a torque that it has under another name.
     """
-    joints, _, system = _system_of(found, term.joint)
+    joints, _, system = system_of(found, term.joint)
     columns = term.columns(found.problem.samples.x)
     z = _whitened(system, term.on(found.states.joints)[list(joints)], columns)
     size = float(np.sum(z**2))
-    span = _orthonormal(system.white_design)
+    span = orthonormal(system.white_design)
     z -= span @ (span.T @ z)
     left = system.white_target - span @ (span.T @ system.white_target)
     own = float(np.sum(z**2)) / size if size > 0.0 else 0.0
     if own < 1e-12:
         return 0.0, own
-    direction = _orthonormal(z)
+    direction = orthonormal(z)
     return float(np.sum((direction.T @ left) ** 2) / (left @ left)), own
 
 
@@ -82,7 +82,7 @@ def refit_shapes(
         given: effect and name of each shape that stays.
     """
     x = found.problem.samples.x
-    joints, part, system = _system_of(found, joint)
+    joints, part, system = system_of(found, joint)
     free = [
         (number, shape)
         for number, term in enumerate(basis.terms)
@@ -95,7 +95,7 @@ def refit_shapes(
     if not free:
         return basis
     rows = np.arange(joints.index(joint), system.count, len(joints))
-    known = _orthonormal(system.white_design[:, part.joints != joint])
+    known = orthonormal(system.white_design[:, part.joints != joint])
     try:
         upper, target, squares = system.seen_by(rows, known)
     except np.linalg.LinAlgError:  # a change of shape would drown in rounding, too
@@ -111,7 +111,7 @@ def refit_shapes(
         own = moved(logs)
         seen = replace(x, sign_speed=own.sign_speed(x.joints))
         columns = own.of_joints((joint,)).columns(seen)
-        direction = _orthonormal(upper @ columns)
+        direction = orthonormal(upper @ columns)
         return float(np.log(squares - np.sum((direction.T @ target) ** 2)))
 
     low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
@@ -132,7 +132,8 @@ def refit_shapes(
     return moved(optimum.x) if optimum.fun < cost(present) else basis
 
 
-def _system_of(found: Posterior[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:
+def system_of(found: Posterior[System], joint: int) -> tuple[tuple[int, ...], Basis, System]:
+    """Return the joints that are solved with one, their part of the basis, and their system."""
     for joints, part, system in found.systems:
         if joint in joints:
             return joints, part, system
@@ -151,7 +152,8 @@ def _whitened(system: System, on: Floats, columns: Floats) -> Floats:
     return np.asarray(solve_triangular(system.upper, flat, trans=1, check_finite=False))
 
 
-def _orthonormal(columns: Floats) -> Floats:
+def orthonormal(columns: Floats) -> Floats:
+    """Return (n, R) orthonormal columns that span those of (n, P)."""
     if columns.shape[1] == 0:
         return columns
     scale = np.sqrt(np.sum(columns**2, axis=0))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Curve, effect_of
 from lagrangian_ff.identification.certainty.calibration import LEVEL
 from lagrangian_ff.numbers import typeset
 from lagrangian_ff.report import html
@@ -45,9 +45,11 @@ def _effect(
 ) -> str:
     """Return heading, meaning and table of one effect on all its joints."""
     name, formula = found[0].effect, found[0].formula
-    meaning = f"{EFFECTS[name].meaning}." if name in EFFECTS else ""
+    about = effect_of(name)
+    meaning = f"{about.meaning}." if about else ""
     header, rows = ["joint"], [[one.joint] for one in found]
-    for parameter, first in found[0].parameters.items():
+    rows_of = {} if isinstance(about, Curve) else found[0].parameters
+    for parameter, first in rows_of.items():
         known = truth.get((name, parameter))
         header += [f"{parameter} [{first.unit}]", f"{LEVEL:.0%} interval"]
         header += ["true value"] if known is not None else []

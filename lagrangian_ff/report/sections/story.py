@@ -90,7 +90,8 @@ def motion_plot(turn: "Turn") -> Plot:
     moving = [n for n in range(q.shape[1]) if abs(q[:, n]).max() > 1e-3]
     joints = turn.model.joints
     data = [
-        line(time, q[:, n], joints[n], RUNS[k % len(RUNS)], width=1.4) for k, n in enumerate(moving)
+        line(time.tolist(), q[:, n].tolist(), joints[n], RUNS[k % len(RUNS)], width=1.4)
+        for k, n in enumerate(moving)
     ]
     layout = {
         "xaxis": axis("time [s]"),

@@ -8,7 +8,7 @@ from lagrangian_ff.arm import HOME, JOINTS, Trajectory, limits, reported, simula
 from lagrangian_ff.arm.body import Surroundings
 from lagrangian_ff.arm.hidden import Installed, Reference, Site, sized
 from lagrangian_ff.arm.hidden.base import together
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis.excite import Limits
 from lagrangian_ff.diagnosis.excite import Reference as Path
 from lagrangian_ff.errors import ArmError
@@ -131,7 +131,7 @@ class SimulatedRig:
         return Site(joint, self._seed + 7919, recording, self._along, self._nuisances.parameters)
 
 
-def _outside(motion: Trajectory, allowed: Limits) -> Floats:
+def _outside(motion: Trajectory, allowed: Limits) -> Flags:
     """Return (M, N) whether a motion is outside of what is allowed."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     outside = (q < allowed.q_low - SLACK) | (q > allowed.q_high + SLACK)

@@ -1,0 +1,239 @@
+"""The smoothness of a curve, chosen by the evidence; and curves that only rise or only fall.
+
+The basis of a model is not penalised (`system`). So the prior of a curve does not enter the fit: it
+decides which directions of the heights are free in it. A priori the second differences of the
+heights s are normal with variance s²/λ (Eilers and Marx 1996, Stat. Sci. 11(2); over two
+coordinates those of a thin plate). With the curve's columns Z and the torques w, both whitened and
+without what the basis has, the log evidence is
+
+    −½ (ν log(w² − wᵀZ (ZᵀZ + λS)⁻¹ Zᵀw) + log |ZᵀZ + λS| − log |λS|).
+
+In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those of which the data say more
+than the prior, γ ≥ λ: a penalised fit would shrink them by less than half. How the B-splines are
+spaced is chosen likewise.
+"""
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import scipy
+from scipy.linalg import eigh, solve_triangular
+
+from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.effects.curve import Axis, Curve
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.choosing.shapes import orthonormal, system_of
+from lagrangian_ff.identification.solving.posterior import Posterior
+from lagrangian_ff.identification.solving.solution import Solution
+from lagrangian_ff.identification.solving.system import System
+
+BENDS, BENDS_OF_TWO = (16, 48), (7, 12)
+"""Numbers of bends tried, over one coordinate and over each of two."""
+SPACINGS = ("even", "dense", "zero")
+"""Even, closer where there are more samples, and closer about zero, where friction bends."""
+ABOUT_ZERO = ("velocity", "reversal")
+"""Coordinates that are spaced about zero."""
+ABOUT = 2.5
+"""Power of an even spacing that is closer about zero."""
+LOOSE = 1e-6
+"""Precision of the heights themselves, relative to that of their second differences."""
+LAMBDAS = np.geomspace(1e-9, 1e9, 73)
+"""λ tried, relative to the mean of γ."""
+NOTHING = 1e-9
+"""Share of a direction below which the basis has it already."""
+
+
+def smooth(found: Posterior[System], wish: Curve, joint: int) -> Curve:
+    """Return a curve with the B-splines and free directions of largest evidence.
+
+    Args:
+        found: posterior of the model without the curve.
+        wish: over what, and of which kind.  joint: that it acts on.
+
+    Raises:
+        ModelError: the motion does not move the coordinates, or shows nothing of such a curve.
+    """
+    x = found.problem.samples.x
+    at = [one.read(x, joint) for one in wish.over]
+    for values, one in zip(at, wish.over, strict=True):
+        if not np.ptp(values) > 1e-9 * max(1.0, float(np.abs(values).max())):
+            raise ModelError(f"a curve over {one.words}: that does not change in the model's data")
+    tried = [_tried(found, wish, joint, at, axes) for axes in _axes(wish, at)]
+    evidence, best = max(tried, key=lambda one: one[0])
+    if not np.isfinite(evidence) or not best.heights.shape[1]:
+        raise ModelError(f"the model's data show nothing of {wish.meaning}")
+    return _rising(found, best, joint, at[0]) if wish.monotone else best
+
+
+def _axes(wish: Curve, at: list[Floats]) -> Iterator[tuple[Axis, ...]]:
+    """Yield the spacings that are tried, the same on all coordinates."""
+    for count, spacing in product(BENDS if len(at) == 1 else BENDS_OF_TWO, SPACINGS):
+        if spacing != "zero" or any(one.kind in ABOUT_ZERO for one in wish.over):
+            each = zip(wish.over, at, strict=True)
+            yield tuple(
+                _axis(values, count, spacing if one.kind in ABOUT_ZERO else "even"
+                      if spacing == "zero" else spacing, odd=wish.odd and not n)
+                for n, (one, values) in enumerate(each)
+            )  # fmt: skip
+
+
+def _axis(values: Floats, count: int, spacing: str, *, odd: bool) -> Axis:
+    """Return B-splines between bends that are spaced by one of `SPACINGS`."""
+    if odd:
+        values = np.concatenate([values, -values])
+    low, high = float(values.min()), float(values.max())
+    bends = np.linspace(low, high, count)
+    if spacing == "dense":  # half of the way, so that no two bends meet where the joint rests
+        bends = 0.5 * (bends + np.quantile(values, np.linspace(0.0, 1.0, count)))
+    if spacing == "zero":
+        ends = [float(np.sign(end) * np.abs(end) ** (1.0 / ABOUT)) for end in (low, high)]
+        bends = np.linspace(ends[0], ends[1], count)
+        bends = np.sign(bends) * np.abs(bends) ** ABOUT
+    if odd:
+        bends = 0.5 * (bends - bends[::-1])
+    return Axis(tuple(bends.tolist()))
+
+
+def _tried(
+    found: Posterior[System], wish: Curve, joint: int, at: list[Floats], axes: tuple[Axis, ...]
+) -> tuple[float, Curve]:
+    """Return the log evidence of one spacing with the best smoothness, and the curve."""
+    seen = _seen(axes, at, odd=wish.odd)
+    span = _span(axes, seen, odd=wish.odd)
+    whole, z, w = _whitened(found, wish.made(axes, seen, span), joint)
+    penalty = span.T @ _penalty([axis.count for axis in axes]) @ span
+    penalty += LOOSE * span.T @ span
+    gamma, directions = eigh(z.T @ z, penalty)
+    gamma = np.maximum(gamma, 0.0)
+    if not gamma.any():
+        return -np.inf, wish
+    _, _, system = system_of(found, joint)
+    lambdas = np.mean(gamma) * LAMBDAS[:, None]
+    explained = np.sum((directions.T @ (z.T @ w)) ** 2 / (gamma + lambdas), axis=1)
+    left = np.maximum(w @ w - explained, 1e-300)
+    price = np.sum(np.log1p(gamma / lambdas), axis=1)
+    evidence = -0.5 * (system.degrees * np.log(left) + price)
+    best = int(np.argmax(evidence))
+    own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
+    heights = span @ directions[:, own & (gamma >= lambdas[best])]
+    heights /= np.maximum(np.abs(heights).max(axis=0), 1e-300)
+    return float(evidence[best]), wish.made(axes, seen, heights[:, ::-1])
+
+
+def _seen(axes: tuple[Axis, ...], at: list[Floats], *, odd: bool) -> Flags:
+    """Return (K,) which B-splines, or products of them, have a sample in them."""
+    counts = [axis.count for axis in axes]
+    seen = np.zeros(counts, dtype=bool)
+    every = [axis.weights(values) for axis, values in zip(axes, at, strict=True)]
+    for steps in product(range(4), repeat=len(axes)):
+        inside = np.all(
+            [values[:, n] > 0.0 for n, (_, values) in zip(steps, every, strict=True)], axis=0
+        )
+        seen[tuple((first + n)[inside] for n, (first, _) in zip(steps, every, strict=True))] = True
+    return (seen | seen[::-1] if odd else seen).ravel()
+
+
+def _span(axes: tuple[Axis, ...], seen: Flags, *, odd: bool) -> Floats:
+    """Return (K, k) the heights that are possible: zero where nothing was seen, and odd."""
+    count = len(seen)
+    if not odd:
+        return np.eye(count)[:, seen]
+    numbers = np.arange(count).reshape([axis.count for axis in axes])
+    mirrored = numbers[::-1].ravel()
+    upper = np.flatnonzero(seen & (numbers.ravel() > mirrored))
+    out = np.zeros((count, len(upper)))
+    out[upper, np.arange(len(upper))] = 1.0
+    out[mirrored[upper], np.arange(len(upper))] = -1.0
+    return out
+
+
+def _penalty(counts: list[int]) -> Floats:
+    """Return (K, K) S, the squares of second differences; of two coordinates, of a thin plate."""
+    bent = [np.diff(np.eye(count), 2, axis=0) for count in counts]
+    if len(counts) == 1:
+        return np.asarray(bent[0].T @ bent[0])
+    steep = [np.diff(np.eye(count), axis=0) for count in counts]
+    rows = [
+        np.kron(bent[0], np.eye(counts[1])),
+        np.kron(np.eye(counts[0]), bent[1]),
+        np.sqrt(2.0) * np.kron(*steep),
+    ]
+    return np.asarray(sum(one.T @ one for one in rows))
+
+
+def _whitened(found: Posterior[System], curve: Curve, joint: int) -> tuple[Floats, Floats, Floats]:
+    """Return a curve's whitened columns (n, P), and these and the torques (n,) less the basis."""
+    joints, _, system = system_of(found, joint)
+    columns = Term(curve, joint).columns(found.problem.samples.x)
+    full = np.zeros((len(columns), len(joints), columns.shape[1]))
+    full[:, joints.index(joint)] = columns / found.problem.unit[joint]
+    flat = full.reshape(-1, columns.shape[1])
+    whole = solve_triangular(system.upper, flat, trans=1, check_finite=False)
+    span = orthonormal(system.white_design)
+    w = system.white_target - span @ (span.T @ system.white_target)
+    return whole, whole - span @ (span.T @ whole), w
+
+
+def _rising(found: Posterior[System], best: Curve, joint: int, at: Floats) -> Curve:
+    """Return the curve in steps between neighbouring heights, which are its parameters.
+
+    As many steps as the smooth curve has free directions, twice over: a sum of few steps bends
+    less. It rises or falls, whichever explains more.
+    """
+    axis = _axis(at, max(4, 2 * best.heights.shape[1]), "dense", odd=best.odd)
+    seen = np.ones(axis.count, dtype=bool)
+    steps = np.tril(np.ones((axis.count, axis.count)))[:, 1:]
+    steps -= 0.5 * (steps[:1] + steps[-1:])
+    if best.odd:
+        steps = (steps + steps[:, ::-1])[:, : axis.count // 2] / 2.0
+    first, weights = axis.weights(at)
+    if not best.odd:  # about its mean, so that it takes nothing from a constant torque
+        values = sum(weights[:, n, None] * steps[first + n] for n in range(4))
+        steps = steps - np.mean(values, axis=0)
+    both = [best.made((axis,), seen, sign * steps) for sign in (1.0, -1.0)]
+    falls = []
+    for one in both:
+        _, z, w = _whitened(found, one, joint)
+        falls.append(-float(scipy.optimize.nnls(z, w)[1]))
+    return both[int(np.argmax(falls))]
+
+
+def without_bounds(solution: Solution, part: Basis) -> Basis | None:
+    """Return a basis whose monotone curves lack the steps that are 0 in the bounded optimum.
+
+    The parameters b of the basis minimise ½ bᵀ I b − mᵀ b, with I the information and m the moment
+    of the solution. Where the steps of monotone curves are held at 0 or above, those at the bound
+    are an active set: the fit without them is the bounded optimum (Karush, Kuhn, Tucker).
+
+    Returns:
+        The smaller basis, or None if every step is above zero already.
+
+    Raises:
+        ModelError: a curve has no step left.
+    """
+    low = np.full(part.size, -np.inf)
+    for term, place in part.slices():
+        if isinstance(term.effect, Curve) and term.effect.monotone:
+            low[place] = 0.0
+    if not np.isfinite(low).any() or (solution.coefficients[low == 0.0] > 0.0).all():
+        return None
+    scale = np.sqrt(np.maximum(np.diag(solution.information), 1e-300))
+    values, vectors = eigh(solution.information / np.outer(scale, scale))
+    root = np.sqrt(np.maximum(values, 1e-14 * values.max()))
+    design, target = root[:, None] * vectors.T, (vectors / root).T @ (solution.moment / scale)
+    optimum = scipy.optimize.lsq_linear(design, target, bounds=(low, np.inf), method="bvls")
+    free = optimum.active_mask == 0
+    if free.all():  # but for rounding
+        free = (low < 0.0) | (solution.coefficients > 0.0)
+    terms = []
+    for term, place in part.slices():
+        effect = term.effect
+        if isinstance(effect, Curve) and effect.monotone:
+            if not free[place].any():
+                raise ModelError(f"{effect.meaning}: the data neither rise nor fall with it")
+            kept = effect.made(effect.axes, effect.seen, effect.heights[:, free[place]])
+            term = Term(kept, term.joint)
+        terms.append(term)
+    return Basis(tuple(terms))
