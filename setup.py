@@ -127,6 +127,8 @@ setup(
     package_data={
         "": ["py.typed", "*.pyi", "*.urdf", "*.css", "*.js", "*.html", "*.gz", "*.txt"],
         f"{PACKAGE}.workbench": ["page/*"],
+        f"{PACKAGE}.export": ["c/*", "*.json"],
+        f"{PACKAGE}.loops": ["*.c", "*.h"],  # parts of them go into what is exported
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

@@ -54,7 +54,9 @@ class Sum:
         return self.parts.get("", 0.0)
 
 
-class _Formula(Effect):
+class Formula(Effect):
+    """An effect whose torque is a formula; its tree is parsed and never executed."""
+
     tree: ClassVar[ast.expr]
 
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
@@ -108,7 +110,7 @@ def formula_effect(
         "uses": frozenset({"load"} & set(names)),
         "coordinate": "velocity" if "qd" in names else "position",
     }
-    effect: _Formula = type("Formula", (_Formula,), content)()
+    effect: Formula = type("Formula", (Formula,), content)()
     still: dict[str, Any] = {one: np.ones(1) for one in INPUTS}
     found = effect.torque({**still, **{one.name: one.start for one in effect.shapes}})
     if "" in found.parts and np.any(found.value != 0.0):
