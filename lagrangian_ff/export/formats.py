@@ -9,7 +9,7 @@ from lagrangian_ff.errors import ExportError
 from lagrangian_ff.export.result import Exported, Format, Options
 from lagrangian_ff.identification import Model
 
-_FILES = ("c_package", "json_file")
+_FILES = ("c_package", "json_file", "onnx_file", "urdf_file", "mjcf_file", "ur_program")
 """The file of each format, beside this one. A new format is its file and its name here."""
 
 FORMATS: Mapping[str, Format] = {

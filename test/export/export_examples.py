@@ -164,3 +164,8 @@ def apart(found: Floats, expected: Floats) -> float:
     """The largest difference, in parts of each joint's largest torque."""
     scale = np.maximum(np.abs(expected).max(axis=0), 1e-300)
     return float(np.max(np.abs(found - expected) / scale))
+
+
+def rms(values: Floats) -> Floats:
+    """The root mean square of (M, N) by joint."""
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
