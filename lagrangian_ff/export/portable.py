@@ -132,8 +132,8 @@ def _term(
         raise ExportError(
             f"the effect {term.effect.name} is Python code"
             + (f" in {origin.name}" if origin else "")
-            + ", which no other program runs: write it as a formula (a file .json of effects, see "
-            "docs/effects.md) and identify the model again"
+            + ", which no other program runs: write it as a formula (a JSON file for "
+            "--effects-file, see docs/workbench.md) and identify the model again"
         )
     used = set().union(*(names_in(parsed(text)) for text in found.columns))
     values = {"v0": float(speed[term.joint])} | {k: float(v) for k, v in term.shape.items()}

@@ -29,6 +29,10 @@ TORQUES = (
     "masses come out in kg only where the efforts are N·m: those of a UR are currents times a "
     "constant unless `calibrate` has found the scale"
 )
+BESIDE = (
+    "the errors are those of the URDF's bodies with this payload, and with friction and rotors as "
+    "they were found; what the controller itself computes is not known"
+)
 OWN = (
     "the controller's own arm and friction stay as they are: a program can set neither links, "
     "rotors nor effects"
@@ -52,7 +56,8 @@ def write(model: Model, path: Path, options: Options) -> Exported:
         f"set_target_payload({load.mass:.4f}, {_listed(load.centre)}, "
         f"{_listed(load.inertia[(0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)], 6)})",
     ]
-    notes = [TORQUES, OWN, f"the payload is what hangs on {frame} beside the bodies of the URDF"]
+    hung = f"the payload is what hangs on {frame} beside the bodies of the URDF"
+    notes = [TORQUES, OWN, BESIDE, hung]
     if scales is None:
         notes.append(
             "no friction scales: they are parts of the controller's own friction, which is not "

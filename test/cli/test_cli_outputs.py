@@ -17,7 +17,13 @@ from hypothesis import strategies as st
 
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.options import assignments, names
-from lagrangian_ff.cli.common.outputs import check_file, check_folder, whole, write_record, write_table
+from lagrangian_ff.cli.common.outputs import (
+    check_file,
+    check_folder,
+    whole,
+    write_record,
+    write_table,
+)
 from lagrangian_ff.errors import UserError
 
 

@@ -206,6 +206,14 @@ def test_names_of_joints_cannot_break_the_source(tmp_path: Path) -> None:
     assert apart(found.tau, model.predict(x.q, x.qd, x.qdd)) < ROUNDING
 
 
+def test_the_header_is_one_of_cpp_as_well(tmp_path: Path) -> None:
+    cpp = shutil.which("c++") or shutil.which("g++")
+    if cpp is None:
+        pytest.skip("there is no C++ compiler")
+    header = library(model_of("none+fri"), tmp_path) / "arm.h"
+    run(cpp, "-std=c++17", *STRICT[1:], "-fsyntax-only", "-x", "c++", header)
+
+
 @pytest.mark.parametrize("name", ["Arm", "int", "a-b", "1st", "arm.json"])
 def test_a_name_that_c_does_not_take_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(ExportError, match="cannot be the name of a C library"):
