@@ -71,6 +71,8 @@ EXTRAS = {
     # Reads robot descriptions for models of known robots. Wheels for Linux and macOS; ROS has it as
     # ros-jazzy-pinocchio.
     "urdf": ["pin >=2.7, <5"],
+    # Writes models as ONNX graphs.
+    "onnx": ["onnx >=1.15, <2"],
     # Studies on the machines of a Dask cluster.
     "cluster": ["distributed >=2024.8, <2027"],
     # What `make benchmark` compares with.
@@ -80,6 +82,11 @@ EXTRAS = {
     "test": [
         "pin >=2.7, <5",
         "distributed >=2024.8, <2027",
+        # Take exported models back in.
+        "onnx >=1.15, <2",
+        "onnxruntime >=1.17, <2",
+        "mujoco >=3.1, <5",
+        "jsonschema >=4.10, <5",
         "pytest >=7.4.4, <10",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",
@@ -127,6 +134,8 @@ setup(
     package_data={
         "": ["py.typed", "*.pyi", "*.urdf", "*.css", "*.js", "*.html", "*.gz", "*.txt"],
         f"{PACKAGE}.workbench": ["page/*"],
+        f"{PACKAGE}.export": ["c/*", "*.json"],
+        f"{PACKAGE}.loops": ["*.c", "*.h"],  # parts of them go into what is exported
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

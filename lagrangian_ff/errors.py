@@ -34,3 +34,7 @@ class DemoError(UserError):
 
 class LostRunError(DemoError):
     """A run of the arm that was lost; it may be repeated."""
+
+
+class ExportError(UserError):
+    """A model that a format cannot hold, or a file that it cannot be written to."""

@@ -42,7 +42,7 @@ class _Universal(base.Kernel):
             sigma=np.array([2.0 * x.joints]), velocity_scale=np.array([1.0 / base.largest(x.qd)])
         )
 
-    def _numbers(self, joints: int, joint: int = 0) -> tuple[int, int, Floats, Floats]:
+    def numbers(self, joints: int, joint: int = 0) -> tuple[int, int, Floats, Floats]:
         """Return the joints, whether they are angles, α and w of `universal.c`, for one joint."""
         alpha = 1.0 / base.of_joint(self.sigma, joint)
         w = alpha * base.of_joint(self.velocity_scale, joint) ** 2
@@ -64,7 +64,7 @@ class _Vector(_Universal, base.LagrangianKernel):
     def _blocks(self, x: Floats, u: Floats, lower: bool) -> Floats:
         joints, many = x.shape[2], len(u)
         out = np.empty((len(x), joints, many, joints))
-        numbers = self._numbers(joints)
+        numbers = self.numbers(joints)
 
         def write(rows: slice) -> None:
             ends = np.array([rows.start, rows.stop])
@@ -77,18 +77,18 @@ class _Vector(_Universal, base.LagrangianKernel):
         return self.learned(u, a).torque(x)
 
     def learned(self, u: States, a: Floats) -> base.Learned:
-        return Centres.of(u, a, self._numbers(u.joints))
+        return Centres.of(u, a, self.numbers(u.joints))
 
     def variance(self, x: States) -> Floats:
         out = np.empty((len(x), x.joints))
-        loop("universal_variance")(*self._numbers(x.joints), prepared(x), len(x), out)
+        loop("universal_variance")(*self.numbers(x.joints), prepared(x), len(x), out)
         return out
 
     def lagrangian_row(self, x: States, u: States) -> Floats:
         """Return (M_x, M_u, N) T_m,u k_L(x, u_j), eq. (34), which recovers the Lagrangian (31)."""
         out = np.empty((len(x), len(u), x.joints))
         states = prepared(x), len(x), prepared(u), len(u)
-        loop("universal_lagrangian_rows")(*self._numbers(x.joints), *states, out)
+        loop("universal_lagrangian_rows")(*self.numbers(x.joints), *states, out)
         return out
 
     def lagrangian(self, x: States, u: States, a: Floats) -> Floats:
@@ -100,7 +100,7 @@ class _Vector(_Universal, base.LagrangianKernel):
     def _lagrangian(self, x: States, u: States, a: Floats) -> tuple[Floats, Floats]:
         value, momentum = np.empty(len(x)), np.empty((len(x), x.joints))
         states = prepared(x), len(x), prepared(u), len(u), np.ascontiguousarray(a)
-        loop("universal_lagrangian")(*self._numbers(x.joints), *states, value, momentum)
+        loop("universal_lagrangian")(*self.numbers(x.joints), *states, value, momentum)
         return value, momentum
 
 
@@ -152,7 +152,7 @@ class _Scalar(_Universal, base.IndependentKernel):
     def cross(self, x: States, u: States, joint: int) -> Floats:
         out = np.empty((len(x), len(u)))
         states = prepared(x), len(x), prepared(u), len(u)
-        loop("universal_diagonal")(*self._numbers(x.joints, joint), *states, joint, out)
+        loop("universal_diagonal")(*self.numbers(x.joints, joint), *states, joint, out)
         return out
 
     def apply(self, x: States, u: States, a: Floats) -> Floats:
@@ -160,14 +160,14 @@ class _Scalar(_Universal, base.IndependentKernel):
         states = prepared(x), len(x), prepared(u), len(u)
         coefficients = np.ascontiguousarray(a)
         for joint in range(x.joints):
-            numbers = self._numbers(x.joints, joint)
+            numbers = self.numbers(x.joints, joint)
             loop("universal_diagonal_apply")(*numbers, *states, joint, coefficients, out)
         return out
 
     def variance(self, x: States) -> Floats:
         out, every = np.empty((2, len(x), x.joints))
         for joint in range(x.joints):
-            numbers = self._numbers(x.joints, joint)
+            numbers = self.numbers(x.joints, joint)
             loop("universal_variance")(*numbers, prepared(x), len(x), every)
             out[:, joint] = every[:, joint]
         return out

@@ -147,7 +147,7 @@ def _load(variant: str) -> ctypes.CDLL:
     except OSError as error:
         raise LoopsError(f"the C loops are not compiled ({error}): {mend}") from error
     library.loops_sources.restype = ctypes.c_char_p
-    # Sources are beside the library in a clone only.
+    # In a clone, the sources beside the library may have been changed since.
     if build.SOURCES and library.loops_sources().decode() != build.digest():
         raise LoopsError(f"the C loops in {path} are not those of the sources beside them: {mend}")
     return library

@@ -17,7 +17,13 @@ from hypothesis import strategies as st
 
 from lagrangian_ff.cli.common.console import Console, progress_bar
 from lagrangian_ff.cli.common.options import assignments, names
-from lagrangian_ff.cli.common.outputs import check_bag, check_file, whole, write_record, write_table
+from lagrangian_ff.cli.common.outputs import (
+    check_file,
+    check_folder,
+    whole,
+    write_record,
+    write_table,
+)
 from lagrangian_ff.errors import UserError
 
 
@@ -27,10 +33,10 @@ def test_only_a_bag_is_replaced_by_a_bag(name: str, replaced: bool, tmp_path: Pa
     path.mkdir()
     (path / name).touch()
     if replaced:
-        check_bag(path, "--output", force=True)
+        check_folder(path, "--output", "bag", force=True)
     else:
         with pytest.raises(UserError, match="is not a bag"):
-            check_bag(path, "--output", force=True)
+            check_folder(path, "--output", "bag", force=True)
 
 
 def test_a_place_that_cannot_be_written_is_a_users_error(tmp_path: Path) -> None:

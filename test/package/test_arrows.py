@@ -31,13 +31,24 @@ ARROWS: dict[str, set[str]] = {
     "diagnosis": IDENTIFIED,
     # Not the effects: the plant's physics must not share code with what is to find it.
     "arm": {"loops", *LOW},
+    "export": {"loops", *IDENTIFIED},  # whose C code goes into what is exported
     "investigation": UNDERSTOOD,
     "report": {"investigation", *UNDERSTOOD},
     "nodes": {"arm", "investigation", "report", *UNDERSTOOD},
     "studies": {"arm", "investigation", "report", *UNDERSTOOD},
     "workbench": {"arm", "report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
-    "cli": {"arm", "demo", "investigation", "nodes", "report", "studies", "workbench", *UNDERSTOOD},
+    "cli": {
+        "arm",
+        "demo",
+        "export",
+        "investigation",
+        "nodes",
+        "report",
+        "studies",
+        "workbench",
+        *UNDERSTOOD,
+    },
 }
 FOR_ALL = {
     "arrays", "budget", "errors", "files", "lazy", "numbers", "progress", "record_json",

@@ -22,7 +22,7 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 
 # Where the name on the package index and the rosdep key differ.
 ROSDEP = {"pyyaml": "python3-yaml"}
-OPTIONAL = ("arm", "bags", "threads", "urdf", "cluster")
+OPTIONAL = ("arm", "bags", "threads", "urdf", "onnx", "cluster")
 DISTRIBUTION = {
     "sklearn": "scikit-learn",
     "pinocchio": "pin",

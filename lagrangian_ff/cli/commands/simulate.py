@@ -122,7 +122,7 @@ def _check_arguments(arguments: Namespace) -> None:
         if not path.is_file():
             raise UserError(f"--feedforward {path}: no such file")
         inputs.append(path)
-    check_outputs(arguments, inputs, bag=True)
+    check_outputs(arguments, inputs, folder="bag")
     made = [f"--{name}" for name in ("speed", "duration") if getattr(arguments, name) is not None]
     if arguments.trajectory is not None and made:
         raise UserError(f"--trajectory names the motion; {' and '.join(made)} would make another")

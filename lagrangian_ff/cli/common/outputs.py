@@ -3,7 +3,7 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,7 +33,7 @@ def check_sources(sources: Iterable[Path]) -> None:
 
 
 def check_outputs(
-    arguments: Namespace, reads: Iterable[Path | None], suffix: str = "", *, bag: bool = False
+    arguments: Namespace, reads: Iterable[Path | None], suffix: str = "", *, folder: str = ""
 ) -> None:
     """Refuse files to write that are there, cannot be written, or are used for something else.
 
@@ -41,7 +41,7 @@ def check_outputs(
         arguments: with --force and any of the options in `SUFFIXES`.
         reads: files that the command reads; None for those that were not given.
         suffix: the end of the name that --output gives.
-        bag: --output names a bag, which is a folder.
+        folder: one of `FOLDERS` if --output names a folder.
 
     Raises:
         UserError: one may not be written, and why.
@@ -52,8 +52,8 @@ def check_outputs(
         if given is None or (name == "json" and given == "-"):
             continue
         path, option = Path(given), f"--{name.replace('_', '-')}"
-        if bag and name == "output":
-            check_bag(path, option, force=arguments.force, keep=keep)
+        if folder and name == "output":
+            check_folder(path, option, folder, force=arguments.force, keep=keep)
         else:
             end = suffix if name == "output" else usual
             check_file(path, option, force=arguments.force, suffix=end, keep=keep)
@@ -81,16 +81,31 @@ def check_file(
     _check_place(path, option, force=force, keep=keep)
 
 
-def check_bag(path: Path, option: str, *, force: bool, keep: Iterable[Path] = ()) -> None:
-    """Refuse a bag (a folder) that may not be written; see `check_file`.
-
-    Raises:
-        UserError: it may not, and why. A folder that holds anything but a bag is never replaced.
-    """
+def _is_bag(path: Path) -> bool:
     from lagrangian_ff.recording.sources.bag import is_bag
 
-    if path.exists() and force and (path.is_file() or not is_bag(path)):
-        raise UserError(f"{option} {path}: is not a bag and is not replaced; name another")
+    return is_bag(path)
+
+
+def _is_library(path: Path) -> bool:
+    """Return whether a folder was exported, and is that library still."""
+    return all((path / name).is_file() for name in (f"{path.name}.c", "check.c", "CMakeLists.txt"))
+
+
+FOLDERS: Mapping[str, Callable[[Path], bool]] = {"bag": _is_bag, "library": _is_library}
+"""What a folder that --output names may be, and what says whether one that is there is it."""
+
+
+def check_folder(
+    path: Path, option: str, what: str, *, force: bool, keep: Iterable[Path] = ()
+) -> None:
+    """Refuse a folder, one of `FOLDERS`, that may not be written; see `check_file`.
+
+    Raises:
+        UserError: it may not, and why. A folder that holds anything else is never replaced.
+    """
+    if path.exists() and force and (path.is_file() or not FOLDERS[what](path)):
+        raise UserError(f"{option} {path}: is not a {what} and is not replaced; name another")
     _check_place(path, option, force=force, keep=keep)
 
 

@@ -129,7 +129,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         # Kinetic energy ½ qd·p, and the potential part.
         out, weights = np.empty(len(x)), np.ascontiguousarray(a)
         states = prepared(x), len(x), prepared(u), len(u)
-        loop("structured_potential")(*self._numbers(), *states, weights, out)
+        loop("structured_potential")(*self.numbers(), *states, weights, out)
         return out + 0.5 * np.sum(x.qd * self.momentum(x, u, a), axis=1)
 
     def momentum(self, x: States, u: States, a: Floats) -> Floats:
@@ -143,7 +143,7 @@ class Structured(DifferentiableKernel, LagrangianKernel):
         inertias, shares = (
             np.array([getattr(one, name) for one in pieces]) for name in ("inertia", "share")
         )
-        numbers, given = self._numbers(), (len(pieces), whats, inertias, shares, weights, vector)
+        numbers, given = self.numbers(), (len(pieces), whats, inertias, shares, weights, vector)
         states, many = prepared(x), threads.count()
 
         def contracted(first: int) -> tuple[Floats, Floats]:
@@ -169,9 +169,9 @@ class Structured(DifferentiableKernel, LagrangianKernel):
     def _write(self, x: Floats, u: Floats, rows: slice, pairs: int, out: Floats) -> None:
         """Write the blocks of some rows to out, which begins with the first of them."""
         ends = np.array([rows.start, rows.stop])
-        loop("structured_blocks")(*self._numbers(), x, u, ends, len(u), pairs, out)
+        loop("structured_blocks")(*self.numbers(), x, u, ends, len(u), pairs, out)
 
-    def _numbers(self) -> tuple[int, int, Ints, Floats]:
+    def numbers(self) -> tuple[int, int, Ints, Floats]:
         """Return joints, whether serial, forms, and (6, N) numbers of `Arm` in `structured.h`."""
         joints = len(self.inertia)
         links = np.zeros((2, joints))
