@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from lagrangian_ff.effects.formula import SIGN
 from lagrangian_ff.effects.inputs import SIGN_SPEED
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
