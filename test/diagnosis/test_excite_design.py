@@ -230,6 +230,7 @@ def assert_sound(found: Design, limits: Limits) -> None:
 def test_a_design_is_sound_and_lasts_as_asked() -> None:
     assert_sound(designed(), limits_of(rods()))
     assert designed().finished
+    assert not designed().beyond
     assert designed().reference.time[-1] == pytest.approx(SECONDS, rel=0.15)
 
 

@@ -17,6 +17,7 @@ from lagrangian_ff.diagnosis.excite.splines import AT_REST, DEGREE, Splines
 from lagrangian_ff.diagnosis.excite.starts import starts_of
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
+from lagrangian_ff.kernels import States
 from lagrangian_ff.kernels.threads import limited, one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 
@@ -27,8 +28,8 @@ FEWEST, MOST = 60, 300
 """Samples that the search looks at, at least and at most."""
 SMALLER = 0.95
 """Share of the way from the start that is left where a motion keeps the limits at no tempo."""
-LEAST = 1e-3
-"""rad, a smaller motion is none."""
+LEAST = 0.05
+"""rad, a joint that would move less is held."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ class Design:
         expected: of every effect on every joint at this size.
         used: by limit, (N,) the share of it that the motion takes.
         begun: the motion that it was climbed from.
+        beyond: the joints that go where the model has not seen them, where it guesses.
         finished: whether the search went to its end.
     """
 
@@ -79,6 +81,7 @@ class Design:
     expected: tuple[Expected, ...]
     used: Mapping[str, Floats]
     begun: str
+    beyond: tuple[str, ...] = ()
     finished: bool = True
 
 
@@ -282,10 +285,10 @@ class _Search:
     def _design(self, found: Sequence[_Found]) -> Design:
         """Return the best of the motions, slowed down where it does not keep the limits."""
         for one in found:
-            control = one.control
+            control = self._held(one.control)
             while (splines := self.keeper.kept(self.objective.splines, control)) is None:
                 control = self.pose + SMALLER * (control - self.pose)
-                if np.ptp(control, axis=0).max() < LEAST:
+                if np.ptp(control, axis=0).max() < 0.1 * LEAST:
                     break
             else:
                 return self._predicted(splines, control, one.begun)
@@ -293,6 +296,17 @@ class _Search:
             "no motion keeps the limits: at the start, the torque predicted comes too near to its "
             "limit already; name another start or other limits"
         )
+
+    def _held(self, control: Floats) -> Floats:
+        """Return control points with joints held that hardly move, if the way is clear then.
+
+        Static friction of a joint that creeps by some mrad has no form that a model knows.
+        """
+        held = control.copy()
+        hardly = np.ptp(control, axis=0) < LEAST
+        held[:, hardly] = self.pose[hardly]
+        clear = self.keeper.cleared(self.objective.splines, held, held)
+        return control if clear is None else held
 
     def _predicted(self, splines: Splines, control: Floats, begun: str) -> Design:
         size, reference = self.objective.size, splines.reference(control)
@@ -309,7 +323,9 @@ class _Search:
             nats = min(nats, *own)
         used = self.keeper.used(reference)
         joints = assumed.model.joints
-        return Design(self.question, joints, reference, nats, expected, used, begun)
+        excess = assumed.model.range.excess(States.of(*reference[1:])).max(axis=0)
+        beyond = tuple(name for name, share in zip(joints, excess, strict=True) if share > 1e-6)
+        return Design(self.question, joints, reference, nats, expected, used, begun, beyond)
 
 
 def _some(available: int, wanted: int, seed: int) -> Ints:

@@ -87,8 +87,8 @@ class Objective:
         means = [float(np.mean([least for least, _ in group])) for group in softened]
         value, of_groups = softmin(np.array(means))
         if self.dynamics:
-            noise = np.tile(whitened.problem.variances, len(self.index))
-            value += (whitened.system.log_det - float(np.sum(np.log(noise)))) / self._cases
+            system = whitened.system
+            value += (system.log_det - float(np.sum(np.log(system.noise)))) / self._cases
         look = Look(whitened, value)
         if slope:
             for number, (group, soft) in enumerate(zip(judged, softened, strict=True)):

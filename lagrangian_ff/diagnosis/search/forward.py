@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lagrangian_ff.arrays import Flags
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
 from lagrangian_ff.diagnosis.search.bayes_factor import (
@@ -36,6 +37,7 @@ from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import recorded_seconds
 
 MOST_STEPS = 40
@@ -95,6 +97,7 @@ def search(
     change: Change | None = None
     may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
     rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
+    still = _still(whitened.motion)
     while True:
         share = 1.0 - 0.75 ** len(rounds)
         progress(share, f"looking at every effect, step {len(rounds) + 1}")
@@ -108,8 +111,10 @@ def search(
                 found = bayes_factors(whitened, candidates, coarse=True)
                 whitened.forget()
         causes = causes_of(whitened.basis)
-        best = best_of_each(found, causes)
-        null = MaximumNull.of([score for score in found if not score.once])
+        # Static friction of a joint at rest has any form.
+        moving = [one for one in found if not still[one.candidate.joint]]
+        best = best_of_each(moving, causes)
+        null = MaximumNull.of([score for score in moving if not score.once])
         rounds.append((found, best, null))
         strong = [score for score in best if _stands_out(score, null, whitened)]
         eligible = [score for score in strong if possible(score, causes, whitened.x)]
@@ -278,7 +283,7 @@ def _to_beat(whitened: Whitened, eligible: Sequence[BayesFactor]) -> float:
 def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable, ...]:
     """Return the effects, joint by joint, that this motion hides."""
     motion = found.whitened.motion
-    still = np.ptp(motion.q, axis=0) < thresholds.USED.still
+    still = _still(motion)
     power: dict[tuple[str, int], float] = {}
     present = {step.score.candidate.key for step in found.steps}
     # The last have the noise that is left beside all that was found.
@@ -305,6 +310,11 @@ def not_observable(found: Search, joints: Sequence[str]) -> tuple[NotObservable,
         effect = EFFECTS[name]
         missing.append(NotObservable(name, "all", effect.caution, effect.next_motion))
     return tuple(missing)
+
+
+def _still(motion: Motion) -> Flags:
+    """Return (N,) which joints stand still throughout."""
+    return np.asarray(np.ptp(motion.q, axis=0) < thresholds.USED.still)
 
 
 def _expected_log_bf(score: BayesFactor) -> float:
