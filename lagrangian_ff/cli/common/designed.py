@@ -104,7 +104,8 @@ def designed(arguments: Namespace) -> "Design":
     """Return the motion that the arguments ask for."""
     from lagrangian_ff.diagnosis.excite import design
     from lagrangian_ff.diagnosis.excite.assumed import SIZE
-    from lagrangian_ff.diagnosis.excite.design import SECONDS, USUAL, pose_for
+    from lagrangian_ff.diagnosis.excite.climbing import USUAL
+    from lagrangian_ff.diagnosis.excite.design import SECONDS, pose_for
     from lagrangian_ff.identification import Model
 
     model: Model = Model.load(arguments.model)
