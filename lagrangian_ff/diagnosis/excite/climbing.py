@@ -18,7 +18,7 @@ FEWEST, MOST = 60, 300
 """Samples that the search looks at, at least and at most."""
 SMALLER = 0.95
 """Share of the way from the start that is left where a motion keeps the limits at no tempo."""
-LEAST = 0.05
+LEAST = 0.1
 """rad, a joint that would move less is held."""
 USUAL_STARTS = 40
 """About so many there are."""
@@ -37,8 +37,8 @@ class Effort:
 
     rows: int = 900
     starts: int = 2
-    first: int = 12
-    rounds: tuple[tuple[int, float], ...] = ((15, 30.0), (15, 100.0), (12, 1e3), (12, 1e4))
+    first: int = 10
+    rounds: tuple[tuple[int, float], ...] = ((12, 30.0), (12, 100.0), (10, 1e3), (10, 1e4))
 
     def scaled(self, share: float) -> "Effort":
         """Return a share of this effort, at least one look at each place."""
@@ -187,7 +187,7 @@ class Way:
         control = self._held(found.control)
         while (splines := self.keeper.kept(self.splines, control)) is None:
             control = self.pose + SMALLER * (control - self.pose)
-            if np.ptp(control, axis=0).max() < 0.1 * LEAST:
+            if np.ptp(control, axis=0).max() < 0.05 * LEAST:
                 return None
         return splines, control
 
