@@ -1,19 +1,30 @@
-"""Designed motions: their information is the search's own, they keep every limit, and they gain."""
+"""Designed motions: they keep every limit, gain more than templates, and what they promise."""
 
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 import two_rods
+from design_examples import (
+    QUESTIONS,
+    SECONDS,
+    SIZE,
+    STUCK,
+    TINY,
+    assumed,
+    designed,
+    keeper,
+    rods,
+    swing,
+    usual,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from whitened_examples import SHORT, quickly
 
 from lagrangian_ff.diagnosis.excite import (
-    Assumed,
     Between,
     Design,
     Effort,
@@ -22,169 +33,34 @@ from lagrangian_ff.diagnosis.excite import (
     For,
     Limits,
     Question,
-    Reference,
     Suspect,
     design,
-    excite,
     limits_of,
     outcomes,
     seen_pose,
 )
+from lagrangian_ff.diagnosis.excite.climbing import Way
 from lagrangian_ff.diagnosis.excite.design import joints_of
-from lagrangian_ff.diagnosis.excite.keeping import Keeper, jerk_of
-from lagrangian_ff.diagnosis.excite.objective import Objective, judge, nats_of
+from lagrangian_ff.diagnosis.excite.keeping import jerk_of
+from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.outcome import design_record
-from lagrangian_ff.diagnosis.excite.questions import Case, cases_of
+from lagrangian_ff.diagnosis.excite.questions import cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, Splines
-from lagrangian_ff.diagnosis.excite.starts import template
-from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors, expected
+from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import fit
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.identification.problem import Nuisance
+from lagrangian_ff.progress import silent
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
-
-SECONDS, SIZE = 8.0, 0.05
-STUCK = Suspect("stribeck", "elbow", {"v_s": 0.15})
-TINY = Effort(rows=160, starts=1, first=4, rounds=((4, 30.0), (4, 1e3)))
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
     with quickly(1000, SHORT):
         yield
-
-
-@cache
-def rods() -> Model:
-    """Return a model of the two rods, with plain friction."""
-    few = Settings(train=1.0, samples=100, evaluations=12)
-    return identify(two_rods.motion(1, 30.0), few).model
-
-
-@cache
-def assumed() -> Assumed:
-    """Return what the search assumes of them."""
-    return Assumed.of(rods())
-
-
-@cache
-def designed() -> Design:
-    """Return the motion that shows whether the elbow sticks."""
-    small = Effort(rows=300, starts=1, first=10, rounds=((15, 30.0), (10, 1e3), (5, 1e4)))
-    return design(rods(), For(STUCK), seconds=SECONDS, assumed=assumed(), effort=small)
-
-
-@cache
-def usual() -> Reference:
-    """Return the template for the same, over about as soon."""
-    limits = limits_of(rods())
-    start = seen_pose(rods(), "elbow", limits)
-    return template("slow sweep", rods().joints, limits, "elbow", start, SECONDS)
-
-
-def swing() -> Reference:
-    """Return a motion of both joints."""
-    return excite("exciting", rods().joints, limits_of(rods()), duration=SECONDS)
-
-
-def keeper(limits: Limits | None = None) -> Keeper:
-    return Keeper(rods(), limits or limits_of(rods()), np.zeros(2))
-
-
-# The information.
-
-
-@pytest.mark.parametrize("name", ["stribeck", "quadratic_drag", "ripple", "hysteresis", "coupled"])
-def test_a_signal_is_the_searchs_own_information(name: str) -> None:
-    """Of a motion that was not made yet, with the code that judges one that was."""
-    whitened = assumed().whitened(swing())
-    true = Candidate(EFFECTS[name], 1, EFFECTS[name].candidates(assumed().base.x, 1)[0])
-    (score,) = bayes_factors(whitened, [true])
-    prior = expected(true.columns(whitened.x), float(whitened.spread[1]))
-    ratio = assumed().coefficients(true, SIZE) / prior
-    (judged,) = judge(whitened, [Case(true, (None,))], assumed(), SIZE)
-    own = 0.5 * np.mean(np.diag(score.information) * ratio**2)
-    assert judged.signals[0] == pytest.approx(own / assumed().inflation[true.key], rel=1e-6)
-
-
-def test_a_rival_takes_what_it_can_imitate() -> None:
-    """As much as the search would give it, were it in the model."""
-    whitened = assumed().whitened(swing())
-    true, rival = (
-        Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15}),
-        Candidate(EFFECTS["quadratic_drag"], 1),
-    )
-    beside = Nuisance(1, rival.columns(whitened.x))
-    (alone,), (left,) = (
-        bayes_factors(one, [true])
-        for one in (whitened, whitened.explaining(whitened.basis, (beside,)))
-    )
-    (judged,) = judge(whitened, [Case(true, (None, rival))], assumed(), SIZE)
-    # The search scales by the residual; nothing was measured here.
-    scale = whitened.explaining(whitened.basis, (beside,)).amplitude ** 2
-    share = scale * float(left.information[0, 0] / alone.information[0, 0])
-    assert share < 1.0
-    assert judged.signals[1] / judged.signals[0] == pytest.approx(share, rel=1e-6)
-
-
-@pytest.mark.parametrize("name", ["stribeck", "ripple", "hysteresis"])
-def test_nothing_tells_an_effect_from_itself(name: str) -> None:
-    whitened = assumed().whitened(swing())
-    true = Candidate(EFFECTS[name], 1, EFFECTS[name].candidates(assumed().base.x, 1)[1])
-    (judged,) = judge(whitened, [Case(true, (None, true))], assumed(), SIZE)
-    assert judged.signals[1] < 1e-9 * judged.signals[0]
-
-
-def test_the_noise_counts_by_time_and_not_by_samples() -> None:
-    """Looking twice as often at the same motion says nothing new."""
-    motion = assumed().motion_of(swing())
-    inputs = rods().inputs_of(motion)
-    true = Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})
-    gains = []
-    for every in (4, 2):
-        index = np.arange(0, len(motion), every)
-        whitened = assumed().whitened_at(motion, index, inputs, inputs.take(index))
-        gains.append(float(judge(whitened, [Case(true, (None,))], assumed(), SIZE)[0].signals[0]))
-    assert gains[0] == pytest.approx(gains[1], rel=0.1)
-
-
-QUESTIONS = [
-    For(STUCK),
-    For(Suspect("ripple", "elbow")),
-    Between(Suspect("stribeck", "elbow"), Suspect("power_law", "elbow")),
-]
-
-
-@pytest.mark.parametrize("question", QUESTIONS)
-def test_the_slope_is_that_of_the_value(question: Question) -> None:
-    splines = Splines(6.0, 24)
-    index = np.arange(3, len(splines.time), 11)
-    groups = cases_of(question, assumed(), SIZE)
-    # Without rivals that remember: theirs is the slope by their own joint only.
-    groups = [
-        [
-            Case(one.true, tuple(r for r in one.rivals if r is None or not r.effect.remembers))
-            for one in group
-        ]
-        for group in groups
-    ]
-    objective = Objective(assumed(), groups, splines, SIZE, index, dynamics=True)
-    pose = seen_pose(rods(), "elbow", limits_of(rods()))
-    draw = np.random.default_rng(0)
-    control, way = np.tile(pose, (24, 1)), np.zeros((24, 2))
-    inner = slice(AT_REST, 24 - AT_REST)
-    control[inner] += draw.normal(0.0, 0.2, control[inner].shape)
-    way[inner] = draw.normal(size=way[inner].shape)
-    look = objective.look(control)
-    step = 1e-6
-    up, down = (objective.look(control + s * step * way, slope=False).value for s in (1.0, -1.0))
-    along = float(np.sum(objective.slope(look, control) * way))
-    assert along == pytest.approx((up - down) / (2 * step), rel=0.02, abs=1e-3)
 
 
 # The limits.
@@ -230,6 +106,7 @@ def assert_sound(found: Design, limits: Limits) -> None:
 def test_a_design_is_sound_and_lasts_as_asked() -> None:
     assert_sound(designed(), limits_of(rods()))
     assert designed().finished
+    assert not designed().beyond
     assert designed().reference.time[-1] == pytest.approx(SECONDS, rel=0.15)
 
 
@@ -316,10 +193,32 @@ def test_every_question_has_its_motion(question: Question) -> None:
     assert set(joints_of(question, rods())) <= set(found.joints)
 
 
+def test_the_joint_in_question_is_also_moved_alone() -> None:
+    """From the templates that hold the other, which stays where it is."""
+    limits = limits_of(rods())
+    pose = seen_pose(rods(), "elbow", limits)
+    splines = Splines(SECONDS, 45)
+    index = np.arange(0, len(splines.time), 8)
+    objective = Objective(assumed(), cases_of(For(STUCK), assumed(), SIZE), splines, SIZE, index)
+    both = Way(objective, keeper(), pose, TINY, (0, 1))
+    found = both.starts(["elbow"], 0, silent)
+    assert both.alone([0, 1], found) is None
+    made = both.alone([1], found)
+    assert made is not None
+    way, starts = made
+    assert 0 < len(starts) < len(found)
+    *_, best = way.uphill(starts, 0)
+    assert not np.ptp(best.control[:, 0])
+    assert np.ptp(best.control[:, 1]) > 0.1
+    assert best.value > starts[0].value
+
+
 def test_the_seed_decides() -> None:
+    least = Effort(rows=120, starts=1, first=1, rounds=((1, 30.0),))
+
     def one(seed: int) -> Floats:
         return design(
-            rods(), For(STUCK), seconds=SECONDS, assumed=assumed(), effort=TINY, seed=seed
+            rods(), For(STUCK), seconds=SECONDS, assumed=assumed(), effort=least, seed=seed
         ).reference.q
 
     first = one(3)

@@ -104,7 +104,8 @@ def designed(arguments: Namespace) -> "Design":
     """Return the motion that the arguments ask for."""
     from lagrangian_ff.diagnosis.excite import design
     from lagrangian_ff.diagnosis.excite.assumed import SIZE
-    from lagrangian_ff.diagnosis.excite.design import SECONDS, USUAL, pose_for
+    from lagrangian_ff.diagnosis.excite.climbing import USUAL
+    from lagrangian_ff.diagnosis.excite.design import SECONDS, pose_for
     from lagrangian_ff.identification import Model
 
     model: Model = Model.load(arguments.model)
@@ -204,6 +205,11 @@ def say(design: "Design", record: dict[str, Any], console: Console) -> None:
     console.say(f"{record['question']} {record['seconds']:.1f} s, climbed from {design.begun}")
     if not design.finished:
         console.note("interrupted: this is the best motion that was found until then")
+    if design.beyond:
+        console.note(
+            f"{', '.join(design.beyond)} go farther or faster than the model has seen: torques and "
+            "gains are a guess there"
+        )
     words = "to decide it, for an effect of"
     console.say(f"expected: {number(design.nats)} nats {words} {size:.0%} of its joint's torque")
     rows = [
@@ -217,8 +223,15 @@ def say(design: "Design", record: dict[str, Any], console: Console) -> None:
         hidden.setdefault(one["effect"], []).append(one["joint"])
     if hidden:
         floor = thresholds.USED.floor
-        parts = [f"{name} ({', '.join(joints)})" for name, joints in hidden.items()]
-        console.paragraph(f"not shown (below {floor:g} nats): {'; '.join(parts)}")
+        every = len(design.joints)
+        whole = [name for name, joints in hidden.items() if len(joints) == every]
+        console.paragraph(
+            f"not shown (below {floor:g} nats) on any joint: {', '.join(whole) or '-'}"
+        )
+        for joint in design.joints:
+            names = [n for n, joints in hidden.items() if joint in joints and n not in whole]
+            if names:
+                console.paragraph(f"{joint}: {', '.join(names)}", "  on ", "     ")
     console.say(["", "share of its limits that it takes"])
     names = list(record["used"])
     shares = [

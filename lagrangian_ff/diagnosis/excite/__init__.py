@@ -2,7 +2,8 @@
 
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, Expected
 from lagrangian_ff.diagnosis.excite.clearance import Box, Clearance, floor_at, urdf_limits
-from lagrangian_ff.diagnosis.excite.design import Design, Effort, design
+from lagrangian_ff.diagnosis.excite.climbing import Effort
+from lagrangian_ff.diagnosis.excite.design import Design, design
 from lagrangian_ff.diagnosis.excite.excite import excite, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import limits_of
 from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS, NextMotion

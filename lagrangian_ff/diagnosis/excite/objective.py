@@ -87,8 +87,8 @@ class Objective:
         means = [float(np.mean([least for least, _ in group])) for group in softened]
         value, of_groups = softmin(np.array(means))
         if self.dynamics:
-            noise = np.tile(whitened.problem.variances, len(self.index))
-            value += (whitened.system.log_det - float(np.sum(np.log(noise)))) / self._cases
+            system = whitened.system
+            value += (system.log_det - float(np.sum(np.log(system.noise)))) / self._cases
         look = Look(whitened, value)
         if slope:
             for number, (group, soft) in enumerate(zip(judged, softened, strict=True)):
@@ -167,8 +167,12 @@ class Objective:
     def _uses(self) -> bool:
         return any(term.effect.uses for term in self._terms)
 
-    def slope(self, look: Look, control: Floats) -> Floats:
-        """Return (K, N) the slope of the value by the control points."""
+    def slope(self, look: Look, control: Floats, free: Sequence[int] | None = None) -> Floats:
+        """Return (K, N) the slope of the value by the control points.
+
+        Args:
+            free: joints that it is wanted for; it is zero for others. None is all.
+        """
         whitened, x = look.whitened, look.whitened.x
         still = replace(x, whole=None, index=None, window=1)
         states = States.of(x.q, x.qd, x.qdd)
@@ -180,10 +184,11 @@ class Objective:
         here = [pull for pull in _merged(look.pulls) if not pull.term.effect.remembers]
         before = _sums(here, still)
         out = np.zeros_like(control)
+        free = range(joints) if free is None else free
         for order, name in enumerate(("q", "qd", "qdd")):
             step = STEP * max(float(np.abs(getattr(x, name)).max()), 1e-3)
             by_state = np.zeros_like(x.q)
-            for n in range(joints):
+            for n in free:
                 moved = {one: getattr(x, one) for one in ("q", "qd", "qdd")}
                 moved[name] = moved[name].copy()
                 moved[name][:, n] += step
@@ -199,18 +204,19 @@ class Objective:
                     seen = replace(seen, load=read.load, torque=read.torque)
                 by_state[:, n] += _sums(here, seen) - before
             out += self.splines.rates[order][self.index].T @ (by_state / step)
-        return out + self._slope_of_memory(look, control)
+        return out + self._slope_of_memory(look, control, free)
 
     @property
     def _cases(self) -> int:
         return sum(len(group) for group in self.groups)
 
-    def _slope_of_memory(self, look: Look, control: Floats) -> Floats:
+    def _slope_of_memory(self, look: Look, control: Floats, free: Sequence[int]) -> Floats:
         """Return (K, N) the slope by effects with a memory, by their own joint alone."""
         out = np.zeros_like(control)
         pulls = [pull for pull in _merged(look.pulls) if pull.term.effect.remembers]
         nearest = np.abs(self.splines.places[:, None] - look.whitened.x.time).argmin(axis=0)
-        for joint in {pull.term.effect.cause(pull.term.joint, pull.term.shape) for pull in pulls}:
+        causes = {pull.term.effect.cause(pull.term.joint, pull.term.shape) for pull in pulls}
+        for joint in causes.intersection(free):
             here = [p for p in pulls if p.term.effect.cause(p.term.joint, p.term.shape) == joint]
             before = _sums(here, look.whitened.x)
             for colour in range(COLOURS):

@@ -31,6 +31,7 @@ def design_record(design: Design) -> Record:
         "nats": design.nats,
         "begun_from": design.begun,
         "finished": design.finished,
+        "beyond_seen": list(design.beyond),
         "expected": [asdict(one) for one in expected],
         "not_shown": [
             {"effect": one.effect, "joint": one.joint}

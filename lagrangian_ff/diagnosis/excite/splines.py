@@ -52,8 +52,10 @@ class Splines:
     def nearest(self, q: Floats, start: Floats) -> Floats:
         """Return the control points (K, N) of the motion nearest to positions (M, N).
 
-        The positions are spread over the whole duration; the motion begins and ends at `start`.
+        The positions are spread over the whole duration; the motion begins and ends at `start`,
+        where joints that do not move stay.
         """
+        moving = np.ptp(q, axis=0) > 0.0
         along = np.linspace(0.0, 1.0, len(q))
         at = self.time / self.seconds
         wanted = np.stack([np.interp(at, along, column) for column in q.T], axis=1)
@@ -61,7 +63,7 @@ class Splines:
         inner = slice(AT_REST, self.count - AT_REST)
         whole = self.rates[0]
         found, *_ = np.linalg.lstsq(whole[:, inner], wanted - whole @ held, rcond=None)
-        held[inner] += found
+        held[inner, moving] += found[:, moving]
         return held
 
     def slower(self, factor: float) -> "Splines":

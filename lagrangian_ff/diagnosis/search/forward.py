@@ -25,7 +25,7 @@ from lagrangian_ff.diagnosis.search.judging import (
     reconsider,
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
-from lagrangian_ff.diagnosis.search.visible import clearest, hidden
+from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
 from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
@@ -91,6 +91,7 @@ def search(
     change: Change | None = None
     may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
     rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
+    stands = still(whitened.motion)
     while True:
         share = 1.0 - 0.75 ** len(rounds)
         progress(share, f"looking at every effect, step {len(rounds) + 1}")
@@ -104,8 +105,10 @@ def search(
                 found = bayes_factors(whitened, candidates, coarse=True)
                 whitened.forget()
         causes = causes_of(whitened.basis)
-        best = best_of_each(found, causes)
-        null = MaximumNull.of([score for score in found if not score.once])
+        # Static friction of a joint at rest has any form.
+        moving = [one for one in found if not stands[one.candidate.joint]]
+        best = best_of_each(moving, causes)
+        null = MaximumNull.of([score for score in moving if not score.once])
         rounds.append((found, best, null))
         strong = [score for score in best if _stands_out(score, null, whitened)]
         eligible = [score for score in strong if possible(score, causes, whitened.x)]
