@@ -8,9 +8,9 @@ without what the basis has, the log evidence is
 
     −½ (ν log(w² − wᵀZ (ZᵀZ + λS)⁻¹ Zᵀw) + log |ZᵀZ + λS| − log |λS|).
 
-In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those of which the data say more
-than the prior, γ ≥ λ: a penalised fit would shrink them by less than half. How the B-splines are
-spaced is chosen likewise.
+In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 5, which a
+penalised fit would shrink by less than five sixths: one too many costs its noise, one too few its
+torque. How the B-splines are spaced is chosen likewise.
 """
 
 from collections.abc import Iterator
@@ -41,6 +41,8 @@ LOOSE = 1e-6
 """Precision of the heights themselves, relative to that of their second differences."""
 LAMBDAS = np.geomspace(1e-9, 1e9, 73)
 """λ tried, relative to the mean of γ."""
+KEPT = 0.2
+"""Least γ/λ of a direction that is free."""
 NOTHING = 1e-9
 """Share of a direction below which the basis has it already."""
 
@@ -117,7 +119,7 @@ def _tried(
     evidence = -0.5 * (system.degrees * np.log(left) + price)
     best = int(np.argmax(evidence))
     own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
-    heights = span @ directions[:, own & (gamma >= lambdas[best])]
+    heights = span @ directions[:, own & (gamma >= KEPT * lambdas[best])]
     heights /= np.maximum(np.abs(heights).max(axis=0), 1e-300)
     return float(evidence[best]), wish.made(axes, seen, heights[:, ::-1])
 
