@@ -192,10 +192,7 @@ class Curve(Effect):
 
     def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
         at, fade = self._at(x, joint)
-        out = np.zeros((len(x), self.heights.shape[1]))
-        for weight, row in self._splines(at):
-            out += weight[:, None] * self.heights[row]
-        out *= fade[:, None]
+        out = self._values(at) * fade[:, None]
         return out * x.sign(joint)[:, None] if self.friction else out
 
     def outside(self, x: Inputs, joint: int) -> Flags:
@@ -208,17 +205,25 @@ class Curve(Effect):
         """Return the curve with every height that it could have as a parameter."""
         return self.made(self.axes, self.seen, np.eye(len(self.seen))[:, self.seen])
 
+    def along(self, count: int = 50) -> tuple[list[Floats], Floats]:
+        """Return places along each coordinate, (count,), and the directions there.
+
+        Returns:
+            The places, and (count, P) or (count², P) of the P directions, without any sign of the
+            velocity; over two coordinates the second runs fastest.
+        """
+        along = [np.linspace(axis.bends[0], axis.bends[-1], count) for axis in self.axes]
+        at = [each.ravel() for each in np.meshgrid(*along, indexing="ij")]
+        return along, self._values(at)
+
     def table(self, b: Floats, count: int = 50) -> tuple[list[Floats], Floats]:
         """Return places along each coordinate, (count,), and the torque there for parameters b.
 
         Returns:
             The places, and N·m, (count,) or (count, count), without the sign of the direction.
         """
-        along = [np.linspace(axis.bends[0], axis.bends[-1], count) for axis in self.axes]
-        at = [each.ravel() for each in np.meshgrid(*along, indexing="ij")]
-        heights = self.heights @ b
-        torque = sum((weight * heights[row] for weight, row in self._splines(at)), 0.0 * at[0])
-        return along, np.asarray(torque).reshape([count] * len(along))
+        along, values = self.along(count)
+        return along, (values @ b).reshape([count] * len(along))
 
     def words(self, b: Floats) -> str:
         """Return in words where it was seen, and how large it is, for parameters b (P,)."""
@@ -240,6 +245,13 @@ class Curve(Effect):
         for axis, values in zip(self.axes, at, strict=True):
             fade *= axis.fade(values)
         return at, fade
+
+    def _values(self, at: Sequence[Floats]) -> Floats:
+        """Return the directions (M, P) at some places, (M,) of each coordinate."""
+        out = np.zeros((len(at[0]), self.heights.shape[1]))
+        for weight, row in self._splines(at):
+            out += weight[:, None] * self.heights[row]
+        return out
 
     def _splines(self, at: Sequence[Floats]) -> list[tuple[Floats, Ints]]:
         """Return each of the 4 or 16 B-splines at every place: values (M,) and numbers (M,)."""

@@ -28,6 +28,7 @@ from lagrangian_ff.recording.motion import Motion, concatenate
 
 PARTS = ((2, 20.0), (6, 40.0))
 """Speed and s of the stretches of each recording."""
+USUAL = Settings(train=1.0)
 FIRST = 3
 """Proposals among which the true form is looked for."""
 Torque = Callable[[Inputs, int], Floats]
@@ -96,24 +97,28 @@ class Judged:
         return 0 < self.rank <= FIRST
 
 
-def study(cases: Sequence[Strange], seed: int = 0, progress: Progress = silent) -> list[Judged]:
+def study(
+    cases: Sequence[Strange], seed: int = 0, settings: Settings = USUAL, progress: Progress = silent
+) -> list[Judged]:
     """Return every case judged.
 
     Args:
-        seed: of motions and noise.
+        seed: of motions and noise.  settings: of the models.
         progress: receives the share done, 0 to 1.
     """
     return [
-        judged(one, seed, part(progress, n / len(cases), (n + 1) / len(cases)))
+        judged(one, seed, settings, part(progress, n / len(cases), (n + 1) / len(cases)))
         for n, one in enumerate(cases)
     ]
 
 
-def judged(case: Strange, seed: int = 0, progress: Progress = silent) -> Judged:
+def judged(
+    case: Strange, seed: int = 0, settings: Settings = USUAL, progress: Progress = silent
+) -> Judged:
     """Return one case judged; see `study`."""
     first, second = (_motion(case, 2 * seed + number) for number in (0, 1))
     name = JOINTS[case.joint]
-    model = identify([first], Settings(train=1.0)).model
+    model = identify([first], settings).model
     progress(0.2, f"{case.name}: with a curve")
     curved = add(model, "curve", name, over=case.over, friction=case.friction)
     truth = formula_effect("truth", case.true, case.ranges)

@@ -8,9 +8,9 @@ without what the basis has, the log evidence is
 
     −½ (ν log(w² − wᵀZ (ZᵀZ + λS)⁻¹ Zᵀw) + log |ZᵀZ + λS| − log |λS|).
 
-In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those of which the data say more
-than the prior, γ ≥ λ: a penalised fit would shrink them by less than half. How the B-splines are
-spaced is chosen likewise.
+In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 5, which a
+penalised fit would shrink by less than five sixths: one too many costs its noise, one too few its
+torque. How the B-splines are spaced is chosen likewise.
 """
 
 from collections.abc import Iterator
@@ -39,8 +39,14 @@ ABOUT = 2.5
 """Power of an even spacing that is closer about zero."""
 LOOSE = 1e-6
 """Precision of the heights themselves, relative to that of their second differences."""
+ROUNDING, UNDETERMINED = 1e-12, 1e-8
+"""Shares of the largest eigenvalue: one below is rounding, or leaves steps undetermined."""
 LAMBDAS = np.geomspace(1e-9, 1e9, 73)
 """λ tried, relative to the mean of γ."""
+KEPT = 0.2
+"""Least γ/λ of a direction that is free."""
+HELD = 1e-3
+"""Share of a direction below which what the basis has can do as well."""
 NOTHING = 1e-9
 """Share of a direction below which the basis has it already."""
 
@@ -117,9 +123,28 @@ def _tried(
     evidence = -0.5 * (system.degrees * np.log(left) + price)
     best = int(np.argmax(evidence))
     own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
-    heights = span @ directions[:, own & (gamma >= lambdas[best])]
-    heights /= np.maximum(np.abs(heights).max(axis=0), 1e-300)
-    return float(evidence[best]), wish.made(axes, seen, heights[:, ::-1])
+    free = span @ directions[:, own & (gamma >= KEPT * lambdas[best])][:, ::-1]
+    made = wish.made(axes, seen, free)
+    shares, known = eigh(z.T @ z, whole.T @ whole + LOOSE * np.mean(whole**2) * np.eye(len(span.T)))
+    return float(evidence[best]), _small(made, span @ known[:, shares < HELD])
+
+
+def _small(made: Curve, known: Floats) -> Curve:
+    """Return a curve without what the basis can do as well, as large as it could be otherwise.
+
+    A slope over velocity may be the curve's or that of viscous friction. What is the curve's ends
+    with its range, so that as little as possible should be.
+
+    Args:
+        known: (K, R) heights of what the basis has.
+    """
+    heights = made.heights
+    if known.shape[1]:
+        _, values = made.along()
+        _, there = made.made(made.axes, made.seen, known).along()
+        heights = heights - known @ np.linalg.lstsq(there, values, rcond=None)[0]
+    size = np.abs(heights).max(axis=0, initial=0.0)
+    return made.made(made.axes, made.seen, heights / np.maximum(size, 1e-300))
 
 
 def _seen(axes: tuple[Axis, ...], at: list[Floats], *, odd: bool) -> Flags:
@@ -205,7 +230,8 @@ def without_bounds(solution: Solution, part: Basis) -> Basis | None:
 
     The parameters b of the basis minimise ½ bᵀ I b − mᵀ b, with I the information and m the moment
     of the solution. Where the steps of monotone curves are held at 0 or above, those at the bound
-    are an active set: the fit without them is the bounded optimum (Karush, Kuhn, Tucker).
+    are an active set: the fit without them is the bounded optimum (Karush, Kuhn, Tucker), but for
+    steps that the data leave undetermined, which are left out as well.
 
     Returns:
         The smaller basis, or None if every step is above zero already.
@@ -219,14 +245,16 @@ def without_bounds(solution: Solution, part: Basis) -> Basis | None:
             low[place] = 0.0
     if not np.isfinite(low).any() or (solution.coefficients[low == 0.0] > 0.0).all():
         return None
+    bounded = low == 0.0
     scale = np.sqrt(np.maximum(np.diag(solution.information), 1e-300))
-    values, vectors = eigh(solution.information / np.outer(scale, scale))
-    root = np.sqrt(np.maximum(values, 1e-14 * values.max()))
-    design, target = root[:, None] * vectors.T, (vectors / root).T @ (solution.moment / scale)
-    optimum = scipy.optimize.lsq_linear(design, target, bounds=(low, np.inf), method="bvls")
-    free = optimum.active_mask == 0
+    matrix, right = solution.information / np.outer(scale, scale), solution.moment / scale
+    others = np.linalg.pinv(matrix[np.ix_(~bounded, ~bounded)], rcond=1e-12, hermitian=True)
+    across = matrix[np.ix_(bounded, ~bounded)] @ others
+    own = matrix[np.ix_(bounded, bounded)] - across @ matrix[np.ix_(~bounded, bounded)]
+    free = np.ones(part.size, dtype=bool)
+    free[bounded] = _above_zero(own, right[bounded] - across @ right[~bounded])
     if free.all():  # but for rounding
-        free = (low < 0.0) | (solution.coefficients > 0.0)
+        free = ~bounded | (solution.coefficients > 0.0)
     terms = []
     for term, place in part.slices():
         effect = term.effect
@@ -237,3 +265,25 @@ def without_bounds(solution: Solution, part: Basis) -> Basis | None:
             term = Term(kept, term.joint)
         terms.append(term)
     return Basis(tuple(terms))
+
+
+def _above_zero(matrix: Floats, moment: Floats) -> Flags:
+    """Return (P,) which of P numbers d >= 0 are above 0 where ½ dᵀ M d − mᵀ d is least.
+
+    Of several such d, as where a slope is the curve's or that of viscous friction, it is one with
+    so many at 0 that no other has the same above 0.
+    """
+    values, vectors = eigh(matrix)
+    root = np.sqrt(np.maximum(values, ROUNDING * values[-1]))
+    found, _ = scipy.optimize.nnls(root[:, None] * vectors.T, (vectors / root).T @ moment)
+    while True:
+        free = np.flatnonzero(found > 0.0)
+        values, vectors = eigh(matrix[np.ix_(free, free)])
+        if len(free) < 2 or values[0] > UNDETERMINED * values[-1]:
+            return np.asarray(found > 0.0)
+        away = vectors[:, 0] * np.sign(vectors[:, 0].sum() or 1.0)
+        reach = np.where(away > 0.0, found[free] / np.maximum(away, 1e-300), np.inf)
+        first = int(np.argmin(reach))
+        found[free] -= reach[first] * away
+        found[free[first]] = 0.0
+        found = np.maximum(found, 0.0)
