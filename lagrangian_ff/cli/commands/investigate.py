@@ -1,8 +1,6 @@
 """`investigate`: a robot that does the motions which decide what its model lacks."""
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
@@ -160,14 +158,18 @@ def _robot(
     arguments: Namespace, console: Console, stopping: "investigating.Stopping"
 ) -> "tuple[Investigation, Path]":
     """Investigate a robot in the graph."""
+    from lagrangian_ff.diagnosis.excite.excite import inside
     from lagrangian_ff.investigation import investigate
+    from lagrangian_ff.investigation.allowed import allowed
+    from lagrangian_ff.nodes.attached.client import Client
+    from lagrangian_ff.nodes.attached.rig import connected
 
     folder = arguments.folder or Path(f"investigation_{datetime.now():%Y%m%d_%H%M%S}")
-    with _connected(arguments, folder) as (rig, nodes):
-        from lagrangian_ff.diagnosis.excite.excite import inside
-        from lagrangian_ff.investigation.allowed import allowed
-
-        files = arguments.urdf, arguments.limits
+    remap = f"joint_states:={arguments.joint_states}" if arguments.joint_states else ""
+    client = Client(("--ros-args", "-r", remap) if remap else ())
+    joints, files = options.names(arguments.joints), (arguments.urdf, arguments.limits)
+    with connected(client, arguments.topic, joints, *files, folder) as rig:
+        nodes = client.listeners(arguments.topic)
         limits = allowed(rig.joints, *files, arguments.speed, arguments.until_fast)
         start = rig.pose()
         inside("the pose of the arm", start, rig.joints, limits)
@@ -176,32 +178,6 @@ def _robot(
         stopping.rig = rig
         plan = _plan(arguments, rig, limits, clear)
         return investigate(rig, plan, permit, investigating.lines(console)), folder
-
-
-@contextmanager
-def _connected(arguments: Namespace, folder: Path) -> "Iterator[tuple[Any, Sequence[str]]]":
-    """Give the rig of a robot in the graph, and the nodes that move it."""
-    from lagrangian_ff.investigation.allowed import file_names, urdf_names
-    from lagrangian_ff.nodes.attached.client import Client
-    from lagrangian_ff.nodes.attached.rig import RosRig
-
-    remap = f"joint_states:={arguments.joint_states}" if arguments.joint_states else ""
-    client = Client(("--ros-args", "-r", remap) if remap else ())
-    rig = None
-    try:
-        heard = client.joints()
-        joints = options.names(arguments.joints)
-        if not joints and arguments.limits is not None:
-            joints = file_names(arguments.limits)
-        if not joints:
-            joints = urdf_names(arguments.urdf, heard)
-        if lacking := [name for name in joints if name not in heard]:
-            raise UserError(f"no joint states of {', '.join(lacking)}; of {', '.join(heard)}")
-        nodes = client.listeners(arguments.topic)
-        rig = RosRig(client, arguments.topic, joints, folder)
-        yield rig, nodes
-    finally:
-        client.close() if rig is None else rig.close()
 
 
 def _plan(arguments: Namespace, rig: "Rig", limits: Any, clear: "Clear | None") -> "Plan":

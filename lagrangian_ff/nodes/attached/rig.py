@@ -1,7 +1,8 @@
 """A robot in the graph, as an investigation moves it: each motion is sent, watched and recorded."""
 
 import time
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from lagrangian_ff.diagnosis.excite import Reference
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation import StoppedError
+from lagrangian_ff.investigation.allowed import file_names, urdf_names
 from lagrangian_ff.nodes.attached.client import LOOK, Client, Told
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import Recording, load
@@ -27,6 +29,42 @@ AWAY = 0.5
 follow it."""
 SMALL = 0.02  # rad, a motion that is not judged so
 NONE = "no motion is under way"
+
+
+@contextmanager
+def connected(
+    client: Client,
+    topic: str,
+    joints: Sequence[str],
+    urdf: Path | None,
+    limits: Path | None,
+    folder: Path,
+) -> "Iterator[RosRig]":
+    """Give the arm that a topic moves; in the end its process ends.
+
+    Args:
+        joints: from the base to the tool; empty for those of the limits, else of the URDF.
+        urdf, limits: files that say where it may go; see `allowed`.
+        folder: for motions and bags.
+
+    Raises:
+        UserError: the arm is not heard of, nobody listens on the topic, or a joint is not there.
+    """
+    rig = None
+    try:
+        heard = client.joints()
+        names = tuple(joints)
+        if not names and limits is not None:
+            names = file_names(limits)
+        if not names and urdf is not None:
+            names = urdf_names(urdf, heard)
+        if lacking := [name for name in names if name not in heard]:
+            raise UserError(f"no joint states of {', '.join(lacking)}; of {', '.join(heard)}")
+        client.listeners(topic)
+        rig = RosRig(client, topic, names, folder)
+        yield rig
+    finally:
+        client.close() if rig is None else rig.close()
 
 
 class RosRig:
@@ -57,6 +95,11 @@ class RosRig:
     def moving(self) -> bool:
         """Return whether `run` is under way, and ends when `stop` is called."""
         return self._moving
+
+    @property
+    def stopped(self) -> str:
+        """Return why `stop` was called; empty if it was not."""
+        return self._wanted
 
     @property
     def process(self) -> int:
@@ -149,7 +192,7 @@ class RosRig:
                     raise StoppedError(f"the joint states of {', '.join(lacking)} have ended")
                 moved = status["motion"]
                 if moved is None and (seen or now - began > STALL):
-                    progress(1.0, "moved")
+                    progress(1.0, "moving")
                     return
                 if moved is not None:
                     seen = True
