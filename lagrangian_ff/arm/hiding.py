@@ -70,16 +70,28 @@ def wanted(texts: Sequence[str]) -> list[Wanted]:
     return asked
 
 
-def hidden(asked: Sequence[Wanted], recording: int, progress: Progress = silent) -> Hidden:
+def usual_motion(progress: Progress = silent) -> Reference:
+    """Return the motion along which effects are sized."""
+    return Reference.of(simulate(exciting_trajectory(*SIZED), progress=progress))
+
+
+def hidden(
+    asked: Sequence[Wanted],
+    recording: int,
+    progress: Progress = silent,
+    along: Reference | None = None,
+) -> Hidden:
     """Size and build the hidden effects; those that depend on chance follow the recording's number.
+
+    Args:
+        along: the usual motion, if it was simulated before.
 
     Raises:
         UserError: two effects need a load at the tool, of which there can be one.
     """
     if not asked:
         return Hidden()
-    run = simulate(exciting_trajectory(*SIZED), progress=progress)
-    along = Reference.of(run)
+    along = along or usual_motion(progress)
     parts, records = [], []
     for number, one in enumerate(asked):
         site = Site(one.joint, number, recording, along)

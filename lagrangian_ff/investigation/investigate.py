@@ -17,7 +17,7 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.observable import observability
 from lagrangian_ff.diagnosis.results import Diagnosis
-from lagrangian_ff.errors import ModelError
+from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
@@ -61,7 +61,9 @@ def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silen
     story = _Story(rig, plan, permit, progress)
     try:
         ended, words = story.go()
-    except StoppedError as error:
+    except UserError as error:
+        if not isinstance(error, StoppedError) and not story.knows:
+            raise
         ended, words = Ended.STOPPED, str(error)
     return story.told(ended, words)
 
@@ -76,19 +78,28 @@ class _Story:
         self._recordings: list[Recording] = []
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
+        self._first_motions = 0
         self._used = 0.0
+
+    @property
+    def knows(self) -> bool:
+        """Return whether anything is known yet."""
+        return bool(self._looks)
 
     def go(self) -> tuple[Ended, str]:
         """Move and look until it ends; return why it ended."""
         for number, share in enumerate(self._plan.reaches):
+            seconds = min(self._plan.first, self._left)
+            if seconds < SHORTEST:
+                if number == 0:
+                    return Ended.BUDGET, Ended.BUDGET.value
+                break
             if not self._may_go(share):
                 if number == 0:
                     return Ended.REFUSED, Ended.REFUSED.value
                 break
-            seconds = min(self._plan.first, self._left)
-            if seconds < SHORTEST:
-                return Ended.BUDGET, Ended.BUDGET.value
             self._move(self._first(seconds, number), None, None)
+            self._first_motions += 1
         look = self._look()
         questions: list[Question] = []
         while True:
@@ -109,15 +120,22 @@ class _Story:
         seed = self._plan.seed + number
         for share in SMALLER:
             within = self._limits.around(self._start, share)
-            motion = excite(
-                "exciting", joints, within, start=self._start, duration=seconds, seed=seed
-            )
+            motion = self._exciting(joints, within, seconds, seed)
+            if (took := float(motion.time[-1])) > seconds:
+                # What leads there and back comes on top of the time that was asked for.
+                motion = self._exciting(joints, within, max(SHORTEST, 2 * seconds - took), seed)
             touches = "" if clear is None else clear(motion.q)
             if not touches:
                 return motion
         raise ModelError(
             f"every first motion from this start would touch something ({touches}): begin elsewhere"
         )
+
+    def _exciting(
+        self, joints: tuple[str, ...], within: Limits, seconds: float, seed: int
+    ) -> Reference:
+        start = self._start
+        return excite("exciting", joints, within, start=start, duration=seconds, seed=seed)
 
     def told(self, ended: Ended, words: str) -> Investigation:
         """Return the story so far, all models judged on the same unseen motion."""
@@ -126,8 +144,7 @@ class _Story:
         if self._looks:
             _, unseen = self._parts()
             # The first motions are looked at together: they are one turn.
-            first = len(self._motions) - len(self._looks) + 1
-            moved = self._motions[first - 1 :]
+            moved = self._motions[self._first_motions - 1 :]
             before = _errors(self._looks[0].base, unseen)
             for (question, motion, made), look in zip(moved, self._looks, strict=False):
                 errors, total = _errors(look.model, unseen)

@@ -58,6 +58,17 @@ class Proposal:
     share: float
     seconds: float
 
+    @property
+    def words(self) -> str:
+        """Return the proposal in a sentence."""
+        limits = self.limits
+        ranges = [
+            f"{name} {limits.q_low[n]:.2f} to {limits.q_high[n]:.2f} rad, "
+            f"up to {limits.qd_max[n]:.2g} rad/s"
+            for n, name in enumerate(self.joints)
+        ]
+        return f"asks to move for up to {self.seconds:.0f} s: {'; '.join(ranges)}"
+
 
 Permit = Callable[[Proposal], bool]
 """Returns whether the arm may move so."""

@@ -13,7 +13,9 @@ Services (std_srvs/Trigger); the jobs begin at once and answer, progress and end
     ~/save       copy the last model to `model_file`
     ~/clear      forget recordings and model, cancel the present job; files stay
 
-    ~/load, ~/identify, ~/compare, ~/diagnose, ~/add: the jobs, see `recorder.jobs`
+    ~/load, ~/identify, ~/compare, ~/diagnose, ~/add, ~/investigate: the jobs, see `recorder.jobs`
+    ~/proceed, ~/abort: of the process that investigates, while it does: permit what /diagnostics
+                 says that it asks for; stop the arm at once
 """
 
 import shutil
@@ -107,7 +109,8 @@ class IdentifyNode(ClosingNode):
 
     def _situation(self, joints: Sequence[str] = ()) -> Situation:
         topic, description = self._subscription.topic, self._description
-        return Situation(self._session, self._settings.value, topic, joints, description)
+        node = self.get_fully_qualified_name()
+        return Situation(self._session, self._settings.value, topic, joints, description, node)
 
     def _offer(
         self, service: str, refusal: Callable[[Session], str], do: Callable[[], str]
@@ -310,6 +313,13 @@ def _declare(parameters: Parameters) -> None:
     add("add.effect", "", "name of the effect that ~/add adds, see lagrangian_ff effects; empty = "
         "what the last diagnosis confirmed")  # fmt: skip
     add("add.joint", "", "the joint that ~/add adds it to")
+    add("investigate.topic", "", "where ~/investigate sends trajectories that move the arm")
+    add("investigate.urdf", "", "file of the robot's description, whose limits ~/investigate keeps "
+        "and whose links it keeps clear of each other")  # fmt: skip
+    add("investigate.limits", "", "file of joint limits, as MoveIt's joint_limits.yaml; kept too")
+    add("investigate.speed", 0.5, "share of the highest speeds that its motions may take",
+        low=0.01, high=1.0)  # fmt: skip
+    add("investigate.minutes", 4.0, "min of motion, all in all", low=0.15, high=60.0)
 
 
 def _refused_model(name: str, effects_file: str) -> str:

@@ -10,7 +10,9 @@ killed workbench; it then stops the motion that it has sent, and closes the reco
 
 Topics
     joint_states   in   sensor_msgs/JointState; best effort, so that every publisher matches
-    any            out  trajectory_msgs/JointTrajectory, only at the command `send`
+    /diagnostics   in   a touch that a node `monitor` reports stops the motion under way at once
+    any            out  trajectory_msgs/JointTrajectory, at the commands `send` and `stop`, and at
+                        a touch
 """
 
 import json
@@ -27,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.clock import Clock, ClockType
 from sensor_msgs.msg import JointState
 
@@ -61,6 +64,8 @@ LAYOUTS = 16
 """Most kinds of joint states that are drawn: parts of a robot that share the topic."""
 LIMITS = Limits(window=5.0, still=0.01, margin=0.25, warn=2.0, error=4.0)
 ENDING = 8.0  # s in which the process ends by itself
+MONITOR, OK = "monitor", bytes([0])
+"""The node whose touches count, and the level at which there is none."""
 
 Record = dict[str, Any]
 Say = Callable[[Record], None]
@@ -191,7 +196,12 @@ class LiveNode(ClosingNode):
             ),
             "send": lambda number, asked: self._sender.send(int(asked["prepared"])),
             "stop": lambda number, asked: self._sender.stop(),
+            "adopt": lambda number, asked: self._sender.adopt(
+                str(asked["file"]), str(asked["topic"]), np.array(asked["from"]), int(asked["at"])
+            ),
+            "pose": lambda number, asked: {"q": self._poses.standing(asked["joints"]).tolist()},
         }
+        self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 100)
         self._readings = 0
         self._rates: deque[float] = deque(maxlen=4)
         self._loop = PacedThread(Pacer(PERIOD), self._look, self._failed, "watch")
@@ -240,6 +250,13 @@ class LiveNode(ClosingNode):
             joint = view.names[int(finite_.argmin())]
             self._warn("bad effort", f"the effort of {joint} is not a finite number")
 
+    def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Raise the alarm at a touch that a monitor reports."""
+        for status in message.status:
+            node, _, part = status.name.rpartition(": ")
+            if part == "touch" and node.split("/")[-1] == MONITOR and status.level > OK:
+                self._sender.raise_alarm(f"{node}: {status.message}")
+
     def _tell(self) -> None:
         """Say the state; in the executor."""
         self._sender.look()
@@ -266,6 +283,7 @@ class LiveNode(ClosingNode):
             "recording": recording if self._path else None,
             "topics": self._sender.topics(),
             "motion": self._sender.running(),
+            "alarm": self._sender.alarm,
             **self._watch.status(),
         })  # fmt: skip
 

@@ -31,9 +31,9 @@ class Command(Protocol):
 
 
 _FILES = (
-    "identify", "compare", "diagnose", "add", "propose", "history", "excite", "effects",
-    "calibrate", "predict", "feedforward", "export", "simulate", "info", "layout", "workbench",
-    "demo", "study",
+    "identify", "compare", "diagnose", "add", "propose", "history", "excite", "investigate",
+    "effects", "calibrate", "predict", "feedforward", "export", "simulate", "info", "layout",
+    "workbench", "demo", "study",
 )  # fmt: skip
 """The file of each command beside this one, in the order in which they are listed."""
 

@@ -2,6 +2,7 @@
 
 import json
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +15,10 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.numbers import number
 
 if TYPE_CHECKING:
+    from argparse import _ActionsContainer
+
     from lagrangian_ff.arm import Trajectory
+    from lagrangian_ff.arrays import Floats
     from lagrangian_ff.diagnosis import DiagnosisRun
     from lagrangian_ff.diagnosis.excite import Design, Limits, Outcome, Question
     from lagrangian_ff.diagnosis.excite.keeping import Clear
@@ -57,6 +61,11 @@ def add_limits(parser: ArgumentParser) -> None:
     for option, (_, unit, meaning) in BOUNDS.items():
         text = f"{meaning} (default: what the model's own data reached, less a twentieth)"
         options.add_list(group, f"--{option}", f"JOINT={unit}", text)
+    add_shapes(group)
+
+
+def add_shapes(group: "_ActionsContainer") -> None:
+    """Declare the robot's description and obstacles."""
     options.add_rows(group, (
         ("--urdf", Path, "FILE",
          "the robot's description: its limits are kept too, and its collision shapes stay clear "
@@ -92,10 +101,15 @@ def check(arguments: Namespace) -> None:
         raise UserError(f"--search {arguments.search:g}: expected more than 0, and 10 at most")
     if arguments.shape and arguments.suspect is None:
         raise UserError("--shape goes with --for")
-    if arguments.urdf is None and (arguments.box or arguments.floor is not None):
-        raise UserError("--box and --floor need --urdf: without it the arm has no shape")
     if arguments.arm and arguments.urdf is not None:
         raise UserError("--arm has its own shapes and floor: leave --urdf out")
+    check_shapes(arguments)
+
+
+def check_shapes(arguments: Namespace) -> None:
+    """Raise UserError for obstacles that cannot be, or are beside an arm without a shape."""
+    if arguments.urdf is None and (arguments.box or arguments.floor is not None):
+        raise UserError("--box and --floor need --urdf: without it the arm has no shape")
     if any(edge <= 0.0 for box in arguments.box for edge in box[3:]):
         raise UserError("--box: expected edges SX SY SZ above 0")
 
@@ -167,20 +181,37 @@ def _limits(arguments: Namespace, model: "Model") -> "Limits":
 
 
 def _clear(arguments: Namespace, model: "Model", stack: ExitStack) -> "Clear | None":
-    from lagrangian_ff.diagnosis.excite import Box, Clearance, floor_at
-    from lagrangian_ff.diagnosis.excite.clearance import MARGIN
-
-    margin = MARGIN if arguments.clearance is None else arguments.clearance
     if arguments.arm:
         from lagrangian_ff.cli.common.arm_motion import arm_clear
 
-        return stack.enter_context(arm_clear(model.joints, margin))
+        return stack.enter_context(arm_clear(model.joints, _margin(arguments)))
     if arguments.urdf is None:
         return None
+    return clearance(arguments, model.joints, model.data.q)
+
+
+def _margin(arguments: Namespace) -> float:
+    from lagrangian_ff.diagnosis.excite.clearance import MARGIN
+
+    return MARGIN if arguments.clearance is None else float(arguments.clearance)
+
+
+def clearance(arguments: Namespace, joints: "Sequence[str]", seen: "Floats") -> "Clear":
+    """Return what says whether a path touches the robot itself or an obstacle, from its URDF.
+
+    Args:
+        joints: N names.
+        seen: (M, N) rad, poses that the arm has been in.
+
+    Raises:
+        ModelError: see `Clearance.of`.
+    """
+    from lagrangian_ff.diagnosis.excite import Box, Clearance, floor_at
+
     obstacles = [Box((x, y, z), (a, b, c)) for x, y, z, a, b, c in arguments.box]
     if arguments.floor is not None:
         obstacles.append(floor_at(arguments.floor))
-    return Clearance.of(arguments.urdf, model.joints, model.data.q, obstacles, margin)
+    return Clearance.of(arguments.urdf, joints, seen, obstacles, _margin(arguments))
 
 
 def trajectory_of(design: "Design") -> "Trajectory":

@@ -78,6 +78,11 @@ def add_report(parser: ArgumentParser) -> None:
 def add_reading(parser: ArgumentParser) -> None:
     """Declare --topic and the options of the chain from a recording to a motion."""
     add_topic(parser)
+    add_conditioning(parser)
+
+
+def add_conditioning(parser: ArgumentParser) -> None:
+    """Declare the options of the chain from a recording to a motion."""
     add_rows(parser.add_argument_group("how the recording is made ready"), (
         ("--effort-scale", list, "JOINT=VALUE", "N·m per unit of effort, if the driver reports "
          "current or the other sign; 1 for joints not named"),

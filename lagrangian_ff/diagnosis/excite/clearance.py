@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite.path import Limits
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.kernels.rigid.robot import Robot, read_urdf
+from lagrangian_ff.kernels.rigid.robot import Robot, read_urdf, urdf_joints
 
 MARGIN = 0.02
 """m that links keep from each other and from obstacles, if nothing else is said."""
@@ -168,8 +167,7 @@ def urdf_limits(path: Path, joints: Sequence[str], limits: Limits) -> Limits:
     Raises:
         ModelError: the file is no URDF.
     """
-    read_urdf(path)
-    found = {str(one.get("name")): one for one in ElementTree.parse(path).getroot().iter("joint")}
+    found = urdf_joints(path)
     low, high, speed = limits.q_low.copy(), limits.q_high.copy(), limits.qd_max.copy()
     tau = np.full(len(low), np.inf) if limits.tau_max is None else limits.tau_max.copy()
     for n, name in enumerate(joints):

@@ -163,15 +163,40 @@ def read_urdf(path: "str | Path") -> Robot:
     Raises:
         ModelError: there is no such file, it is no URDF, or has a joint of an unsupported type.
     """
+    return robot_of(_text(path), str(path))
+
+
+def urdf_joints(path: "str | Path") -> dict[str, ElementTree.Element]:
+    """Return the joints of a URDF by name, from the base outwards; needs no Pinocchio.
+
+    Raises:
+        ModelError: there is no such file, it is no URDF, or has a joint of an unsupported type.
+    """
+    joints = _joints(_root(_text(path), str(path)), str(path))
+    ends = {
+        name: [getattr(joint.find(end), "attrib", {}).get("link") for end in ("parent", "child")]
+        for name, joint in joints.items()
+    }
+    above = {child: parent for parent, child in ends.values()}
+
+    def depth(name: str) -> int:
+        link, count = ends[name][0], 0
+        while link in above and count < len(joints):
+            link, count = above[link], count + 1
+        return count
+
+    return {name: joints[name] for name in sorted(joints, key=depth)}
+
+
+def _text(path: "str | Path") -> str:
     try:
-        text = budget.text_of(Path(path), ModelError)
+        return budget.text_of(Path(path), ModelError)
     except FileNotFoundError as error:
         raise ModelError(f"no URDF file {path}") from error
     except UnicodeDecodeError as error:
         raise ModelError(f"{path} is no URDF: it is not text ({error.reason})") from error
     except OSError as error:
         raise ModelError(f"cannot read the URDF {path}: {error.strerror}") from error
-    return robot_of(text, str(path))
 
 
 def robot_of(text: str, source: str) -> Robot:

@@ -1,1 +1,1 @@
-"""What a page is shown of a running arm, and the motions it sends; `sender` alone knows ROS."""
+"""What is shown of a running arm, and the motions it is sent; `sender` alone knows ROS."""

@@ -1,5 +1,6 @@
 """Sends motions to whoever takes trajectories, and stops them."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -35,6 +36,7 @@ LOOKS = 6
 STILL = 0.3
 """Share of the motion's own movement below which the arm has come to rest."""
 APART = 0.02  # rad between a motion and its stop below which it does not show which one goes on
+CALM = 3.0  # s after an alarm in which no motion is sent
 
 
 @dataclass(frozen=True)
@@ -72,12 +74,16 @@ class Sent:
 class Sender:
     """Sends one motion at a time.
 
-    One thread prepares, sends and stops; others may ask what goes on, and never wait.
+    One thread prepares, sends and stops; others may ask what goes on or raise the alarm, and never
+    wait.
 
     Args:
         node: publishes.
         poses: of the arm.
         warn: receives the kind and the text of a warning.
+
+    Attributes:
+        alarm: why the last motion was stopped without being asked to; empty if it was not.
     """
 
     def __init__(self, node: Node, poses: Poses, warn: Callable[[str, str], None]) -> None:
@@ -86,7 +92,10 @@ class Sender:
         self._prepared: Prepared | None = None
         self._sent: Sent | None = None
         self._astray = 0
+        self.alarm = ""
+        self._alarmed = -math.inf, ""
         self._lock = threading.RLock()
+        self._stopping = threading.Lock()
 
     def topics(self) -> list[dict[str, Any]]:
         """Return the topics in the graph that somebody takes trajectories from, and who."""
@@ -138,12 +147,7 @@ class Sender:
             if self.running() is not None:
                 raise UserError("a motion is under way: wait for its end, or stop it")
         trajectory = prepared.plan.trajectory
-        publisher = self._publisher(prepared.topic)
-        end = time.monotonic() + PATIENCE
-        while publisher.get_subscription_count() < len(prepared.nodes):
-            if time.monotonic() > end:
-                raise UserError(f"{prepared.topic} is not connected: look again")
-            time.sleep(0.02)
+        publisher = self._connected(prepared)
         if self._listeners(prepared.topic) != prepared.nodes:
             raise UserError(f"other nodes listen on {prepared.topic} now: look again")
         if np.abs(self._poses.standing(trajectory.joints) - trajectory.q[0]).max() > MOVED:
@@ -153,10 +157,52 @@ class Sender:
         message.header.stamp = stamp(begins)
         later = SOON if begins else 0.0
         with self._lock:
+            since, words = self._alarmed
+            if time.monotonic() < since + CALM:
+                raise UserError(f"{words}: no motion is sent until that has been over for a while")
             publisher.publish(message)
             self._sent = Sent(prepared, begins or at, time.monotonic() + later)
-            self._astray = 0
-        return {"seconds": trajectory.duration}
+            self._astray, self.alarm = 0, ""
+            at = self._sent.at
+        return {"seconds": trajectory.duration, "at": at, "from": trajectory.q[0].tolist()}
+
+    def adopt(self, file: str, topic: str, begin: Floats, at: int) -> dict[str, Any]:
+        """Take over a motion that a process sent which has died since, to stop it.
+
+        Args:
+            begin: (N,) rad, where its way to the start began.
+            at: ns, the stamp of its start.
+
+        Raises:
+            UserError: the joint states are not heard, or nobody listens on the topic.
+        """
+        made = plan(read_trajectory(file), begin)
+        self._poses.now(made.trajectory.joints)
+        prepared = Prepared(0, topic, self._listeners(topic), made)
+        if not prepared.nodes:
+            raise UserError(f"nobody takes trajectories from {topic}")
+        self._connected(prepared)
+        with self._lock:
+            since = (self._poses.at - at) / 1e9
+            self._sent = Sent(prepared, at, time.monotonic() - since)
+        return {"motion": self.running()}
+
+    def raise_alarm(self, words: str) -> None:
+        """Stop the motion under way, in a thread, and send none for a while."""
+        with self._lock:
+            self._alarmed = time.monotonic(), words
+            if self.running() is None or self.alarm:
+                return
+            self.alarm = words
+        self._warn("alarm", f"{words}: the motion was stopped")
+        threading.Thread(target=self._stop_at_alarm, name="alarm", daemon=True).start()
+
+    def _stop_at_alarm(self) -> None:
+        try:
+            self.stop()
+        except UserError as error:
+            self.alarm += f"; {error}"
+            self._warn("alarm", self.alarm)
 
     def stop(self) -> dict[str, Any]:
         """Bring the motion under way to rest: on its path, or where the arm is if it left that.
@@ -167,6 +213,10 @@ class Sender:
         Raises:
             UserError: there is none, or the arm does not obey.
         """
+        with self._stopping:
+            return self._stop()
+
+    def _stop(self) -> dict[str, Any]:
         sent = self._sent
         if sent is None:
             raise UserError("no motion is under way")
@@ -178,7 +228,8 @@ class Sender:
             publisher.publish(message_of(rest, start))
             time.sleep(AHEAD + rest.duration)
             if self._obeys(sent, rest, begins):
-                self._sent = None
+                with self._lock:
+                    self._sent = None if self._sent is sent else self._sent
                 return {"seconds": rest.duration}
         raise UserError("the arm does not obey the stop: use the emergency stop")
 
@@ -240,7 +291,12 @@ class Sender:
             if elapsed > seconds + AFTER:
                 self._sent = None
                 return None
-            return {"topic": sent.prepared.topic, "elapsed": max(0.0, elapsed), "seconds": seconds}
+            return {
+                "topic": sent.prepared.topic,
+                "elapsed": max(0.0, elapsed),
+                "seconds": seconds,
+                "followed": self._astray <= 1,
+            }
 
     def look(self) -> None:
         """Warn if the arm does not follow; to be called twice a second."""
@@ -283,6 +339,16 @@ class Sender:
         if any(one.node_name == UNKNOWN for one in mine):
             return ()  # they are still being discovered
         return tuple(sorted(f"{one.node_namespace.rstrip('/')}/{one.node_name}" for one in mine))
+
+    def _connected(self, prepared: Prepared) -> Publisher:
+        """Return the publisher once all who listen are connected to it."""
+        publisher = self._publisher(prepared.topic)
+        end = time.monotonic() + PATIENCE
+        while publisher.get_subscription_count() < len(prepared.nodes):
+            if time.monotonic() > end:
+                raise UserError(f"{prepared.topic} is not connected: look again")
+            time.sleep(0.02)
+        return publisher
 
     def _publisher(self, topic: str) -> Publisher:
         if topic not in self._publishers:

@@ -5,6 +5,7 @@ from lagrangian_ff.nodes.recorder.jobs.base import Job
 from lagrangian_ff.nodes.recorder.jobs.compare import Compare
 from lagrangian_ff.nodes.recorder.jobs.diagnose import Diagnose
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
+from lagrangian_ff.nodes.recorder.jobs.investigate import Investigate
 from lagrangian_ff.nodes.recorder.jobs.load import Load
 
-JOBS: tuple[type[Job], ...] = (Load, Identify, Compare, Diagnose, Add)
+JOBS: tuple[type[Job], ...] = (Load, Identify, Compare, Diagnose, Add, Investigate)

@@ -32,6 +32,7 @@ class Situation:
         topic: of the joint states.
         joints: those with parameters for their effort.
         description: the URDF that came on robot_description; empty if none did.
+        node: full name of the node.
     """
 
     session: Session
@@ -39,6 +40,7 @@ class Situation:
     topic: str
     joints: Sequence[str] = ()
     description: str = ""
+    node: str = "/identify"
 
     @property
     def directory(self) -> Path:

@@ -1,0 +1,153 @@
+"""A robot in the graph does what an investigation asks, and stands still after everything else."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+pytest.importorskip("pybullet")
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from node_harness import Bench, open_bench
+
+from lagrangian_ff.arm import HOME, JOINTS
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.excite import Limits, Reference, excite
+from lagrangian_ff.errors import UserError
+from lagrangian_ff.investigation import StoppedError
+from lagrangian_ff.nodes.attached.client import Client
+from lagrangian_ff.nodes.attached.rig import RosRig
+from lagrangian_ff.progress import silent
+
+TOPIC = "/arm/joint_trajectory"
+REACH, FASTEST, HARDEST = 0.4, 0.6, 3.0
+
+
+@pytest.fixture(scope="module")
+def bench(ros_environment: dict[str, str], tmp_path_factory: Any) -> Iterator[Bench]:
+    with open_bench(tmp_path_factory.mktemp("rig")) as bench:
+        bench.start("arm", params={"feedforward_source": "true"})
+        yield bench
+
+
+@pytest.fixture
+def rig(bench: Bench, tmp_path: Path) -> Iterator[RosRig]:
+    client = Client()
+    try:
+        client.joints()
+        assert client.listeners(TOPIC) == ("/arm",)
+        made = RosRig(client, TOPIC, JOINTS, tmp_path / "bags")
+        yield made
+        made.close()
+    finally:
+        client.close()
+
+
+def motion(seconds: float, start: Floats) -> Reference:
+    """Return a motion about where the arm stands."""
+    every = np.ones(len(JOINTS))
+    limits = Limits(start - REACH, start + REACH, FASTEST * every, HARDEST * every)
+    return excite("exciting", JOINTS, limits, start=start, duration=seconds)
+
+
+def speed(rig: RosRig) -> float:
+    """Return the fastest joint's speed, rad/s, that is left; it stands if `pose` answers."""
+    before = rig.pose()
+    time.sleep(0.3)
+    return float(np.abs(rig.pose() - before).max() / 0.3)
+
+
+def after(seconds: float, do: Callable[[], object]) -> threading.Timer:
+    """Start a thread that does something soon."""
+    timer = threading.Timer(seconds, do)
+    timer.start()
+    return timer
+
+
+def test_it_moves_and_records_the_motion(rig: RosRig) -> None:
+    start = rig.pose()
+    np.testing.assert_allclose(start, HOME, atol=0.5)
+    path, shares = motion(5.0, start), []
+    found = rig.run(path, None, lambda share, label: shares.append(share))
+    assert found.joints == JOINTS
+    assert np.ptp(found.time) == pytest.approx(path.time[-1], abs=0.6)
+    q = np.array([np.interp(found.time - found.time[0], path.time, one) for one in path.q.T]).T
+    assert np.abs(found.position - q).max() < 0.05
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert [bag.exists() for bag in rig.bags] == [True]
+    assert not rig.moving
+
+
+def test_a_stop_from_another_thread_brings_it_to_rest(rig: RosRig) -> None:
+    path = motion(12.0, rig.pose())
+    timer, began = after(4.0, lambda: rig.stop("enough")), time.monotonic()
+    with pytest.raises(StoppedError, match="enough"):
+        rig.run(path, None, silent)
+    assert time.monotonic() - began < 10.0
+    timer.join()
+    assert speed(rig) < 0.02
+    with pytest.raises(StoppedError, match="enough"):  # nothing moves after a stop
+        rig.run(path, None, silent)
+
+
+def test_a_touch_that_the_monitor_reports_stops_it(rig: RosRig, bench: Bench) -> None:
+    publisher = bench.publisher(DiagnosticArray, "/diagnostics")
+
+    def say(name: str, level: bytes) -> None:
+        status = DiagnosticStatus(name=name, level=level, message="touched: joint_2")
+        publisher.publish(DiagnosticArray(status=[status]))
+
+    harmless = [
+        after(2.5, lambda: say("monitor: touch", DiagnosticStatus.OK)),
+        after(3.0, lambda: say("identify: touch", DiagnosticStatus.WARN)),
+        after(3.5, lambda: say("monitor: residual", DiagnosticStatus.ERROR)),
+    ]
+    path = motion(5.0, rig.pose())
+    rig.run(path, None, silent)
+    alarm = after(3.0, lambda: say("left/monitor: touch", DiagnosticStatus.WARN))
+    with pytest.raises(StoppedError, match="left/monitor: touched: joint_2"):
+        rig.run(path, None, silent)
+    for timer in (*harmless, alarm):
+        timer.join()
+    assert speed(rig) < 0.02
+    say("monitor: touch", DiagnosticStatus.WARN)
+    with pytest.raises(StoppedError, match="touched"):  # so soon after a touch
+        rig.run(path, None, silent)
+
+
+def test_a_dead_process_is_replaced_to_stop_the_motion(rig: RosRig) -> None:
+    path = motion(25.0, rig.pose())
+    timer = after(4.0, lambda: os.kill(rig.process, signal.SIGKILL))
+    began = time.monotonic()
+    with pytest.raises(StoppedError, match="process in the ROS graph has ended"):
+        rig.run(path, None, silent)
+    timer.join()
+    assert time.monotonic() - began < 24.0
+    assert speed(rig) < 0.02
+
+
+def test_a_refused_motion_is_said(rig: RosRig) -> None:
+    start = rig.pose()
+    path = motion(6.0, start)
+    far = Reference(path.time, start + 40.0 * (path.q - start), 40.0 * path.qd, 40.0 * path.qdd)
+    with pytest.raises(StoppedError, match="does not follow"):
+        rig.run(far, None, silent)
+    assert speed(rig) < 0.02
+
+
+def test_a_topic_that_nobody_listens_to_is_named(rig: RosRig, tmp_path: Path) -> None:
+    client = Client()
+    try:
+        client.joints()
+        with pytest.raises(UserError, match=f"nobody takes .* /nowhere; there are: {TOPIC}"):
+            client.listeners("/nowhere")
+    finally:
+        client.close()
