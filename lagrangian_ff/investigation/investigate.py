@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import apply, compare, diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Design,
@@ -33,6 +34,8 @@ SMALLER = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
 """Shares of the permitted range that a first motion tries, until it touches nothing."""
 SHORTEST = 8.0
 """s of motion that are worth beginning."""
+MOST = 0.9
+"""Share of the time that is left, for which a motion is designed: limits may make it longer."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,9 @@ class _Story:
             if seconds < SHORTEST:
                 return Ended.BUDGET, Ended.BUDGET.value
             questions.append(question)
-            made = self._designed(look.base, question, seconds)
+            made = self._designed(look.base, question, min(seconds, MOST * self._left))
+            if float(made.reference.time[-1]) > self._left:
+                return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
             look = self._look()
 
@@ -198,7 +203,7 @@ class _Story:
         return design(
             model,
             question,
-            _both(self._limits, limits_of(model)),
+            _both(self._limits, limits_of(model), self._start),
             start=self._start,
             seconds=seconds,
             clear=self._plan.clear,
@@ -217,12 +222,16 @@ class _Story:
         self._progress(min(1.0, self._used / self._plan.budget), what)
 
 
-def _both(permitted: Limits, seen: Limits) -> Limits:
-    """Return the limits within both: what was permitted, and what the model has seen."""
+def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
+    """Return the limits within both: what was permitted, and what the model has seen.
+
+    Args:
+        start: (N,) rad, where all motions begin: it is inside, also at the end of a range.
+    """
     return replace(
         seen,
-        q_low=np.maximum(permitted.q_low, seen.q_low),
-        q_high=np.minimum(permitted.q_high, seen.q_high),
+        q_low=np.minimum(np.maximum(permitted.q_low, seen.q_low), start),
+        q_high=np.maximum(np.minimum(permitted.q_high, seen.q_high), start),
         qd_max=np.minimum(permitted.qd_max, seen.qd_max),
         qdd_max=np.minimum(permitted.qdd_max, seen.qdd_max),
     )

@@ -83,7 +83,8 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
     """Write the story of an investigation, and return the path of the page."""
     found = [spoken(one.name) for one in story.confirmed]
     if not story.turns:
-        title = "The arm did not move"
+        moved = story.seconds > 0.0
+        title = "It ended before anything was known" if moved else "The arm did not move"
     elif not found:
         title = "Nothing is missing that these motions can show"
     else:

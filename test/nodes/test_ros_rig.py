@@ -1,6 +1,7 @@
 """A robot in the graph does what an investigation asks, and stands still after everything else."""
 
 import os
+import re
 import signal
 import threading
 import time
@@ -16,8 +17,10 @@ pytest.importorskip("pybullet")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_harness import Bench, open_bench
+from std_srvs.srv import Trigger
 
 from lagrangian_ff.arm import HOME, JOINTS
+from lagrangian_ff.arm.description import URDF
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite import Limits, Reference, excite
 from lagrangian_ff.errors import UserError
@@ -88,7 +91,7 @@ def test_it_moves_and_records_the_motion(rig: RosRig) -> None:
 
 def test_a_stop_from_another_thread_brings_it_to_rest(rig: RosRig) -> None:
     path = motion(12.0, rig.pose())
-    timer, began = after(4.0, lambda: rig.stop("enough")), time.monotonic()
+    timer, began = after(3.0, lambda: rig.stop("enough")), time.monotonic()
     with pytest.raises(StoppedError, match="enough"):
         rig.run(path, None, silent)
     assert time.monotonic() - began < 10.0
@@ -125,7 +128,7 @@ def test_a_touch_that_the_monitor_reports_stops_it(rig: RosRig, bench: Bench) ->
 
 def test_a_dead_process_is_replaced_to_stop_the_motion(rig: RosRig) -> None:
     path = motion(25.0, rig.pose())
-    timer = after(4.0, lambda: os.kill(rig.process, signal.SIGKILL))
+    timer = after(3.0, lambda: os.kill(rig.process, signal.SIGKILL))
     began = time.monotonic()
     with pytest.raises(StoppedError, match="process in the ROS graph has ended"):
         rig.run(path, None, silent)
@@ -151,3 +154,36 @@ def test_a_topic_that_nobody_listens_to_is_named(rig: RosRig, tmp_path: Path) ->
             client.listeners("/nowhere")
     finally:
         client.close()
+
+
+def test_the_identify_node_investigates_when_it_is_permitted_and_stops_at_abort(
+    bench: Bench, tmp_path: Path
+) -> None:
+    bench.start(
+        "identify",
+        params={
+            "output_directory": str(tmp_path),
+            "investigate.topic": TOPIC,
+            "investigate.urdf": str(URDF),
+            "investigate.minutes": 0.2,
+        },
+    )
+    answer = bench.call(Trigger, "/identify/investigate")
+    assert answer.success, answer.message
+    assert "/identify/proceed" in answer.message
+
+    def said() -> str:
+        status = bench.statuses.get("identify: investigation")
+        return "" if status is None else str(status.message)
+
+    bench.until(lambda: "call /identify/proceed" in said(), "the question")
+    assert re.search(r"asks to move for up to 12 s: joint_1 .* to .* rad, up to 1.4 rad/s", said())
+    assert not list(tmp_path.rglob("*.csv"))  # nothing moves yet
+    assert bench.call(Trigger, "/identify/proceed").success
+    bench.until(lambda: "moving" in said(), "the motion")
+    assert not bench.call(Trigger, "/identify/proceed").success  # nothing is asked
+    bench.spin(2.0)
+    assert bench.call(Trigger, "/identify/abort").success
+    bench.until(lambda: "/identify/abort was called" in said(), "the end")
+    assert Path(bench.values("identify: investigation")["page"]).is_file()
+    assert (tmp_path / "investigation" / "motion_01.csv").is_file()

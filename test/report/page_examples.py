@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
-from diagnosis_examples import full_run
+from diagnosis_examples import diagnosis, finding, full_run, model
 
 from lagrangian_ff.diagnosis import Comparison, DiagnosisRun, Round
+from lagrangian_ff.diagnosis.excite import For, Reference, Suspect
 from lagrangian_ff.diagnosis.where import (
     COORDINATES,
     Bins,
@@ -20,6 +21,7 @@ from lagrangian_ff.diagnosis.where.orders import Line
 from lagrangian_ff.effects.stribeck import Stribeck
 from lagrangian_ff.identification import Score
 from lagrangian_ff.identification.history import ErrorChange, History, Reason, Step
+from lagrangian_ff.investigation import Ended, Investigation, Turn
 from lagrangian_ff.recording import Motion
 
 JOINTS = ("shoulder", "elbow")
@@ -115,3 +117,17 @@ def lineage() -> History:
         ),
     )
     return History("model.npz", "chain+fri", steps)
+
+
+def investigated() -> Investigation:
+    """A story of two motions, the second of which confirms an effect."""
+    time = np.arange(0.0, 20.01, 0.01)
+    q = np.sin(time)[:, None] * np.ones(2)
+    path = Reference(time, q, 0.0 * q, 0.0 * q)
+    question = For(Suspect("stribeck", "elbow"))
+    errors = {"shoulder": 0.3, "elbow": 0.4}
+    first = Turn(None, path, None, diagnosis(), model(), errors, 0.5)
+    second = Turn(question, path, None, diagnosis(findings=(finding(),)), model(), errors, 0.2)
+    return Investigation(
+        JOINTS, (first, second), Ended.NOTHING_LEFT, SCRIPT, 40.0, dict(errors), 0.5
+    )

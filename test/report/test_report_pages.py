@@ -19,7 +19,7 @@ from diagnosis_examples import (
     run,
     taken_up,
 )
-from page_examples import SCRIPT, compared, diagnosed, lineage, motion
+from page_examples import SCRIPT, compared, diagnosed, investigated, lineage, motion
 from test_report_html import texts
 
 from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
@@ -28,7 +28,14 @@ from lagrangian_ff.diagnosis.where import COORDINATES, Bins, Compared, ResidualS
 from lagrangian_ff.identification import Score
 from lagrangian_ff.identification.history import ErrorChange
 from lagrangian_ff.identification.records import Estimate
-from lagrangian_ff.report import Section, compare_page, diagnose_page, history_page, write_page
+from lagrangian_ff.report import (
+    Section,
+    compare_page,
+    diagnose_page,
+    history_page,
+    investigation_page,
+    write_page,
+)
 from lagrangian_ff.report import pages as written_pages
 from lagrangian_ff.report.plot import Plot, embed, line
 
@@ -36,6 +43,7 @@ PAGES: dict[str, tuple[Callable[..., Path], Callable[[], Any]]] = {
     "compare": (compare_page, compared),
     "diagnose": (diagnose_page, diagnosed),
     "history": (history_page, lineage),
+    "investigate": (investigation_page, investigated),
 }
 LIBRARY = re.compile(r'<script type="text/plain" id="library">.*?</script>')
 
@@ -116,6 +124,17 @@ def test_an_effect_that_raises_the_error_is_not_shown_as_a_fall(tmp_path: Path) 
     worse = finding("spring", doubt=doubt(), consequence=consequence(1.5, 1.8))
     page = written(tmp_path, "diagnose", run(diagnosis(findings=(worse,))))
     assert "error 20 % higher on held-back data" in page
+
+
+def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
+    page = written(tmp_path, "investigate")
+    assert "<h1>Found stribeck on elbow: the unseen error falls, 0.500 → 0.200 N·m</h1>" in page
+    assert "2 questions to 2 joints, 40 s" in page
+    for words in ("What does the arm do?", "Is there stribeck on elbow?"):
+        assert words in page
+    bare = replace(investigated(), turns=())
+    assert heading(tmp_path, "investigate", bare) == "It ended before anything was known"
+    assert heading(tmp_path, "investigate", replace(bare, seconds=0.0)) == "The arm did not move"
 
 
 def test_nothing_found_is_said_so(tmp_path: Path) -> None:

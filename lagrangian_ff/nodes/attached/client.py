@@ -16,6 +16,7 @@ from lagrangian_ff.errors import UserError
 PROGRAM = ("-m", "lagrangian_ff.nodes.live")
 PATIENCE = 15.0  # s for an answer
 STARTING = 30.0  # s until the process has heard of the robot
+FINDING = 5.0  # s until it has heard of who listens
 ENDING = 10.0  # s for the process to end: it may have a motion to stop
 LOOK = 0.05  # s between looks
 
@@ -137,7 +138,7 @@ class Client:
             return next((tuple(one["nodes"]) for one in known if one["topic"] == topic), None)
 
         try:
-            return tuple(self.wait(found, PATIENCE, f"find {topic}"))
+            return tuple(self.wait(found, FINDING, f"find {topic}"))
         except UserError:
             if not self.alive:
                 raise

@@ -1,0 +1,82 @@
+"""The next question: what is open, what is usual first, and never without end."""
+
+import pytest
+from diagnosis_examples import JOINTS, diagnosis, doubt, finding
+
+from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
+from lagrangian_ff.diagnosis.observable import Observability
+from lagrangian_ff.diagnosis.results import Diagnosis, Ranked
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.investigation import next_question
+from lagrangian_ff.investigation.asking import MOST_EVERYTHING, TWICE
+
+SIZE = 0.03
+SEEN = Observability(JOINTS, {"stribeck": (0.01, 0.02)}, (), SIZE)
+UNSEEN = Observability(JOINTS, {"stribeck": (0.01, 0.2)}, (), SIZE)
+NEVER = Observability(JOINTS, {"stribeck": (0.01, float("inf"))}, (), SIZE)
+STRIBECK = For(Suspect("stribeck", "elbow"))
+
+
+def asked(found: Diagnosis, shown: Observability = SEEN, before: tuple[object, ...] = ()) -> object:
+    return next_question(found, shown, before, SIZE)  # type: ignore[arg-type]
+
+
+def test_a_confirmed_effect_leaves_nothing_open() -> None:
+    assert asked(diagnosis(findings=(finding(),))) is None
+    assert asked(diagnosis()) is None
+
+
+def test_a_suggested_effect_is_asked_for() -> None:
+    found = diagnosis(findings=(finding(doubt=doubt()),))
+    assert asked(found) == STRIBECK
+
+
+def test_what_happens_once_is_no_question() -> None:
+    contact = next(one for one in EFFECTS.values() if one.kind == "event")
+    found = diagnosis(findings=(finding(effect="stribeck", doubt=doubt()),))
+    once = finding("spring", doubt=doubt())
+    object.__setattr__(once, "effect", contact)
+    assert asked(diagnosis(findings=(once,))) is None
+    assert asked(diagnosis(findings=(once, *found.findings))) == STRIBECK
+
+
+def test_rivals_are_told_apart_the_usual_one_of_the_gear_first() -> None:
+    rivals = ("ripple", "backlash", "hysteresis")
+    found = diagnosis(findings=(finding("spring", rivals=rivals),))
+    usual: dict[str, list[str]] = {}
+    for gear in ("harmonic", "planetary"):
+        before: list[Between] = []
+        while (question := next_question(found, SEEN, before, SIZE, {"elbow": gear})) is not None:
+            assert isinstance(question, Between)
+            assert question.first == Suspect("spring", "elbow")
+            before.append(question)
+        usual[gear] = [one.second.effect for one in before[::TWICE]]
+        assert sorted(usual[gear]) == sorted(rivals)
+        assert len(before) == TWICE * len(rivals)
+    assert usual["harmonic"][0] != "backlash" == usual["planetary"][0]
+
+
+def test_one_question_is_asked_twice_at_most() -> None:
+    found = diagnosis(findings=(finding(doubt=doubt()),))
+    assert asked(found, SEEN, (STRIBECK,)) == STRIBECK
+    assert asked(found, SEEN, (STRIBECK,) * TWICE) is None
+
+
+@pytest.mark.parametrize(("nats", "question"), [(9.0, STRIBECK), (3.0, None)])
+def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
+    nats: float, question: object
+) -> None:
+    ranked = Ranked("stribeck", "elbow", nats, named=True, stands_out=False)
+    curve = Ranked("curve", "shoulder", 50.0, named=False, stands_out=True)
+    assert asked(diagnosis(ranking=(curve, ranked))) == question
+    named = diagnosis(ranking=(ranked,), findings=(finding("spring"),))
+    assert asked(named) is None  # of a joint with a finding nothing else is asked
+
+
+def test_what_could_be_there_unseen_is_asked_for_last_and_not_for_ever() -> None:
+    found, everything = diagnosis(findings=(finding(doubt=doubt()),)), Everything()
+    assert asked(found, UNSEEN) == STRIBECK
+    assert asked(diagnosis(), UNSEEN) == everything
+    assert asked(diagnosis(), UNSEEN, (everything,) * (MOST_EVERYTHING - 1)) == everything
+    assert asked(diagnosis(), UNSEEN, (everything,) * MOST_EVERYTHING) is None
+    assert asked(diagnosis(), NEVER) is None  # no motion shows it

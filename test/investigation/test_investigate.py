@@ -1,0 +1,109 @@
+"""The loop that closes itself, on an arm whose torques can be written down."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from pendulum_rig import START, PendulumRig, limits, plan
+
+from lagrangian_ff.diagnosis.excite import For
+from lagrangian_ff.errors import ModelError
+from lagrangian_ff.investigation import Ended, Investigation, Proposal, investigate
+
+DRAG = 0.3  # N·m s²/rad²
+
+
+@cache
+def found() -> tuple[PendulumRig, Investigation, list[Proposal]]:
+    """Return an arm with a drag, its story, and what was asked for."""
+    rig, proposals = PendulumRig(DRAG), list[Proposal]()
+
+    def permit(proposal: Proposal) -> bool:
+        proposals.append(proposal)
+        return True
+
+    return rig, investigate(rig, plan(36.0), permit), proposals
+
+
+def test_it_asks_for_the_drag_that_is_hidden_and_adds_it() -> None:
+    _, story, _ = found()
+    last = story.turns[-1]
+    assert [one.name for one in story.confirmed] == ["quadratic_drag on elbow"]
+    assert isinstance(last.question, For)
+    assert last.question.suspect.joint == "elbow"
+    assert last.expected is not None
+    assert last.gained is not None
+    assert last.gained > 10.0
+    assert last.errors["elbow"] < 0.5 * story.before["elbow"]
+    (term,) = [one for one in last.confirmed if one.joint == "elbow"]
+    (drag,) = term.parameters.values()
+    assert drag.low < DRAG < drag.high
+    assert story.model is last.model
+
+
+def test_it_ends_within_its_budget_and_leaves_no_limit() -> None:
+    rig, story, _ = found()
+    assert story.ended is Ended.BUDGET
+    assert story.seconds == pytest.approx(rig.seconds)
+    assert 24.0 < story.seconds <= 36.0
+    assert rig.left(limits()) == 0
+    for one in rig.moved:
+        np.testing.assert_allclose([one.q[0], one.q[-1]], [START, START])
+        np.testing.assert_allclose([one.qd[0], one.qd[-1]], 0.0, atol=1e-9)
+
+
+def test_it_asks_before_the_first_motion_and_before_the_larger_range() -> None:
+    rig, _, (first, second) = found()
+    assert (first.share, second.share) == (0.5, 1.0)
+    np.testing.assert_allclose(first.start, START)
+    assert (first.limits.q_high < second.limits.q_high).all()
+    assert (first.seconds, second.seconds) == (36.0, pytest.approx(36.0 - rig.moved[0].time[-1]))
+    assert (rig.moved[0].q <= first.limits.q_high).all()
+    assert "elbow -0.80 to 0.55 rad, up to 3 rad/s" in first.words
+
+
+def test_nothing_moves_without_permission() -> None:
+    rig = PendulumRig(DRAG)
+    story = investigate(rig, plan(36.0), lambda proposal: False)
+    assert story.ended is Ended.REFUSED
+    assert (story.turns, story.model, rig.moved) == ((), None, [])
+
+
+def test_without_permission_for_more_it_stays_in_the_smaller_range() -> None:
+    rig = PendulumRig()
+    small = plan(12.0)
+    story = investigate(rig, small, lambda proposal: proposal.share < 1.0)
+    assert len(rig.moved) == len(story.turns) == 1
+    assert rig.left(limits().around(START, 0.5)) == 0
+    assert not story.confirmed
+    assert story.ended is Ended.BUDGET
+
+
+def test_a_stop_keeps_what_is_known() -> None:
+    rig = PendulumRig(DRAG, last=3)
+    story = investigate(rig, plan(36.0), lambda proposal: True)
+    assert (story.ended, story.words) == (Ended.STOPPED, "somebody stopped it")
+    assert len(rig.moved) == 2
+    (turn,) = story.turns
+    assert turn.question is None
+    assert [one.effect.name for one in turn.diagnosis.findings] == ["quadratic_drag"]
+    assert story.model is not None
+    assert story.record()["words"] == "somebody stopped it"
+
+
+def test_a_stop_before_anything_is_known_is_told_too() -> None:
+    story = investigate(PendulumRig(last=1), plan(36.0), lambda proposal: True)
+    assert (story.ended, story.turns, story.before) == (Ended.STOPPED, (), {})
+
+
+def test_a_first_motion_takes_less_of_the_range_until_it_is_clear() -> None:
+    rig = PendulumRig()
+    high = START[0] + 0.25
+
+    def clear(path: np.ndarray) -> str:
+        return "the wall" if path[:, 0].max() > high else ""
+
+    investigate(rig, plan(12.0, clear=clear), lambda proposal: True)
+    assert rig.moved[0].q[:, 0].max() <= high
+    with pytest.raises(ModelError, match="the wall"):
+        investigate(PendulumRig(), plan(12.0, clear=lambda path: "the wall"), lambda p: True)
