@@ -150,7 +150,7 @@ class _Story:
             _, unseen = self._parts()
             # The first motions are looked at together: they are one turn.
             moved = self._motions[self._first_motions - 1 :]
-            before = _errors(self._looks[0].base, unseen)
+            before = _errors(self._looks[-1].base, unseen)
             for (question, motion, made), look in zip(moved, self._looks, strict=False):
                 errors, total = _errors(look.model, unseen)
                 turns.append(

@@ -84,8 +84,8 @@ class Investigation:
         turns: in their order.
         ended, words: why it ended, for a program and in words.
         seconds: of motion.
-        before: by joint, N·m rms of the first model, without any effect that was found, on the
-            same motion as the turns' errors; empty without a turn.
+        before: by joint, N·m rms of the last model without any effect that was found, on the same
+            motion as the turns' errors; empty without a turn.
         before_total: the same over all joints.
     """
 

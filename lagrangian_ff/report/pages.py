@@ -88,8 +88,11 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
     elif not found:
         title = "Nothing is missing that these motions can show"
     else:
-        fall = f"{typeset(story.before_total)} → {typeset(story.turns[-1].total)} N·m"
-        title = f"Found {' and '.join(found)}: the unseen error falls, {fall}"
+        title = f"Found {' and '.join(found)}"
+        before, after = story.confirmed[0].errors
+        if before is not None and after is not None:
+            fall = f"{typeset(before)} → {typeset(after)} N·m"
+            title += f": the unseen error of {story.confirmed[0].joint} falls, {fall}"
     kicker = f"{len(story.turns)} questions to {len(story.joints)} joints, {story.seconds:.0f} s"
     return _page(path, "investigate", title, story, INVESTIGATION, kicker)
 

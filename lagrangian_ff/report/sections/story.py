@@ -47,7 +47,7 @@ def staircase_section(story: "Investigation") -> Section | None:
     """Return the error after each question, on motion that no model learned from."""
     if not story.turns:
         return None
-    names = ["rigid bodies and friction", *(f"question {k + 1}" for k in range(len(story.turns)))]
+    names = ["without what was found", *(f"question {k + 1}" for k in range(len(story.turns)))]
     errors = [story.before_total, *(turn.total for turn in story.turns)]
     joints = {
         joint: [story.before[joint], *(turn.errors[joint] for turn in story.turns)]
