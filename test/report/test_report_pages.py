@@ -28,6 +28,7 @@ from lagrangian_ff.diagnosis.where import COORDINATES, Bins, Compared, ResidualS
 from lagrangian_ff.identification import Score
 from lagrangian_ff.identification.history import ErrorChange
 from lagrangian_ff.identification.records import Estimate
+from lagrangian_ff.investigation import Ended
 from lagrangian_ff.report import (
     Section,
     compare_page,
@@ -134,7 +135,8 @@ def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
         assert words in page
     bare = replace(investigated(), turns=())
     assert heading(tmp_path, "investigate", bare) == "It ended before anything was known"
-    assert heading(tmp_path, "investigate", replace(bare, seconds=0.0)) == "The arm did not move"
+    refused = replace(bare, ended=Ended.REFUSED)
+    assert heading(tmp_path, "investigate", refused) == "The arm did not move"
 
 
 def test_nothing_found_is_said_so(tmp_path: Path) -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from lagrangian_ff.nodes.attached.rig import RosRig
 
 WORD = "yes"
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as of every command."""
 
 
 @dataclass
