@@ -88,7 +88,10 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
         still = story.ended is Ended.REFUSED
         title = "The arm did not move" if still else "It ended before anything was known"
     elif not found:
+        last = story.turns[-1].diagnosis
         title = "Nothing is missing that these motions can show"
+        if last.found or last.unexplained:
+            title = "Something may be missing; these motions confirm nothing"
     else:
         fall = f"{typeset(story.before_total)} → {typeset(story.turns[-1].total)} N·m"
         title = f"Found {' and '.join(found)}: the unseen error falls, {fall}"

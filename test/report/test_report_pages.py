@@ -133,6 +133,14 @@ def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
     assert "2 questions to 2 joints, 40 s" in page
     for words in ("What does the arm do?", "Is there stribeck on elbow?"):
         assert words in page
+    first = investigated().turns[0]
+    for findings, title in (
+        ((), "Nothing is missing that these motions can show"),
+        ((finding(doubt=doubt()),), "Something may be missing; these motions confirm nothing"),
+    ):
+        turn = replace(first, diagnosis=diagnosis(findings=findings))
+        story = replace(investigated(), turns=(turn,))
+        assert heading(tmp_path, "investigate", story) == title
     bare = replace(investigated(), turns=())
     assert heading(tmp_path, "investigate", bare) == "It ended before anything was known"
     refused = replace(bare, ended=Ended.REFUSED)
