@@ -37,7 +37,7 @@ class Driver(threading.Thread):
         silent: whether it publishes nothing.
         refusals: how many of the trajectories after the first it refuses.
         deaf: whether it takes trajectories without following them.
-        q: (2,) rad, where it stands.
+        q: (2,) rad, where it is.  velocity: (2,) rad/s.
         came: the trajectories.
     """
 
@@ -49,7 +49,7 @@ class Driver(threading.Thread):
         self.refusals = 0
         self.came: list[JointTrajectory] = []
         self._followed: tuple[float, Any] | None = None
-        self.q = np.zeros(2)
+        self.q, self.velocity = np.zeros(2), np.zeros(2)
         self._end = threading.Event()
         self._taken = PolledSubscription(node, JointTrajectory, TOPIC, RELIABLE)
 
@@ -73,7 +73,7 @@ class Driver(threading.Thread):
                 if self._followed is not None:
                     since, path = self._followed
                     q, qd, qdd = path.sample(now - since)
-            self.q = q
+            self.q, self.velocity = q, qd
             tau = 8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02)
             tau[1] += self._drag * qd[1] * abs(qd[1])
             message = JointState(

@@ -81,12 +81,17 @@ def history_page(path: str | PathLike[str], history: History) -> Path:
 
 def investigation_page(path: str | PathLike[str], story: "Investigation") -> Path:
     """Write the story of an investigation, and return the path of the page."""
+    from lagrangian_ff.investigation import Ended
+
     found = [spoken(one.name) for one in story.confirmed]
     if not story.turns:
-        moved = story.seconds > 0.0
-        title = "It ended before anything was known" if moved else "The arm did not move"
+        still = story.ended is Ended.REFUSED
+        title = "The arm did not move" if still else "It ended before anything was known"
     elif not found:
+        last = story.turns[-1].diagnosis
         title = "Nothing is missing that these motions can show"
+        if last.found or last.unexplained:
+            title = "Something may be missing; these motions confirm nothing"
     else:
         title = f"Found {' and '.join(found)}"
         before, after = story.confirmed[0].errors

@@ -76,6 +76,6 @@ def test_ctrl_c_keeps_what_is_known(tmp_path: Path) -> None:
             process.send_signal(signal.SIGINT)
             break
     rest = process.stdout.read()
-    assert process.wait(60.0) == 0
+    assert process.wait(60.0) == 130
     assert "stopped by the user (SIGINT)" in rest
     assert "</html>" in page.read_text()

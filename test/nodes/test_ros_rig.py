@@ -15,8 +15,10 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("pybullet")
 
+import scripted_arm
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from node_harness import Bench, open_bench
+from scripted_arm import Driver, path_of
 from std_srvs.srv import Trigger
 
 from lagrangian_ff.arm import HOME, JOINTS
@@ -135,6 +137,34 @@ def test_a_dead_process_is_replaced_to_stop_the_motion(rig: RosRig) -> None:
     timer.join()
     assert time.monotonic() - began < 24.0
     assert speed(rig) < 0.02
+
+
+def test_joint_states_that_end_stop_it_and_a_small_motion_must_be_followed(
+    bench: Bench, tmp_path: Path
+) -> None:
+    driver = Driver(bench.node)
+    driver.moving = False
+    driver.start()
+    client = Client()
+    try:
+        client.wait(lambda: "a" in client.status.get("joints", ()) or None, 30.0, "hear a")
+        client.listeners(scripted_arm.TOPIC)
+        rig = RosRig(client, scripted_arm.TOPIC, scripted_arm.JOINTS, tmp_path)
+        small = Limits(*(end * np.ones(2) for end in (-0.1, 0.1, 0.4, 2.0)))
+        path = excite("exciting", rig.joints, small, start=np.zeros(2), duration=5.0)
+        driver.deaf = True
+        with pytest.raises(StoppedError, match="a, b did not follow the motion"):
+            rig.run(path, None, silent)
+        driver.deaf = False
+        timer = after(3.0, lambda: setattr(driver, "silent", True))
+        with pytest.raises(StoppedError, match="joint states of a, b have ended"):
+            rig.run(path, None, silent)
+        timer.join()
+        bench.until(lambda: np.abs(driver.velocity).max() == 0.0, "the end of the motion")
+        assert path_of(driver.came[-1]).duration < 1.0  # a stop, and no other motion
+    finally:
+        client.close()
+        driver.end()
 
 
 def test_a_refused_motion_is_said(rig: RosRig) -> None:

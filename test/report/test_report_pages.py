@@ -28,6 +28,7 @@ from lagrangian_ff.diagnosis.where import COORDINATES, Bins, Compared, ResidualS
 from lagrangian_ff.identification import Score
 from lagrangian_ff.identification.history import ErrorChange
 from lagrangian_ff.identification.records import Estimate
+from lagrangian_ff.investigation import Ended
 from lagrangian_ff.report import (
     Section,
     compare_page,
@@ -132,9 +133,18 @@ def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
     assert "2 questions to 2 joints, 40 s" in page
     for words in ("What does the arm do?", "Is there stribeck on elbow?"):
         assert words in page
+    first = investigated().turns[0]
+    for findings, title in (
+        ((), "Nothing is missing that these motions can show"),
+        ((finding(doubt=doubt()),), "Something may be missing; these motions confirm nothing"),
+    ):
+        turn = replace(first, diagnosis=diagnosis(findings=findings))
+        story = replace(investigated(), turns=(turn,))
+        assert heading(tmp_path, "investigate", story) == title
     bare = replace(investigated(), turns=())
     assert heading(tmp_path, "investigate", bare) == "It ended before anything was known"
-    assert heading(tmp_path, "investigate", replace(bare, seconds=0.0)) == "The arm did not move"
+    refused = replace(bare, ended=Ended.REFUSED)
+    assert heading(tmp_path, "investigate", refused) == "The arm did not move"
 
 
 def test_nothing_found_is_said_so(tmp_path: Path) -> None:

@@ -101,7 +101,7 @@ def run(arguments: Namespace) -> int:
     saved = [arguments.output if found.model else None, arguments.report, folder]
     for path in filter(None, saved):
         console.say(f"saved: {path}")
-    return 0
+    return investigating.INTERRUPTED if stopping.asked else 0
 
 
 def _check(arguments: Namespace) -> None:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from lagrangian_ff.nodes.attached.rig import RosRig
 
 WORD = "yes"
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as of every command."""
 
 
 @dataclass
@@ -107,5 +109,5 @@ def say(found: "Investigation", console: Console) -> None:
     rows = [[name, number(found.before[name]), number(last.errors[name])] for name in found.joints]
     rows.append(["all joints", number(found.before_total), number(last.total)])
     console.say(table(["joint", "before", "after"], rows))
-    names = [f"{one.name}" for one in found.confirmed]
-    console.say(f"confirmed: {', '.join(names) or 'nothing is missing that these motions show'}")
+    names = ", ".join(one.name for one in found.confirmed)
+    console.say(f"confirmed and added: {names or 'nothing'}")
