@@ -37,3 +37,12 @@ def test_what_is_usual_outweighs_what_is_rare_by_nine_to_one() -> None:
 def test_an_unknown_gear_is_refused() -> None:
     with pytest.raises(EffectError, match="there are harmonic"):
         gear("magic")
+
+
+def test_the_command_names_every_gear(capsys: pytest.CaptureFixture[str]) -> None:
+    from lagrangian_ff.cli.main import main
+
+    with pytest.raises(SystemExit):
+        main(["diagnose", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"decides nothing: {', '.join(GEARS)}" in said

@@ -19,7 +19,6 @@ from lagrangian_ff.cli.text.diagnose import (
     say_diagnosis,
     say_not_observable,
 )
-from lagrangian_ff.effects.usual import GEARS
 from lagrangian_ff.errors import UserError
 
 if TYPE_CHECKING:
@@ -87,7 +86,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     gear = (
         "the kind of gear of all joints, or JOINT=GEAR; what is usual in it is shown beside the "
-        f"evidence, and decides nothing: {', '.join(GEARS)}"
+        "evidence, and decides nothing: harmonic, cycloidal, planetary, belt, cable, direct"
     )
     expected = (
         "what excite --json wrote of the designed motion that SOURCE is a recording of: findings "
