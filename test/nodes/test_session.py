@@ -15,15 +15,15 @@ BUSY = Session(bags=[BAG], busy="diagnosing")
 BOTH = Session(bags=[BAG], current=Path("next"), busy="identifying")
 IDENTIFIED = Session(bags=[BAG], model=MODEL)
 FAILED = Session(bags=[BAG], failures={"identify": "too short"})
-WORK = {"load", "identify", "compare", "diagnose", "add"}
+WORK = {"load", "identify", "compare", "diagnose", "add", "investigate"}
 
 
 @pytest.mark.parametrize(
     ("session", "state", "allowed"),
     [
-        (IDLE, "idle", {"start", "clear", "load", "add"}),
+        (IDLE, "idle", {"start", "clear", "load", "add", "investigate"}),
         (RECORDED, "idle", {"start", "clear", *WORK}),
-        (RECORDING, "recording", {"stop", "load", "add"}),
+        (RECORDING, "recording", {"stop", "load", "add", "investigate"}),
         (BUSY, "diagnosing", {"start", "clear"}),
         (BOTH, "recording", {"stop"}),
         (IDENTIFIED, "idle", {"start", "save", "clear", *WORK}),
