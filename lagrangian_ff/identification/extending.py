@@ -76,8 +76,9 @@ def extend(
     progress(0.1, f"adding {effect.name}")
     before = exact(subset)
     wish = effect if isinstance(effect, Curve) and not effect.axes else None
+    learned = inputs.take(np.flatnonzero(old.trained))
     if wish is not None:
-        effect = smooth(before, wish, number)
+        effect = smooth(before, wish, number, learned)
     term = Term(effect, number, best_shape(before, effect, number, given))
     _, own = fall(before, term)
     if own < SAME:
@@ -95,7 +96,7 @@ def extend(
     progress(0.3, "choosing the noise")
     new = replace(new, prior=replace(prior, noise=_best_noise(new, inputs)))
     if wish is not None:  # its torque was noise when its smoothness was chosen
-        new = _smoother(new, inputs, wish)
+        new = _smoother(new, inputs, wish, learned)
     progress(0.6, "fitting")
     then = model.identified
     again = any(t.effect.uses for t in new.prior.basis.terms)
@@ -126,11 +127,11 @@ def without(model: Model, effect: Effect, joint: str) -> Model:
     return build(replace(less, prior=replace(prior, noise=_best_noise(less, inputs))), inputs).model
 
 
-def _smoother(blueprint: Blueprint, inputs: Inputs, wish: Curve) -> Blueprint:
+def _smoother(blueprint: Blueprint, inputs: Inputs, wish: Curve, learned: Inputs) -> Blueprint:
     """Return a blueprint whose last term, a curve, has the smoothness that suits its noise."""
     *terms, last = blueprint.prior.basis.terms
     without = replace(blueprint, prior=replace(blueprint.prior, basis=Basis(tuple(terms))))
-    effect = smooth(exact(without.subset(inputs)), wish, last.joint)
+    effect = smooth(exact(without.subset(inputs)), wish, last.joint, learned)
     basis = Basis((*terms, replace(last, effect=effect)))
     return replace(blueprint, prior=replace(blueprint.prior, basis=basis))
 

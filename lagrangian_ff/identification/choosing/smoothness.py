@@ -21,6 +21,7 @@ import scipy
 from scipy.linalg import eigh, solve_triangular
 
 from lagrangian_ff.arrays import Flags, Floats
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.curve import Axis, Curve
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis, Term
@@ -41,28 +42,28 @@ LOOSE = 1e-6
 """Precision of the heights themselves, relative to that of their second differences."""
 ROUNDING, UNDETERMINED = 1e-12, 1e-8
 """Shares of the largest eigenvalue: one below is rounding, or leaves steps undetermined."""
+SEEN = 1e-3
+"""Variance of a step of a monotone curve, over that of the largest, below which it is left out."""
 LAMBDAS = np.geomspace(1e-9, 1e9, 73)
 """λ tried, relative to the mean of γ."""
 KEPT = 0.2
 """Least γ/λ of a direction that is free."""
 HELD = 1e-3
 """Share of a direction below which what the basis has can do as well."""
-NOTHING = 1e-9
-"""Share of a direction below which the basis has it already."""
 
 
-def smooth(found: Posterior[System], wish: Curve, joint: int) -> Curve:
+def smooth(found: Posterior[System], wish: Curve, joint: int, learned: Inputs) -> Curve:
     """Return a curve with the B-splines and free directions of largest evidence.
 
     Args:
         found: posterior of the model without the curve.
         wish: over what, and of which kind.  joint: that it acts on.
+        learned: all of the motion that is learned from: what it has seen.
 
     Raises:
         ModelError: the motion does not move the coordinates, or shows nothing of such a curve.
     """
-    x = found.problem.samples.x
-    at = [one.read(x, joint) for one in wish.over]
+    at = [one.read(learned, joint) for one in wish.over]
     for values, one in zip(at, wish.over, strict=True):
         if not np.ptp(values) > 1e-9 * max(1.0, float(np.abs(values).max())):
             raise ModelError(f"a curve over {one.words}: that does not change in the model's data")
@@ -122,11 +123,23 @@ def _tried(
     price = np.sum(np.log1p(gamma / lambdas), axis=1)
     evidence = -0.5 * (system.degrees * np.log(left) + price)
     best = int(np.argmax(evidence))
-    own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
+    own = gamma > HELD * np.sum((whole @ directions) ** 2, axis=0)
     free = span @ directions[:, own & (gamma >= KEPT * lambdas[best])][:, ::-1]
-    made = wish.made(axes, seen, free)
-    shares, known = eigh(z.T @ z, whole.T @ whole + LOOSE * np.mean(whole**2) * np.eye(len(span.T)))
-    return float(evidence[best]), _small(made, span @ known[:, shares < HELD])
+    known = span @ _known(found, wish.made(axes, seen, span), joint, penalty)
+    return float(evidence[best]), _small(wish.made(axes, seen, free), known)
+
+
+def _known(found: Posterior[System], curve: Curve, joint: int, penalty: Floats) -> Floats:
+    """Return (P, R) the smooth directions of a curve that are columns of the basis on its joint."""
+    x = found.problem.samples.x
+    columns = Term(curve, joint).columns(x)
+    others = [t.columns(x) for t in found.problem.basis.terms if t.joint == joint]
+    there = np.column_stack([np.zeros((len(x), 0)), *others])
+    matrix = columns.T @ columns
+    stiff = LOOSE * np.trace(matrix) / np.trace(penalty) * penalty
+    heights = np.linalg.solve(matrix + stiff, columns.T @ there)
+    left = np.sum((there - columns @ heights) ** 2, axis=0)
+    return np.asarray(heights[:, left < HELD * np.sum(there**2, axis=0)])
 
 
 def _small(made: Curve, known: Floats) -> Curve:
@@ -136,15 +149,16 @@ def _small(made: Curve, known: Floats) -> Curve:
     with its range, so that as little as possible should be.
 
     Args:
-        known: (K, R) heights of what the basis has.
+        known: (K, R) heights of what the basis has as well.
     """
     heights = made.heights
     if known.shape[1]:
         _, values = made.along()
         _, there = made.made(made.axes, made.seen, known).along()
         heights = heights - known @ np.linalg.lstsq(there, values, rcond=None)[0]
-    size = np.abs(heights).max(axis=0, initial=0.0)
-    return made.made(made.axes, made.seen, heights / np.maximum(size, 1e-300))
+    size, before = (np.abs(one).max(axis=0, initial=0.0) for one in (heights, made.heights))
+    left = size > HELD * before
+    return made.made(made.axes, made.seen, heights[:, left] / size[left])
 
 
 def _seen(axes: tuple[Axis, ...], at: list[Floats], *, odd: bool) -> Flags:
@@ -214,9 +228,11 @@ def _rising(found: Posterior[System], best: Curve, joint: int, at: Floats) -> Cu
     if best.odd:
         steps = (steps + steps[:, ::-1])[:, : axis.count // 2] / 2.0
     first, weights = axis.weights(at)
+    values = sum(weights[:, n, None] * steps[first + n] for n in range(4))
     if not best.odd:  # about its mean, so that it takes nothing from a constant torque
-        values = sum(weights[:, n, None] * steps[first + n] for n in range(4))
         steps = steps - np.mean(values, axis=0)
+    size = np.var(values, axis=0)
+    steps = steps[:, size > SEEN * size.max()]  # one at an end may be of a few samples
     both = [best.made((axis,), seen, sign * steps) for sign in (1.0, -1.0)]
     falls = []
     for one in both:
