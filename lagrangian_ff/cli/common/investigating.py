@@ -23,7 +23,7 @@ INTERRUPTED = 130
 
 @dataclass
 class Stopping:
-    """What Ctrl-C does.
+    """The handling of Ctrl-C.
 
     Attributes:
         rig: to stop; None for an arm that cannot move by itself.

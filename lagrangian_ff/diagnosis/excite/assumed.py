@@ -1,4 +1,4 @@
-"""What `diagnose` will see in a motion before the arm has made it.
+"""Predict what `diagnose` will see in a motion, before the arm has made it.
 
 The search's problem is fitted once, to the model's own data: kernel, noise and units. A motion to
 come is whitened with it, so that the search's own code gives the information A of every effect,
@@ -46,7 +46,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Expected:
-    """What a motion is expected to show of an effect.
+    """The evidence that a motion is expected to give for an effect.
 
     Attributes:
         effect, joint: their names.
