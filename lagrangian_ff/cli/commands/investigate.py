@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 NAME = "investigate"
 SUMMARY = "move a robot until it is decided what its model lacks"
-USAGE = "(--topic TOPIC (--urdf URDF | --limits FILE) | --simulate HIDDEN) [options]"
+USAGE = "--topic TOPIC (--urdf FILE | --limits FILE) [options]"
 DESCRIPTION = """\
 Closes the loop by itself: moves the arm within the limits that you give, identifies a model, finds
 what it lacks, designs the motion that decides what is open, moves again, until nothing is open or
