@@ -8,9 +8,9 @@ without what the basis has, the log evidence is
 
     −½ (ν log(w² − wᵀZ (ZᵀZ + λS)⁻¹ Zᵀw) + log |ZᵀZ + λS| − log |λS|).
 
-In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 5, which a
-penalised fit would shrink by less than five sixths: one too many costs its noise, one too few its
-torque. How the B-splines are spaced is chosen likewise.
+In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 10, which a
+penalised fit would shrink by less than ten elevenths: one too many costs its noise, one too few its
+torque, which is more. How the B-splines are spaced is chosen likewise.
 """
 
 from collections.abc import Iterator
@@ -46,8 +46,10 @@ SEEN = 1e-3
 """Variance of a step of a monotone curve, over that of the largest, below which it is left out."""
 LAMBDAS = np.geomspace(1e-9, 1e9, 73)
 """λ tried, relative to the mean of γ."""
-KEPT = 0.2
+KEPT = 0.1
 """Least γ/λ of a direction that is free."""
+NOTHING = 1e-6
+"""Share of a direction below which the basis has it already."""
 HELD = 1e-3
 """Share of a direction below which what the basis has can do as well."""
 
@@ -123,7 +125,7 @@ def _tried(
     price = np.sum(np.log1p(gamma / lambdas), axis=1)
     evidence = -0.5 * (system.degrees * np.log(left) + price)
     best = int(np.argmax(evidence))
-    own = gamma > HELD * np.sum((whole @ directions) ** 2, axis=0)
+    own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
     free = span @ directions[:, own & (gamma >= KEPT * lambdas[best])][:, ::-1]
     known = span @ _known(found, wish.made(axes, seen, span), joint, penalty)
     return float(evidence[best]), _small(wish.made(axes, seen, free), known)
