@@ -8,9 +8,9 @@ without what the basis has, the log evidence is
 
     −½ (ν log(w² − wᵀZ (ZᵀZ + λS)⁻¹ Zᵀw) + log |ZᵀZ + λS| − log |λS|).
 
-In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 5, which a
-penalised fit would shrink by less than five sixths: one too many costs its noise, one too few its
-torque. How the B-splines are spaced is chosen likewise.
+In the directions v of ZᵀZ v = γ S v all of it is sums. Free are those with γ ≥ λ / 10, which a
+penalised fit would shrink by less than ten elevenths: one too many costs its noise, one too few its
+torque, which is more. How the B-splines are spaced is chosen likewise.
 """
 
 from collections.abc import Iterator
@@ -46,8 +46,12 @@ SEEN = 1e-3
 """Variance of a step of a monotone curve, over that of the largest, below which it is left out."""
 LAMBDAS = np.geomspace(1e-9, 1e9, 73)
 """λ tried, relative to the mean of γ."""
-KEPT = 0.2
+LEAST = 3.0
+"""Nats that a curve must gain; with less the data show nothing of it."""
+KEPT = 0.1
 """Least γ/λ of a direction that is free."""
+NOTHING = 1e-6
+"""Share of a direction below which the basis has it already."""
 HELD = 1e-3
 """Share of a direction below which what the basis has can do as well."""
 
@@ -68,8 +72,8 @@ def smooth(found: Posterior[System], wish: Curve, joint: int, learned: Inputs) -
         if not np.ptp(values) > 1e-9 * max(1.0, float(np.abs(values).max())):
             raise ModelError(f"a curve over {one.words}: that does not change in the model's data")
     tried = [_tried(found, wish, joint, at, axes) for axes in _axes(wish, at)]
-    evidence, best = max(tried, key=lambda one: one[0])
-    if not np.isfinite(evidence) or not best.heights.shape[1]:
+    gain, best = max(tried, key=lambda one: one[0])
+    if not np.isfinite(gain) or not best.heights.shape[1]:
         raise ModelError(f"the model's data show nothing of {wish.meaning}")
     return _rising(found, best, joint, at[0]) if wish.monotone else best
 
@@ -106,7 +110,7 @@ def _axis(values: Floats, count: int, spacing: str, *, odd: bool) -> Axis:
 def _tried(
     found: Posterior[System], wish: Curve, joint: int, at: list[Floats], axes: tuple[Axis, ...]
 ) -> tuple[float, Curve]:
-    """Return the log evidence of one spacing with the best smoothness, and the curve."""
+    """Return the log evidence that one spacing gains with the best smoothness, and the curve."""
     seen = _seen(axes, at, odd=wish.odd)
     span = _span(axes, seen, odd=wish.odd)
     whole, z, w = _whitened(found, wish.made(axes, seen, span), joint)
@@ -123,10 +127,13 @@ def _tried(
     price = np.sum(np.log1p(gamma / lambdas), axis=1)
     evidence = -0.5 * (system.degrees * np.log(left) + price)
     best = int(np.argmax(evidence))
-    own = gamma > HELD * np.sum((whole @ directions) ** 2, axis=0)
+    gain = float(evidence[best] + 0.5 * system.degrees * np.log(w @ w))
+    if gain < LEAST:
+        return -np.inf, wish
+    own = gamma > NOTHING * np.sum((whole @ directions) ** 2, axis=0)
     free = span @ directions[:, own & (gamma >= KEPT * lambdas[best])][:, ::-1]
     known = span @ _known(found, wish.made(axes, seen, span), joint, penalty)
-    return float(evidence[best]), _small(wish.made(axes, seen, free), known)
+    return gain, _small(wish.made(axes, seen, free), known)
 
 
 def _known(found: Posterior[System], curve: Curve, joint: int, penalty: Floats) -> Floats:
