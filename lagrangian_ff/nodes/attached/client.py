@@ -16,7 +16,7 @@ from lagrangian_ff.errors import UserError
 PROGRAM = ("-m", "lagrangian_ff.nodes.live")
 PATIENCE = 15.0  # s for an answer
 STARTING = 30.0  # s until the process has heard of the robot
-FINDING = 5.0  # s until it has heard of who listens
+FINDING = 15.0  # s until it has heard of who listens
 ENDING = 10.0  # s for the process to end: it may have a motion to stop
 LOOK = 0.05  # s between looks
 
