@@ -213,10 +213,7 @@ class _Story:
     def _parts(self) -> tuple[list[Motion], list[Motion]]:
         """Return what is learned from and searched of each motion, and what is not."""
         motions = condition_alike(self._recordings, self._plan.conditioning)
-        motions = [motion.select(self._rig.joints) for motion in motions]
-        cuts = [round(LEARNED * len(motion)) for motion in motions]
-        pairs = list(zip(motions, cuts, strict=True))
-        return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]
+        return learned_and_unseen([motion.select(self._rig.joints) for motion in motions])
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
@@ -240,3 +237,10 @@ def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:
     score = compare(model, concatenate(unseen)).score
     return dict(zip(model.joints, map(float, score.rmse), strict=True)), float(score.total)
+
+
+def learned_and_unseen(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:
+    """Return the first `LEARNED` of each motion, and the rest of each."""
+    cuts = [round(LEARNED * len(motion)) for motion in motions]
+    pairs = list(zip(motions, cuts, strict=True))
+    return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]

@@ -21,9 +21,8 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import LEARNED
+from lagrangian_ff.investigation.investigate import learned_and_unseen
 from lagrangian_ff.recording import Recording, condition_alike
-from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
 from lagrangian_ff.studies.decide.results import DecideResults
 from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
@@ -181,15 +180,9 @@ def _question(found: Diagnosis, suspect: Suspect) -> Question:
 def _diagnosed(recordings: Sequence[Recording]) -> tuple[Model, Diagnosis]:
     """Return the model of the first part of each recording, and what it lacks."""
     motions = condition_alike(list(recordings))
-    learned, unseen = _cut(motions)
+    learned, unseen = learned_and_unseen(motions)
     model = identify(learned, Settings(model=MODEL, train=1.0)).model
     return model, with_consequences(diagnose(model, learned, unseen))
-
-
-def _cut(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:
-    cuts = [round(LEARNED * len(motion)) for motion in motions]
-    pairs = list(zip(motions, cuts, strict=True))
-    return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]
 
 
 class DecideStudy(Study):
