@@ -1,4 +1,4 @@
-"""Whether a path touches the robot itself or what stands around it, by the shapes of its URDF."""
+"""Contacts of a path with the robot itself and its surroundings, by the shapes of its URDF."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -21,12 +21,12 @@ SMALLER = 0.95
 LEAST = 0.1
 """rad, a joint that would move less is held."""
 USUAL_STARTS = 40
-"""About so many there are."""
+"""Their usual number."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How long the search goes on.
+    """The length of the search.
 
     Attributes:
         rows: torques that it looks at.

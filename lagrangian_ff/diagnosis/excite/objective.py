@@ -64,7 +64,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Objective:
-    """What is to be made large, as a function of control points.
+    """The objective of the search, as a function of control points.
 
     Attributes:
         groups: of cases, see `cases_of`.  size: of the effects.

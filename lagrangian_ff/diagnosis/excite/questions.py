@@ -1,4 +1,4 @@
-"""What a motion is to answer, and the cases that an answer must settle."""
+"""Questions that a motion answers, and the cases that an answer must settle."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
