@@ -25,6 +25,7 @@ from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Ended, Investigation, Turn, asked
+from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
@@ -53,7 +54,8 @@ def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silen
 
     Each round identifies a model of all motions so far, and diagnoses it: the first part of each
     motion is learned from and searched, the rest confirms. What is left open is the next question,
-    and the motion that decides it is designed within what was permitted.
+    and the motion that decides it is designed within what was permitted. What no effect fits in the
+    end is taken in as a curve if that lowers the error, and formulas are proposed for it.
 
     Args:
         permit: is asked before the first motion and before each larger range.
@@ -138,7 +140,21 @@ class _Story:
                 turns.append(
                     Turn(question, motion, made, look.diagnosis, look.model, errors, total)
                 )
-        return Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+        found = Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+        if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
+            return found
+        return self._with_unlisted(found)
+
+    def _with_unlisted(self, found: Investigation) -> Investigation:
+        """Return the story with what no effect fits, as curves and formulas."""
+        learned, unseen = self._parts()
+        self._say("looking at what no effect fits")
+        with one_blas_thread():
+            left = take_in(self._looks[-1].diagnosis, learned, unseen)
+        if left is None:
+            return found
+        errors, total = _errors(left.model, unseen)
+        return replace(found, unlisted=left, errors=errors, total=total)
 
     @property
     def _left(self) -> float:

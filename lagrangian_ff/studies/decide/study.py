@@ -148,7 +148,15 @@ class Decision:
     def _investigated(self, rig: SimulatedRig, clock: Clock) -> dict[str, Any]:
         """Return what an investigation finds, and how soon."""
         limits = arm_limits()
-        plan = Plan(limits, budget=BUDGET, model=MODEL, clear=Clearance(), seed=self.case.seed)
+        # Of what no effect fits, the group `outside` tells.
+        plan = Plan(
+            limits,
+            budget=BUDGET,
+            model=MODEL,
+            clear=Clearance(),
+            unlisted=False,
+            seed=self.case.seed,
+        )
         story = investigate(rig, plan, lambda proposal: True)
         clock.lap("investigating")
         judgement = self._judged([one for one, _ in _tried(story)])
