@@ -96,7 +96,9 @@ def apply(diagnosis: Diagnosis, progress: Progress = silent, *, curves: bool = F
     return diagnosis.tried[-1][1].model if diagnosis.tried else diagnosis.model
 
 
-def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diagnosis:
+def with_consequences(
+    diagnosis: Diagnosis, progress: Progress = silent, *, confirmed_only: bool = False
+) -> Diagnosis:
     """Return the diagnosis with what each finding does to the error.
 
     The confirmed ones are added one after the other. While much is still missing, the model makes
@@ -105,10 +107,15 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
     suggested; the rest is judged again without it. Findings that are not confirmed are tried
     beside those that are kept; an ambiguous one that does not help is no more than suggested
     either. What is unexplained is tried as a curve, one after the other, after those that are kept.
+
+    Args:
+        progress: receives the share done, 0 to 1.
+        confirmed_only: whether to try the confirmed ones alone: a third to a half of the work.
     """
     kept = [one for one in diagnosis.findings if one.confirmed and not one.once]
     others = [one for one in diagnosis.findings if not one.confirmed][: max(0, MOST - len(kept))]
-    whole = len(kept) + len(others) + min(MOST_CURVES, len(diagnosis.unexplained))
+    others, most_curves = ([], 0) if confirmed_only else (others, MOST_CURVES)
+    whole = len(kept) + len(others) + min(most_curves, len(diagnosis.unexplained))
     done = 0
 
     def extended(model: Model, finding: Finding | Unexplained) -> Model | None:
@@ -156,7 +163,7 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         useful, useless, model = _worth(tried, model, motion)
         dropped += useless
     error = errors_of(model, motion)
-    suggested = []
+    suggested: list[Finding] = []
     for finding in others:
         larger = extended(model, finding)
         if larger is not None:
@@ -168,7 +175,7 @@ def with_consequences(diagnosis: Diagnosis, progress: Progress = silent) -> Diag
         suggested.append(finding)
     curves: list[Unexplained] = []
     for rest in diagnosis.unexplained:
-        larger = extended(model, rest) if len(curves) < MOST_CURVES else None
+        larger = extended(model, rest) if len(curves) < most_curves else None
         if larger is not None:
             new = errors_of(larger, motion)
             made = consequence_of(larger, motion, rest.joint, error, new)

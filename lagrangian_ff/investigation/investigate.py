@@ -16,6 +16,7 @@ from lagrangian_ff.diagnosis.excite import (
     excite,
     limits_of,
 )
+from lagrangian_ff.diagnosis.excite.keeping import Clear
 from lagrangian_ff.diagnosis.observable import observability
 from lagrangian_ff.diagnosis.results import Diagnosis
 from lagrangian_ff.errors import ModelError, UserError
@@ -24,6 +25,7 @@ from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Ended, Investigation, Turn, asked
+from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
@@ -52,7 +54,8 @@ def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silen
 
     Each round identifies a model of all motions so far, and diagnoses it: the first part of each
     motion is learned from and searched, the rest confirms. What is left open is the next question,
-    and the motion that decides it is designed within what was permitted.
+    and the motion that decides it is designed within what was permitted. What no effect fits in the
+    end is taken in as a curve if that lowers the error, and formulas are proposed for it.
 
     Args:
         permit: is asked before the first motion and before each larger range.
@@ -101,7 +104,11 @@ class _Story:
                 if number == 0:
                     return Ended.REFUSED, Ended.REFUSED.value
                 break
-            self._move(self._first(seconds, number), None, None)
+            seed, clear = self._plan.seed + number, self._plan.clear
+            motion = first_motion(
+                self._rig.joints, self._limits, self._start, seconds, seed=seed, clear=clear
+            )
+            self._move(motion, None, None)
             self._first_motions += 1
         look = self._look()
         questions: list[Question] = []
@@ -119,29 +126,6 @@ class _Story:
             self._move(made.reference, question, made)
             look = self._look()
 
-    def _first(self, seconds: float, number: int) -> Reference:
-        """Return a motion of all joints, in a smaller range where it would touch something."""
-        clear, joints = self._plan.clear, self._rig.joints
-        seed = self._plan.seed + number
-        for share in SMALLER:
-            within = self._limits.around(self._start, share)
-            motion = self._exciting(joints, within, seconds, seed)
-            if (took := float(motion.time[-1])) > seconds:
-                # What leads there and back comes on top of the time that was asked for.
-                motion = self._exciting(joints, within, max(SHORTEST, 2 * seconds - took), seed)
-            touches = "" if clear is None else clear(motion.q)
-            if not touches:
-                return motion
-        raise ModelError(
-            f"every first motion from this start would touch something ({touches}): begin elsewhere"
-        )
-
-    def _exciting(
-        self, joints: tuple[str, ...], within: Limits, seconds: float, seed: int
-    ) -> Reference:
-        start = self._start
-        return excite("exciting", joints, within, start=start, duration=seconds, seed=seed)
-
     def told(self, ended: Ended, words: str) -> Investigation:
         """Return the story so far, all models judged on the same unseen motion."""
         turns: list[Turn] = []
@@ -156,7 +140,21 @@ class _Story:
                 turns.append(
                     Turn(question, motion, made, look.diagnosis, look.model, errors, total)
                 )
-        return Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+        found = Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+        if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
+            return found
+        return self._with_unlisted(found)
+
+    def _with_unlisted(self, found: Investigation) -> Investigation:
+        """Return the story with what no effect fits, as curves and formulas."""
+        learned, unseen = self._parts()
+        self._say("looking at what no effect fits")
+        with one_blas_thread():
+            left = take_in(self._looks[-1].diagnosis, learned, unseen)
+        if left is None:
+            return found
+        errors, total = _errors(left.model, unseen)
+        return replace(found, unlisted=left, errors=errors, total=total)
 
     @property
     def _left(self) -> float:
@@ -187,7 +185,7 @@ class _Story:
         base = identify(learned, Settings(model=name, train=1.0)).model
         self._say("looking for what is missing")
         with one_blas_thread():
-            found = with_consequences(diagnose(base, learned, unseen))
+            found = with_consequences(diagnose(base, learned, unseen), confirmed_only=True)
         look = _Look(base, found, apply(found))
         self._looks.append(look)
         return look
@@ -217,6 +215,42 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def first_motion(
+    joints: tuple[str, ...],
+    limits: Limits,
+    start: Floats,
+    seconds: float,
+    *,
+    seed: int = 0,
+    clear: Clear | None = None,
+) -> Reference:
+    """Return a motion of all joints, in a smaller range where it would touch something.
+
+    Args:
+        start: (N,) rad, where it begins and ends.  seconds: how long it lasts.
+        clear: says what touches on a path; None if nothing is known of that.
+
+    Raises:
+        ModelError: it touches something in every range.
+    """
+
+    def exciting(within: Limits, lasts: float) -> Reference:
+        return excite("exciting", joints, within, start=start, duration=lasts, seed=seed)
+
+    for share in SMALLER:
+        within = limits.around(start, share)
+        motion = exciting(within, seconds)
+        if (took := float(motion.time[-1])) > seconds:
+            # What leads there and back comes on top of the time that was asked for.
+            motion = exciting(within, max(SHORTEST, 2 * seconds - took))
+        touches = "" if clear is None else clear(motion.q)
+        if not touches:
+            return motion
+    raise ModelError(
+        f"every first motion from this start would touch something ({touches}): begin elsewhere"
+    )
 
 
 def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:

@@ -91,6 +91,7 @@ class Plan:
         clear: whether a path touches anything; None where nobody knows.
         gears: by joint, the kind of its gear as `effects.usual` knows it; what is usual in it is
             asked for first.
+        unlisted: whether what no effect fits is taken in as curves, and formulas are proposed.
         seed: of what is random.
     """
 
@@ -105,4 +106,5 @@ class Plan:
     conditioning: Conditioning = field(default_factory=Conditioning)
     clear: Clear | None = None
     gears: Mapping[str, str] = field(default_factory=dict)
+    unlisted: bool = True
     seed: int = 0

@@ -1,14 +1,15 @@
 """What an investigation did and found, turn by turn."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from lagrangian_ff.diagnosis import verdict
 from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Reference
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Unexplained
 from lagrangian_ff.identification import Model
+from lagrangian_ff.investigation.unlisted import Unlisted
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.words import spoken
 
@@ -87,6 +88,8 @@ class Investigation:
         before: by joint, N·m rms of the last model without any effect that was found, on the same
             motion as the turns' errors; empty without a turn.
         before_total: the same over all joints.
+        unlisted: what no effect of the catalogue fits; None for nothing.
+        errors, total: as of a turn, of the model with the curves of that.
     """
 
     joints: tuple[str, ...]
@@ -96,10 +99,20 @@ class Investigation:
     seconds: float
     before: Mapping[str, float]
     before_total: float
+    unlisted: Unlisted | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
+    total: float = 0.0
+
+    @property
+    def curves(self) -> tuple[Unexplained, ...]:
+        """Return what the model holds as curves."""
+        return self.unlisted.taken if self.unlisted else ()
 
     @property
     def model(self) -> Model | None:
-        """Return the last model; None without a turn."""
+        """Return the last model, with its curves; None without a turn."""
+        if self.unlisted and self.curves:
+            return self.unlisted.model
         return self.turns[-1].model if self.turns else None
 
     @property
@@ -124,12 +137,15 @@ class Investigation:
                     "answer": turn.answer,
                     "confirmed": [one.name for one in turn.confirmed],
                     "findings": [_finding(one) for one in turn.diagnosis.findings],
-                    "unexplained": [asdict(one) for one in turn.diagnosis.unexplained],
+                    "unexplained": [_unexplained(one) for one in turn.diagnosis.unexplained],
                     "errors": dict(turn.errors),
                     "rmse": turn.total,
                 }
                 for turn in self.turns
             ],
+            "unlisted": self.unlisted and {
+                **self.unlisted.record(), "errors": dict(self.errors), "rmse": self.total
+            },
         })  # fmt: skip
 
 
@@ -141,6 +157,11 @@ def _finding(found: Finding) -> dict[str, Any]:
         "log_bayes_factor": found.log_bayes_factor,
         "rivals": list(found.rivals),
     }
+
+
+def _unexplained(one: Unexplained) -> dict[str, Any]:
+    names = ("joint", "coordinate", "share", "log_bayes_factor")
+    return {name: getattr(one, name) for name in names}
 
 
 def of_question(question: Question | None) -> tuple[tuple[str, str], ...]:

@@ -30,7 +30,12 @@ from lagrangian_ff.report.sections.limits import (
 )
 from lagrangian_ff.report.sections.ranking import ranking_section
 from lagrangian_ff.report.sections.regions import dependence_section, regions_section
-from lagrangian_ff.report.sections.story import ended_section, staircase_section, turns_section
+from lagrangian_ff.report.sections.story import (
+    ended_section,
+    staircase_section,
+    turns_section,
+    unlisted_section,
+)
 from lagrangian_ff.words import sentence, spoken
 
 if TYPE_CHECKING:
@@ -90,7 +95,9 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
     elif not found:
         last = story.turns[-1].diagnosis
         title = "Nothing is missing that these motions can show"
-        if last.found or last.unexplained:
+        if story.curves:
+            title = "Something that nobody listed, held as a curve"
+        elif last.found or last.unexplained:
             title = "Something may be missing; these motions confirm nothing"
     else:
         title = f"Found {' and '.join(found)}"
@@ -243,7 +250,12 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     _joints_of_diagnosis,
     checks_section,
 ]
-INVESTIGATION: "list[Make[Investigation]]" = [turns_section, staircase_section, ended_section]
+INVESTIGATION: "list[Make[Investigation]]" = [
+    turns_section,
+    staircase_section,
+    unlisted_section,
+    ended_section,
+]
 HISTORY: list[Make[History]] = [steps_section, each_joint_section, reasons_section]
 RECORDING: "list[Make[Read]]" = [_bandwidth, _found]
 """The sections of each page from top to bottom."""

@@ -36,11 +36,13 @@ class PendulumRig:
 
     Attributes:
         drag: N·m s²/rad² of the elbow.
+        rough: N·m of friction that is a wave over the elbow's position, as no known effect is.
         last: number of the motion in which it is stopped; 0 for none.
         moved: the motions that were done.
     """
 
     drag: float = 0.0
+    rough: float = 0.0
     last: int = 0
     joints: tuple[str, ...] = pendulum.JOINTS
     moved: list[Reference] = field(default_factory=list)
@@ -56,6 +58,7 @@ class PendulumRig:
         x = States.of(motion.q, motion.qd, motion.qdd)
         tau = pendulum.rigid_torque(x) + pendulum.friction_torque(x)
         tau[:, 1] += self.drag * x.qd[:, 1] * np.abs(x.qd[:, 1])
+        tau[:, 1] += self.rough * np.tanh(x.qd[:, 1] / 0.02) * np.sin(5.3 * x.q[:, 1])
         random = np.random.default_rng(len(self.moved))
         tau += NOISE * random.normal(size=tau.shape)
         return Recording(self.joints, motion.time, motion.q, motion.qd, tau)

@@ -1,14 +1,18 @@
 """The loop that closes itself, on an arm whose torques can be written down."""
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from pendulum_rig import START, PendulumRig, limits, plan
 
 from lagrangian_ff.diagnosis.excite import For
+from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.investigation import Ended, Investigation, Proposal, investigate
+from lagrangian_ff.record_json import to_json
+from lagrangian_ff.report import investigation_page
 
 DRAG = 0.3  # N·m s²/rad²
 
@@ -107,3 +111,20 @@ def test_a_first_motion_takes_less_of_the_range_until_it_is_clear() -> None:
     assert rig.moved[0].q[:, 0].max() <= high
     with pytest.raises(ModelError, match="the wall"):
         investigate(PendulumRig(), plan(12.0, clear=lambda path: "the wall"), lambda p: True)
+
+
+def test_what_nobody_listed_becomes_a_curve_and_formulas(tmp_path: Path) -> None:
+    story = investigate(PendulumRig(rough=0.3), plan(24.0), lambda proposal: True)
+    assert story.unlisted is not None
+    assert [one.joint for one in story.curves] == ["elbow"]
+    assert story.errors["elbow"] < 0.5 * story.turns[-1].errors["elbow"]
+    assert story.model is story.unlisted.model
+    assert story.model.name.endswith("curve_friction_position@elbow")
+    formulas = [one["formula"] for one in story.unlisted.effects]
+    assert formulas[0] == "sign(qd)*(A*cos(n*q)+B*sin(n*q))"
+    file = tmp_path / "mine.json"
+    file.write_text(to_json({"effects": story.unlisted.effects}))
+    assert len(load_effects(file)) == len(formulas)
+    page = investigation_page(tmp_path / "story.html", story).read_text()
+    assert "What nobody listed" in page
+    assert story.record()["unlisted"]["rmse"] == pytest.approx(story.total)

@@ -76,7 +76,8 @@ def test_a_recording_that_is_not_looked_at_can_be_used(
     shown(page, served)
     page.get_by_role("button", name="Cancel: which effects motion.npz could show").click()
     page.get_by_text("is not known: cancelled").wait_for()
-    assert page.get_by_role("button", name="Learn a model").is_enabled()
+    able = page.get_by_role("button", name="Learn a model")
+    playwright.expect(able).to_be_enabled(timeout=LONG)
     page.get_by_role("button", name="Find out: which effects motion.npz could show").click()
     page.get_by_text("At 10 % of the torque it shows").wait_for(timeout=LONG)
     assert served.stop() == 0
@@ -113,7 +114,8 @@ def test_a_reversed_effort_is_turned_round_by_a_button(
     page.get_by_role("button", name="Take it back").first.click()  # of both, as it was done
     idle(page)
     page.get_by_text("The model was learned before").wait_for()
-    assert page.get_by_role("button", name="Learn again").is_enabled()
+    again = page.get_by_role("button", name="Learn again")
+    playwright.expect(again).to_be_enabled(timeout=LONG)  # work may follow work
     assert [card["scale"] for card in saved(served)["cards"]] == [{}] * 2
     assert served.stop() == 0
 

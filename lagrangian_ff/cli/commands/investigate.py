@@ -10,6 +10,7 @@ from lagrangian_ff.cli.common import designed, investigating, options
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.outputs import check_outputs, whole, write_record
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.record_json import to_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,7 +25,8 @@ USAGE = "--topic TOPIC (--urdf FILE | --limits FILE) [options]"
 DESCRIPTION = """\
 Closes the loop by itself: moves the arm within the limits that you give, identifies a model, finds
 what it lacks, designs the motion that decides what is open, moves again, until nothing is open or
-the time for motion is used. It asks on the terminal before the first motion and before each larger
+the time for motion is used. What no known effect fits in the end is taken in as a curve, and
+formulas are proposed for it. It asks on the terminal before the first motion and before each larger
 range. Ctrl-C stops the arm at once; what is known by then is written all the same. A touch that a
 running node `monitor` reports stops the arm, too. With --simulate it moves the simulated arm,
 without ROS and faster than real time."""
@@ -79,6 +81,8 @@ def add_arguments(parser: ArgumentParser) -> None:
     options.add_rows(parser, (
         ("--output", Path, "MODEL.npz", "the model with all that is confirmed"),
         ("--report", Path, "FILE.html", "the story on one page"),
+        ("--formulas", Path, "MINE.json",
+         "the formulas proposed for what no effect fits, for --effects-file"),
         ("--folder", Path, "FOLDER",
          "for motions and bags (default: investigation_ and the time, here)"),
     ))  # fmt: skip
@@ -98,7 +102,8 @@ def run(arguments: Namespace) -> int:
             found, folder = _robot(arguments, console, stopping)
     _write(found, arguments)
     investigating.say(found, console)
-    saved = [arguments.output if found.model else None, arguments.report, folder]
+    formulas = arguments.formulas if found.unlisted else None
+    saved = [arguments.output if found.model else None, arguments.report, formulas, folder]
     for path in filter(None, saved):
         console.say(f"saved: {path}")
     return investigating.INTERRUPTED if stopping.asked else 0
@@ -243,4 +248,7 @@ def _write(found: "Investigation", arguments: Namespace) -> None:
     if arguments.report is not None:
         with whole(arguments.report) as path:
             investigation_page(path, found)
+    if arguments.formulas is not None and found.unlisted is not None:
+        with whole(arguments.formulas) as path:
+            path.write_text(to_json({"effects": found.unlisted.effects}), encoding="utf-8")
     write_record(arguments.json, found.record())

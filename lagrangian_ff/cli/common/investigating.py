@@ -106,8 +106,19 @@ def say(found: "Investigation", console: Console) -> None:
         return
     last = found.turns[-1]
     console.say(["", "error on motion that no model learned from, rms in N·m"])
-    rows = [[name, number(found.before[name]), number(last.errors[name])] for name in found.joints]
-    rows.append(["all joints", number(found.before_total), number(last.total)])
+    errors, total = (found.errors, found.total) if found.curves else (last.errors, last.total)
+    rows = [[name, number(found.before[name]), number(errors[name])] for name in found.joints]
+    rows.append(["all joints", number(found.before_total), number(total)])
     console.say(table(["joint", "before", "after"], rows))
     names = ", ".join(one.name for one in found.confirmed)
     console.say(f"confirmed and added: {names or 'nothing'}")
+    for one in found.curves:
+        words = (
+            f"taken in as a curve: {one.joint} over {one.coordinate}, which no known effect fits"
+        )
+        console.say(words)
+    for proposals in found.unlisted.proposals if found.unlisted else ():
+        for formula in proposals.proposals:
+            said = f"formula for {proposals.joint}, {formula.finding.said}: {formula.formula}"
+            console.say(said)
+            console.paragraph(formula.words, "  ", "  ")

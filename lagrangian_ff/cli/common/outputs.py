@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = {
     "output": "", "save_trajectory": "", "picture": ".png", "plotjuggler": ".xml",
-    "foxglove": ".json", "report": ".html", "json": "",
+    "foxglove": ".json", "report": ".html", "formulas": ".json", "json": "",
 }  # fmt: skip
 """The options that name a file to write, in the order of their checks, and how the file ends."""
 

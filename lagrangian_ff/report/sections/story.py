@@ -53,6 +53,11 @@ def staircase_section(story: "Investigation") -> Section | None:
         joint: [story.before[joint], *(turn.errors[joint] for turn in story.turns)]
         for joint in story.joints
     }
+    if story.curves:
+        names.append("with curves")
+        errors.append(story.total)
+        for joint, values in joints.items():
+            values.append(story.errors[joint])
     rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
     return Section(
         "The error falls",
@@ -70,8 +75,12 @@ def ended_section(story: "Investigation") -> Section:
     if story.turns:
         found = story.turns[-1].diagnosis
         texts += [
-            f"On {one.joint} something is left that depends on {one.coordinate}: take in the curve "
-            "itself, or have a formula proposed."
+            f"On {one.joint} something is left that depends on {one.coordinate}: "
+            + (
+                "the model holds it as a curve."
+                if one.joint in {taken.joint for taken in story.curves}
+                else "a curve does not lower the error."
+            )
             for one in found.unexplained
         ]
         texts += [
@@ -80,6 +89,41 @@ def ended_section(story: "Investigation") -> Section:
             if not one.confirmed
         ]
     return Section("What is left", "", html.bullets(texts))
+
+
+def unlisted_section(story: "Investigation") -> Section | None:
+    """Return the curves that the model holds, and formulas for what no effect fits."""
+    if story.unlisted is None or not (story.curves or story.unlisted.proposals):
+        return None
+    last = story.turns[-1]
+    texts = [
+        f"{one.joint}, over {one.coordinate}: {100 * one.share:.0f} % of its torque. With the "
+        f"curve its error falls from {typeset(last.errors[one.joint])} to "
+        f"{typeset(story.errors[one.joint])} N·m."
+        for one in story.curves
+    ]
+    parts = [html.bullets(texts)] if texts else []
+    header = ["formula", "verdict", "nats", "error before [N·m]", "after", "it might be"]
+    for found in story.unlisted.proposals:
+        rows = [
+            [
+                f"τ = {one.formula}",
+                one.finding.said,
+                typeset(one.finding.log_bayes_factor),
+                *(DASH if error is None else typeset(error) for error in one.finding.errors),
+                one.words,
+            ]
+            for one in found.proposals
+        ]
+        if rows:
+            parts.append(html.paragraph(f"{found.joint}: {found.tried} formulas competed."))
+            parts.append(html.table(header, rows, words=2))
+    return Section(
+        "What nobody listed",
+        "No effect of the catalogue fits this. Where a curve lowers the error, the model holds it, "
+        "without a name. A formula says how a torque looks, not what causes it; none is added.",
+        "".join(parts),
+    )
 
 
 def motion_plot(turn: "Turn") -> Plot:

@@ -13,9 +13,9 @@ from lagrangian_ff.studies.nuisances.drawn import Nuisances
 NEVER = ("payload", "contact", "saturation", "delay", "eccentricity", "spring", "warm_up")
 """Hidden effects that are left out: events, faults of sensors, what any Lagrangian contains, and
 what needs minutes at work."""
-MOTION, FIVE, TWO, CLEAN = 20, 14, 12, 8
+COUNTS = {"motion": 12, "five": 10, "two": 8, "clean": 6, "sooner": 6}
 """Arms of each group."""
-SMALL = {"motion": 2, "five": 2, "two": 1, "clean": 1}
+SMALL = {"motion": 1, "five": 1, "two": 1, "clean": 1, "sooner": 1}
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,9 @@ class DecideCase:
 
     Attributes:
         name: unique in the study.
-        group: `motion` (what does a designed motion decide?), or `five`, `two` or `clean` (what
-            does an investigation find, of 5 %, of 2 %, of nothing?).
+        group: `motion` (what does a designed motion decide?); `five`, `two` or `clean` (what does
+            an investigation find, of 5 %, of 2 %, of nothing?); or `sooner` (is an arm identified
+            after less motion if it is designed?).
         hidden: the effect; None for none.
         seed: of everything that is drawn.
     """
@@ -42,21 +43,14 @@ class DecideCase:
 
 
 def cases(seed: int = 0, *, small: bool = False) -> list[DecideCase]:
-    """Return all cases, or a few if `small`, in an order that mixes the groups evenly."""
-    counts = {"motion": MOTION, "five": FIVE, "two": TWO, "clean": CLEAN}
-    made = {
-        group: list(_group(seed, group, SMALL[group] if small else count))
-        for group, count in counts.items()
-    }
-    places = [
-        ((k + 0.5) / len(some), case) for some in made.values() for k, case in enumerate(some)
-    ]
-    return [case for _, case in sorted(places, key=lambda one: one[0])]
+    """Return all cases, or a few if `small`, group by group."""
+    counts = SMALL if small else COUNTS
+    return [case for group, count in counts.items() for case in _group(seed, group, count)]
 
 
 def _group(seed: int, group: str, count: int) -> Iterator[DecideCase]:
     """Yield arms that hide each effect in turn, in a random order."""
-    size = {"motion": 0.05, "five": 0.05, "two": 0.02, "clean": 0.0}[group]
+    size = {"motion": 0.05, "five": 0.05, "two": 0.02}.get(group, 0.0)
     able = [
         name
         for name, kind in HIDDEN.items()
@@ -66,8 +60,8 @@ def _group(seed: int, group: str, count: int) -> Iterator[DecideCase]:
     for k in range(count):
         if k % len(able) == 0:
             random.shuffle(able)
-        if group == "clean":
-            name = f"clean-{k:02d}"
+        if size == 0.0:
+            name = f"{group}-{k:02d}"
             yield DecideCase(name, group, None, _seed(seed, name))
             continue
         effect = able[k % len(able)]

@@ -1,14 +1,16 @@
 """What the arms of the study say, counted: numbers, targets, table and figure."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from lagrangian_ff.record_json import finite
 from lagrangian_ff.report.colours import AFTER, BEFORE, GOOD, INK
 from lagrangian_ff.report.style import new_figure, styled
+from lagrangian_ff.studies.decide.sooner import ratio
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome
 from lagrangian_ff.studies.study import Finding, Line, Results, done, row, shown
 
@@ -19,6 +21,11 @@ RATIO = 3.0
 FOUND = {"five": 0.9, "two": 0.8}
 """Least share of effects that an investigation finds, by group."""
 WORDS = {"five": "5 %", "two": "2 %", "clean": "nothing"}
+CURVE, FIRST = 1.15, 0.6
+"""Largest ratio of the unseen error with a curve to that of the true structure, and the least share
+of true forms among the first three formulas."""
+SOONER = 0.6
+"""Largest share of the time of `exciting` after which a designed motion has its error."""
 FEWEST = 5
 """Cases from which on a share is a finding."""
 EARLY = 240.0
@@ -73,6 +80,32 @@ class Investigated:
     error: tuple[float, float | None]
 
 
+@dataclass(frozen=True)
+class Taken:
+    """Physics outside the catalogue.
+
+    Attributes:
+        case: its name.  over: the coordinates of the curve.
+        curve, formula: error on unseen motion with the curve, and with the formula proposed first,
+            over that with the true structure; the latter None where none was proposed.
+        rank: of the true form among the formulas, from 1; 0 if it is not there.
+    """
+
+    case: str
+    over: Sequence[str]
+    curve: float
+    formula: float | None
+    rank: int
+
+    @classmethod
+    def of(cls, line: Line) -> "Taken":
+        """Return the case of a line of the group `outside`."""
+        errors = [line[name] for name in ("curve", "formula", "true")]
+        curve, formula, true = (np.nan if one is None else float(one) for one in errors)
+        found = formula / true if np.isfinite(formula) else None
+        return cls(line["case"], tuple(line["over"]), curve / true, found, line["rank"])
+
+
 def _is_open(line: Line) -> bool:
     return Judgement.of(line["before"]).outcome is not Outcome.RIGHT
 
@@ -85,11 +118,16 @@ class DecideResults(Results):
         opened: cases of designed motions that the usual motion left open.
         decided: the number of those that it did not.
         investigated: by group.
+        taken: physics outside the catalogue.
+        sooner: by case, the time of designed motion over that of `exciting` for one error;
+            infinite where it is never reached.
     """
 
     opened: Sequence[Opened]
     decided: int
     investigated: Mapping[str, Sequence[Investigated]]
+    taken: Sequence[Taken]
+    sooner: Mapping[str, float]
 
     @classmethod
     def of(cls, lines: Sequence[Line]) -> "DecideResults":
@@ -111,7 +149,16 @@ class DecideResults(Results):
                         (line["error"][0], line["error"][1]),
                     )
                 )
-        return cls(lines, _findings(opened, groups), opened, len(motion) - len(opened), groups)
+        taken = [Taken.of(line) for line in sound if line["group"] == "outside"]
+        early = {line["case"]: ratio(line) for line in sound if line["group"] == "sooner"}
+        found = shown({
+            **_of_motions(opened),
+            **_of_investigations(groups),
+            **_of_unlisted(taken),
+            **_of_time(list(early.values())),
+        })  # fmt: skip
+        decided = len(motion) - len(opened)
+        return cls(lines, found, opened, decided, groups, taken, early)
 
     def numbers(self) -> dict[str, Any]:
         return {
@@ -141,6 +188,8 @@ class DecideResults(Results):
                 ]
                 for group, some in self.investigated.items()
             },
+            "outside": [asdict(one) for one in self.taken],
+            "sooner": {name: finite(one) for name, one in self.sooner.items()},
         }
 
     def text(self) -> list[str]:
@@ -162,6 +211,15 @@ class DecideResults(Results):
             named, alike, wrong, _ = _counted([one.judgement for one in some])
             moved = f"{np.median([one.moved for one in some]):.0f}" if some else "-"
             lines.append(row(WORDS[group], [str(len(some)), named, alike, wrong, moved], 20))
+        if self.taken:
+            lines += ["", row("outside the catalogue", ["curve", "formula", "rank"], 26)]
+            for one in self.taken:
+                formula = "-" if one.formula is None else f"{one.formula:.2f}"
+                name = one.case.removeprefix("outside-").replace("_", " ")
+                lines.append(row(name, [f"{one.curve:.2f}", formula, str(one.rank or "-")], 26))
+        if self.sooner:
+            lines += ["", "time until one error, designed over exciting: " + ", ".join(
+                f"{one:.2f}" for one in sorted(self.sooner.values()))]  # fmt: skip
         return lines
 
     def figure(self) -> Figure:
@@ -204,9 +262,7 @@ def _counted(judged: Sequence[Judgement | None]) -> list[str]:
     ]
 
 
-def _findings(
-    opened: Sequence[Opened], groups: Mapping[str, Sequence[Investigated]]
-) -> dict[str, Finding]:
+def _of_motions(opened: Sequence[Opened]) -> dict[str, Finding | None]:
     found: dict[str, Finding | None] = {}
     if len(opened) >= FEWEST:
         judged = [one.designed for one in opened if one.designed]
@@ -226,6 +282,11 @@ def _findings(
             f"(wanted {RATIO:g})",
             {"median": middle},
         )
+    return found
+
+
+def _of_investigations(groups: Mapping[str, Sequence[Investigated]]) -> dict[str, Finding | None]:
+    found: dict[str, Finding | None] = {}
     for group, wanted in FOUND.items():
         some = groups[group]
         if len(some) >= FEWEST:
@@ -250,4 +311,40 @@ def _findings(
         found["limits"] = Finding(
             left == 0, f"limits were left in {left} samples of {len(every)} arms", {"left": left}
         )
-    return shown(found)
+    return found
+
+
+def _of_unlisted(taken: Sequence[Taken]) -> dict[str, Finding | None]:
+    if len(taken) < FEWEST:
+        return {}
+    largest = max(one.curve for one in taken)
+    within = sum(min(one.curve, one.formula or np.inf) <= CURVE for one in taken)
+    named = sum(0 < one.rank <= 3 for one in taken) / len(taken)
+    return {
+        "curve": Finding(
+            within == len(taken),
+            f"a curve or a formula has at most {CURVE:g} times the unseen error of the truth in "
+            f"{within} of {len(taken)} cases (a curve at most {largest:.2f} times)",
+            {"within": within, "cases": len(taken), "largest": largest},
+        ),
+        "formula": Finding(
+            named >= FIRST,
+            f"the true form is among the first three formulas in {named:.2f} of cases "
+            f"(wanted {FIRST:g})",
+            {"share": named},
+        ),
+    }
+
+
+def _of_time(ratios: Sequence[float]) -> dict[str, Finding | None]:
+    if len(ratios) < FEWEST:
+        return {}
+    middle = float(np.median(ratios))
+    return {
+        "sooner": Finding(
+            middle <= SOONER,
+            f"a designed motion has the error of exciting after {middle:.2f} of its time, in the "
+            f"median (wanted {SOONER:g})",
+            {"median": finite(middle)},
+        )
+    }

@@ -1,8 +1,12 @@
 """The study of experiments that decide: each arm from its first motion to the judgement."""
 
+import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
+
+import numpy as np
 
 from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
 from lagrangian_ff.diagnosis import diagnose, with_consequences
@@ -22,10 +26,13 @@ from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
 from lagrangian_ff.investigation.investigate import learned_and_unseen
+from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording import Recording, condition_alike
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
 from lagrangian_ff.studies.decide.results import DecideResults
 from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
+from lagrangian_ff.studies.decide.sooner import errors
+from lagrangian_ff.studies.formulas import CASES, Strange, judged
 from lagrangian_ff.studies.hidden.study import Clock
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome, Truth, judge
 from lagrangian_ff.studies.study import Line, Study
@@ -50,6 +57,8 @@ class Decision:
 
     def run(self) -> Mapping[str, Any]:
         """Move the arm, and judge what comes out."""
+        if self.case.group == "sooner":
+            return {"group": "sooner", **errors(self.case.nuisances, self.case.seed, MODEL)}
         clock = Clock()
         limits = arm_limits()
         rig = SimulatedRig(self.case.nuisances, self.case.hidden, self.case.seed, limits)
@@ -139,7 +148,15 @@ class Decision:
     def _investigated(self, rig: SimulatedRig, clock: Clock) -> dict[str, Any]:
         """Return what an investigation finds, and how soon."""
         limits = arm_limits()
-        plan = Plan(limits, budget=BUDGET, model=MODEL, clear=Clearance(), seed=self.case.seed)
+        # Of what no effect fits, the group `outside` tells.
+        plan = Plan(
+            limits,
+            budget=BUDGET,
+            model=MODEL,
+            clear=Clearance(),
+            unlisted=False,
+            seed=self.case.seed,
+        )
         story = investigate(rig, plan, lambda proposal: True)
         clock.lap("investigating")
         judgement = self._judged([one for one, _ in _tried(story)])
@@ -185,14 +202,44 @@ def _diagnosed(recordings: Sequence[Recording]) -> tuple[Model, Diagnosis]:
     return model, with_consequences(diagnose(model, learned, unseen))
 
 
+@dataclass(frozen=True)
+class Unlisted:
+    """An arm with physics outside the catalogue, that a curve and a formula are to hold."""
+
+    case: Strange
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """Return the name of the case."""
+        return "outside-" + re.sub("[^a-z0-9]+", "_", self.case.name.lower()).strip("_")
+
+    def run(self) -> Mapping[str, Any]:
+        """Return the errors with the curve, the formula and the truth, and the formulas."""
+        found = judged(self.case, self.seed)
+        return finite({"group": "outside", **asdict(found), "over": list(self.case.over)})
+
+
+def _group(case: Decision | Unlisted) -> str:
+    return case.name.partition("-")[0]
+
+
 class DecideStudy(Study):
     """Do designed motions decide what usual ones leave open, and does an investigation find it?"""
 
     name = "decide"
 
     def every_case(self) -> Sequence[Decision]:
-        """Return the cases, all groups mixed."""
-        return [Decision(case) for case in cases(self.request.seed, small=self.request.quick)]
+        """Return the cases, all groups evenly mixed: a study that is cut short has some of each."""
+        seed, quick = self.request.seed, self.request.quick
+        every: list[Decision | Unlisted] = [Decision(one) for one in cases(seed, small=quick)]
+        every += [Unlisted(one, seed) for one in (CASES[:1] if quick else CASES)]
+        counts, met = Counter(map(_group, every)), Counter[str]()
+        places: list[float] = []
+        for one in every:
+            met[_group(one)] += 1
+            places.append((met[_group(one)] - 0.5) / counts[_group(one)])
+        return [every[k] for k in np.argsort(places, kind="stable")]
 
     def results(self, lines: Sequence[Line]) -> DecideResults:
         return DecideResults.of(lines)
