@@ -8,8 +8,10 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
-import lagrangian_ff  # noqa: E402
 import reference  # noqa: E402
+from sphinx.application import Sphinx  # noqa: E402
+
+import lagrangian_ff  # noqa: E402
 
 project = "lagrangian_ff"
 release = version = lagrangian_ff.__version__
@@ -30,7 +32,12 @@ autodoc_inherit_docstrings = False
 napoleon_use_rtype = False
 napoleon_use_param = False
 napoleon_use_ivar = True
-#nitpick_ignore_regex = [("py:.*", ".*")]  # types of NumPy and of inner rooms have no page here
+nitpick_ignore_regex = [
+    ("py:class", r"(numpy|collections|pathlib)\..*"),  # have no page here
+    ("py:class", r"lagrangian_ff\..*"),  # of inner rooms
+    ("py:class", r"[^.]*"),  # units and words that stand where Napoleon expects a type
+    ("py:exc", r"\w+Error"),
+]
 
 html_theme = "furo"
 html_title = f"lagrangian_ff {release}"
@@ -62,7 +69,16 @@ def read(app: object, page: str, source: list[str]) -> None:
     source[0] = source[0].replace("](../README.md", "](index.md")
 
 
-def setup(app: object) -> None:
+def rejoin(
+    app: object, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Undo what Napoleon makes of `words: more words` of a property: a type and a description."""
+    if what == "property" and lines and lines[-1].startswith(":type: "):
+        lines[0] = f"{lines.pop().removeprefix(':type: ')}: {lines[0]}"
+
+
+def setup(app: Sphinx) -> None:
     """Write the pages that follow from the program, and read README.md in."""
     reference.write(HERE / "reference")
-    app.connect("source-read", read)  # type: ignore[attr-defined]
+    app.connect("source-read", read)
+    app.connect("autodoc-process-docstring", rejoin, priority=900)

@@ -35,9 +35,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 import reference  # noqa: E402
+from small_arm import small_arm  # noqa: E402
 
 from lagrangian_ff.cli.main import build_parser, main  # noqa: E402
-from small_arm import small_arm  # noqa: E402
 
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 LEFT_OUT = ("...", "…")
@@ -47,7 +47,7 @@ NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 STANDS_FOR = {"KG": "3", "PROFILE": "ur", "EFFECT@JOINT:SIZE": "stribeck@joint_3:0.1"}
 
 
-class Unsound(Exception):
+class UnsoundError(Exception):
     """A command is not one of the program, or its output is not what the page shows."""
 
 
@@ -132,7 +132,7 @@ def inline(page: Path) -> list[str]:
 
 
 def parse(words: Sequence[str]) -> None:
-    """Raise Unsound where a command is none of the program's."""
+    """Raise UnsoundError where a command is none of the program's."""
     PARSERS.get(words[0], lambda words: None)(words)
 
 
@@ -144,11 +144,11 @@ def parse_own(words: Sequence[str]) -> argparse.Namespace:
         with contextlib.redirect_stderr(errors):
             return build_parser().parse_args(given)
     except SystemExit:
-        raise Unsound(f"{shlex.join(words)}: {errors.getvalue()}") from None
+        raise UnsoundError(f"{shlex.join(words)}: {errors.getvalue()}") from None
 
 
 def parse_ros2(words: Sequence[str]) -> None:
-    """Raise Unsound for a node, launch file, launch argument or parameter that does not exist."""
+    """Raise UnsoundError for a node, launch file, launch argument or parameter that does not exist."""
     if words[1:3] == ["run", "lagrangian_ff"] and words[3] == "lagrangian_ff":
         if len(words) > 4:
             parse_own(words[3:])
@@ -159,7 +159,7 @@ def parse_ros2(words: Sequence[str]) -> None:
     elif words[1:3] == ["launch", "lagrangian_ff"]:
         file = ROOT / "launch" / words[3]
         if not file.exists():
-            raise Unsound(f"{shlex.join(words)}: there is no {file.name}")
+            raise UnsoundError(f"{shlex.join(words)}: there is no {file.name}")
         text = file.read_text() + (ROOT / "lagrangian_ff" / "nodes" / "launching.py").read_text()
         known = set(re.findall(r'"(\w+)"', text))
         missing(known, [one.partition(":=")[0] for one in words[4:]], words)
@@ -169,36 +169,36 @@ def parse_ros2(words: Sequence[str]) -> None:
         node, _, service = words[3].strip("/").rpartition("/")
         text = "".join(path.read_text() for path in (ROOT / "lagrangian_ff/nodes").rglob("*.py"))
         if node not in reference.NODES or f"~/{service}" not in text:
-            raise Unsound(f"{shlex.join(words)}: there is no such service")
+            raise UnsoundError(f"{shlex.join(words)}: there is no such service")
 
 
 @cache
 def declared(node: str) -> set[str]:
     """Return the parameters of a node."""
     if node not in reference.NODES:
-        raise Unsound(f"there is no node {node}")
+        raise UnsoundError(f"there is no node {node}")
     return {one.name for one in reference.parameters(node)}
 
 
 def missing(known: set[str], given: Sequence[str], words: Sequence[str]) -> None:
-    """Raise Unsound where a name that is given is not known; JOINT stands for any joint."""
+    """Raise UnsoundError where a name that is given is not known; JOINT stands for any joint."""
     given = [re.sub(r"\.joint_\d", ".JOINT", name) for name in given]
     if unknown := sorted(set(given) - known - {"use_sim_time"}):
-        raise Unsound(f"{shlex.join(words)}: {', '.join(unknown)}: no such name")
+        raise UnsoundError(f"{shlex.join(words)}: {', '.join(unknown)}: no such name")
 
 
 def parse_make(words: Sequence[str]) -> None:
-    """Raise Unsound for a target that the Makefile lacks."""
+    """Raise UnsoundError for a target that the Makefile lacks."""
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     wanted = {word for word in words[1:] if "=" not in word}
     if wanted - targets - {"TARGET"}:
-        raise Unsound(f"{shlex.join(words)}: no such target")
+        raise UnsoundError(f"{shlex.join(words)}: no such target")
 
 
 def parse_python(words: Sequence[str]) -> None:
-    """Raise Unsound for a script that is not there."""
+    """Raise UnsoundError for a script that is not there."""
     if words[1].endswith(".py") and not (ROOT / words[1]).exists():
-        raise Unsound(f"{shlex.join(words)}: there is no such file")
+        raise UnsoundError(f"{shlex.join(words)}: there is no such file")
 
 
 PARSERS: dict[str, Callable[[Sequence[str]], object]] = {
@@ -210,17 +210,17 @@ PARSERS: dict[str, Callable[[Sequence[str]], object]] = {
 
 
 def parse_inline(text: str) -> None:
-    """Raise Unsound where a command within the text is none of the program's.
+    """Raise UnsoundError where a command within the text is none of the program's.
 
     One that is only named, or cut short with …, needs no more than its name.
     """
     words = shlex.split(text.replace("[EFFECT]", "").replace("…", " … "))
     if words[0] == "lagrangian_ff" and (len(words) == 2 or "…" in words):
         if words[1] not in {*reference.subparsers(), "COMMAND", "lagrangian_ff", "--version"}:
-            raise Unsound(f"{text}: there is no such command")
+            raise UnsoundError(f"{text}: there is no such command")
     elif words[0] == "lagrangian_ff" and words[-1] == "--help":
         parse_inline(shlex.join(words[:2]))
-    elif "…" not in words and len(words) > 3 or words[0] != "ros2":
+    elif ("…" not in words and len(words) > 3) or words[0] != "ros2":
         parse(words)
 
 
@@ -244,7 +244,7 @@ class Session:
         """Run the page, and return its text with the outputs as they are now.
 
         Raises:
-            Unsound: a command fails, or prints other words than the page shows.
+            UnsoundError: a command fails, or prints other words than the page shows.
         """
         text = self.page.read_text(encoding="utf-8")
         self.small = self.reduced and "<!-- simulate: small arm -->" in text
@@ -277,7 +277,7 @@ class Session:
         """Run a command, and return it with its output as it is now."""
         words = shown.words
         if words[0] != "lagrangian_ff":
-            raise Unsound(f"{block.where}: say why {words[0]} is not run")
+            raise UnsoundError(f"{block.where}: say why {words[0]} is not run")
         parse(words)
         if words[1] == "simulate" and self.small:
             given = parse_own(words)
@@ -299,7 +299,7 @@ class Session:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             code = main(list(words))
         if code:
-            raise Unsound(f"{where}: {shlex.join(words)}: {err.getvalue()}")
+            raise UnsoundError(f"{where}: {shlex.join(words)}: {err.getvalue()}")
         return out.getvalue().splitlines()
 
     def _python(self, block: Block, names: dict[str, Any]) -> None:
@@ -311,10 +311,7 @@ class Session:
 
 
 QUICK = ("--samples", "100", "--block", "1", "--train", "1.0")
-REDUCED: dict[str, Sequence[str]] = {
-    "simulate": ("--duration", "6"),
-    "identify": QUICK[:4],
-}
+REDUCED: dict[str, Sequence[str]] = {"simulate": ("--duration", "6"), "identify": QUICK[:4]}
 """What is added to a command at reduced size; the last of two equal options is taken."""
 
 
@@ -329,7 +326,7 @@ def agreed(shown: Shown, new: Sequence[str], where: str) -> list[str]:
     Lines may be broken elsewhere, since numbers are longer or shorter.
 
     Raises:
-        Unsound: the words of a shown stretch are not in the new output, after those before it.
+        UnsoundError: the words of a shown stretch are not in the new output, after those before it.
     """
     stream = [(plain(word), n) for n, line in enumerate(new) for word in line.split()]
     words = [word for word, _ in stream]
@@ -345,7 +342,9 @@ def agreed(shown: Shown, new: Sequence[str], where: str) -> list[str]:
         at = next((n for n in places if words[n : n + length] == wanted), None)
         if at is None:
             text = "\n".join(stretch)
-            raise Unsound(f"{where}: {shown.text}\ndoes not print\n{text}\nbut\n" + "\n".join(new))
+            raise UnsoundError(
+                f"{where}: {shown.text}\ndoes not print\n{text}\nbut\n" + "\n".join(new)
+            )
         if length:
             made += new[stream[at][1] : stream[at + length - 1][1] + 1]
             begin = at + length

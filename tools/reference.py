@@ -99,6 +99,21 @@ def table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def index(
+    title: str,
+    text: str,
+    heading: Sequence[str],
+    names: Sequence[str],
+    about: Sequence[str],
+    folder: str,
+) -> str:
+    """Return a page that lists the pages of a folder."""
+    rows = [[f"[{n}]({folder}/{n}.md)", cell(a)] for n, a in zip(names, about, strict=True)]
+    pages = "\n".join(f"{folder}/{name}" for name in names)
+    listed = f"```{{toctree}}\n:hidden:\n\n{pages}\n```"
+    return "\n\n".join([f"# {title}", text, table(heading, rows), listed])
+
+
 def subparsers() -> dict[str, argparse.ArgumentParser]:
     """Return the parser of each command."""
     from lagrangian_ff.cli.main import build_parser
@@ -112,8 +127,12 @@ def subparsers() -> dict[str, argparse.ArgumentParser]:
 
 def option(action: argparse.Action) -> str:
     """Return an argument with its meaning as an item of a list of definitions."""
-    value = "" if action.nargs == 0 else argparse.HelpFormatter("")._format_args(
-        action, action.metavar if isinstance(action.metavar, str) else _metavar(action)
+    value = (
+        ""
+        if action.nargs == 0
+        else argparse.HelpFormatter("")._format_args(
+            action, action.metavar if isinstance(action.metavar, str) else _metavar(action)
+        )
     )
     names = [f"`{f'{name} {value}'.strip()}`" for name in action.option_strings] or [f"`{value}`"]
     help_ = (action.help or "") % {**vars(action), "prog": ""}
@@ -135,7 +154,9 @@ def command_page(name: str, parser: argparse.ArgumentParser, summary: str) -> st
             title = (group.title or "").strip()
             parts += [f"## {title[:1].upper()}{title[1:]}", *map(option, actions)]
     epilog = (parser.epilog or "").strip()
-    return "\n\n".join([*parts, *(["## Examples and output", f"```text\n{epilog}\n```"] * bool(epilog))])
+    return "\n\n".join(
+        [*parts, *(["## Examples and output", f"```text\n{epilog}\n```"] * bool(epilog))]
+    )
 
 
 def command_pages() -> Iterator[tuple[str, str]]:
@@ -144,40 +165,37 @@ def command_pages() -> Iterator[tuple[str, str]]:
 
     parsers = subparsers()
     for command in COMMANDS:
-        yield f"commands/{command.NAME}.md", command_page(
-            command.NAME, parsers[command.NAME], command.SUMMARY
+        yield (
+            f"commands/{command.NAME}.md",
+            command_page(command.NAME, parsers[command.NAME], command.SUMMARY),
         )
-    rows = [[f"[{c.NAME}](commands/{c.NAME}.md)", cell(c.SUMMARY)] for c in COMMANDS]
-    contents = "\n".join(f"commands/{command.NAME}" for command in COMMANDS)
-    yield "commands.md", (
-        "# The command line\n\n`lagrangian_ff COMMAND --help` says the same in a shell. Exit codes: 0"
-        " done, 2 a mistake that you can fix, 130 interrupted.\n\n"
-        f"{table(['command', 'what it does'], rows)}\n\n```{{toctree}}\n:hidden:\n\n{contents}\n```"
+    names, about = [c.NAME for c in COMMANDS], [c.SUMMARY for c in COMMANDS]
+    text = (
+        "`lagrangian_ff COMMAND --help` says the same in a shell. Exit codes: 0 done, 2 a mistake that"
+        " you can fix, 130 interrupted."
     )
+    heading = ["command", "what it does"]
+    yield "commands.md", index("The command line", text, heading, names, about, "commands")
 
 
 def node_pages() -> Iterator[tuple[str, str]]:
     """Yield the pages of all nodes, and the list of them."""
-    rows = []
+    first = []
     for node in NODES:
-        module = importlib.import_module(f"lagrangian_ff.nodes.{node}")
-        text = inspect.getdoc(module) or ""
-        first = text.partition("\n")[0]
-        rows.append([f"[{node}](nodes/{node}.md)", cell(first)])
+        text = inspect.getdoc(importlib.import_module(f"lagrangian_ff.nodes.{node}")) or ""
+        first.append(text.partition("\n")[0])
         listed = [
             [code(one.name), code(one.default), cell(one.description), cell(one.allowed), one.when]
             for one in parameters(node)
         ]
-        heading = ["parameter", "default", "meaning", "allowed", "set"]
-        yield f"nodes/{node}.md", (
-            f"# {node}\n\n```text\n{text}\n```\n\n## Parameters\n\n{table(heading, listed)}"
-        )
-    contents = "\n".join(f"nodes/{node}" for node in NODES)
-    yield "nodes.md", (
-        "# Parameters of the nodes\n\nAs the nodes declare them. [The nodes](../nodes.md) says how to"
-        " use them; `config/` has a file of parameters for each.\n\n"
-        f"{table(['node', 'what it does'], rows)}\n\n```{{toctree}}\n:hidden:\n\n{contents}\n```"
+        told = table(["parameter", "default", "meaning", "allowed", "set"], listed)
+        yield f"nodes/{node}.md", f"# {node}\n\n```text\n{text}\n```\n\n## Parameters\n\n{told}"
+    text = (
+        "As the nodes declare them. [The nodes](../nodes.md) says how to use them; `config/` has a"
+        " file of parameters for each."
     )
+    heading = ["node", "what it does"]
+    yield "nodes.md", index("Parameters of the nodes", text, heading, NODES, first, "nodes")
 
 
 def about(room: ModuleType, name: str) -> str:
@@ -200,11 +218,11 @@ def about(room: ModuleType, name: str) -> str:
 
 def python_pages() -> Iterator[tuple[str, str]]:
     """Yield the pages of the rooms' public names, and the list of them."""
-    rows = []
+    first = []
     for room in ROOMS:
         module = importlib.import_module(f"lagrangian_ff.{room}")
         text = (inspect.getdoc(module) or "").partition("\n")[0]
-        rows.append([f"[lagrangian_ff.{room}](python/{room}.md)", cell(text)])
+        first.append(text)
         parts = [f"# lagrangian_ff.{room}", text]
         for name in module.__all__:
             thing, path = getattr(module, name), f"lagrangian_ff.{room}.{name}"
@@ -216,12 +234,12 @@ def python_pages() -> Iterator[tuple[str, str]]:
                 body = f".. py:data:: {path}\n\n   {' '.join(about(module, name).split())}"
             parts.append(f"```{{eval-rst}}\n{body}\n```")
         yield f"python/{room}.md", "\n\n".join(parts)
-    contents = "\n".join(f"python/{room}" for room in ROOMS)
-    yield "python.md", (
-        "# Python\n\nThe public names, with shapes and units. [From Python](../python.md) has a first"
-        f" session.\n\n{table(['package', 'what is in it'], rows)}\n\n"
-        f"```{{toctree}}\n:hidden:\n\n{contents}\n```"
+    text = (
+        "The public names of `lagrangian_ff`, with shapes and units. [From Python](../python.md) has"
+        " a first session."
     )
+    heading = ["package", "what is in it"]
+    yield "python.md", index("Python", text, heading, ROOMS, first, "python")
 
 
 def schema_page() -> str:
