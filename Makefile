@@ -19,7 +19,7 @@ WHOLE = test/nodes/test_feedforward_action.py test/nodes/test_your_robot.py \
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Without the last option a worker that crashed can leave pytest waiting for ever.
-SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0
+SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0 --durations 12
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py
@@ -63,7 +63,7 @@ else
 	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test \
 		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
 	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES) $(addprefix --ignore=,$(WHOLE))
-	@$(BIN)/python -m pytest $(WHOLE)
+	@$(BIN)/python -m pytest --durations 12 $(WHOLE)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04

@@ -10,7 +10,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import ExportError
 from lagrangian_ff.export import expressions
 from lagrangian_ff.export.expressions import parsed
-from lagrangian_ff.export.portable import PARTNER, Portable, PortableTerm
+from lagrangian_ff.export.portable import Portable, PortableTerm
 from lagrangian_ff.export.rigid import Form, LagrangianRbf, Motors, StateRbf, Trigonometric
 from lagrangian_ff.kernels.structured.chain import LONG, SHORT
 
@@ -70,6 +70,11 @@ def torque(graph: Graph, held: Portable, q: str, qd: str, qdd: str) -> str:
     Raises:
         ExportError: a form is not written in ONNX; says which and why.
     """
+    if held.curves:
+        raise ExportError(
+            f"{held.curves[0].effect} is a curve, for which ONNX has no operator: export to c or "
+            "json"
+        )
     joints = len(held.joints)
     rigid = graph.op("Mul", q, np.zeros(joints))
     for form in held.forms:
@@ -97,8 +102,8 @@ def torque(graph: Graph, held: Portable, q: str, qd: str, qdd: str) -> str:
 
 def _term(graph: Graph, term: PortableTerm, states: Mapping[str, str]) -> str:
     given = {name: graph.column(values, term.joint) for name, values in states.items()}
-    if term.partner is not None:
-        given[PARTNER] = graph.column(states["qd"], term.partner)
+    for name, (what, joint) in term.others.items():
+        given[name] = graph.column(states[what], joint)
     total = graph.op("Mul", given["q"], 0.0)
     for text, factor in zip(term.columns, term.coefficients, strict=True):
         column = _expression(graph, parsed(text), given, term.values)

@@ -36,7 +36,7 @@ from lagrangian_ff.report.sections.story import (
     turns_section,
     unlisted_section,
 )
-from lagrangian_ff.words import sentence, spoken
+from lagrangian_ff.words import counted, sentence, spoken
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
@@ -105,7 +105,8 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
         if before is not None and after is not None:
             fall = f"{typeset(before)} → {typeset(after)} N·m"
             title += f": the unseen error of {story.confirmed[0].joint} falls, {fall}"
-    kicker = f"{len(story.turns)} questions to {len(story.joints)} joints, {story.seconds:.0f} s"
+    asked = counted(len(story.turns), "question")
+    kicker = f"{asked} to {len(story.joints)} joints, {story.seconds:.0f} s"
     return _page(path, "investigate", title, story, INVESTIGATION, kicker)
 
 

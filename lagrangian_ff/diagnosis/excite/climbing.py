@@ -171,7 +171,7 @@ class Way:
             jac=True,
             method="L-BFGS-B",
             bounds=list(ends) * (splines.count - 2 * AT_REST),
-            options={"maxiter": looks, "maxfun": looks},
+            options={"maxiter": looks, "maxfun": looks, "ftol": 1e-12, "gtol": 1e-9},
         )
         control[inner] = found.x.reshape(-1, len(free))
         clear = self.keeper.cleared(splines, control, begin.control)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import lapack, solve_triangular
 
 from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, refitted, typical
 from lagrangian_ff.diagnosis.excite.path import Reference
 from lagrangian_ff.diagnosis.excite.questions import Case
@@ -28,6 +29,9 @@ from lagrangian_ff.recording.motion import Motion
 
 SOFT = 0.1
 """Width in the log of nats over which the least of several passes from one to the next."""
+SEEN = 0.5
+"""Weight of seeing an effect at all, beside telling it from its look-alikes: where these cannot be
+told apart, the motion is to show at least that something is there."""
 FAINT = 0.02
 """Share of the largest weight below which a rival plays no part in the slope."""
 STEP = 1e-6
@@ -49,7 +53,8 @@ class Look:
     """A motion as an objective sees it.
 
     Attributes:
-        value: the mean of log (1 + signal) over the cases of the least group.
+        value: the mean over the cases of the least group of log (1 + signal / need) against the
+            rival that imitates best, and a share of the same against the plain model.
         pulls: how the value grows with the columns.
         weights: (S, N, P) each, how it grows with rigid-body torques.
         shares: the weight of each of these columns.
@@ -83,7 +88,7 @@ class Objective:
         """Return the value of control points (K, N), and what its slope needs."""
         whitened = self._whitened(control)
         judged = [judge(whitened, group, self.assumed, self.size) for group in self.groups]
-        softened = [[softmin(np.log1p(one.signals)) for one in group] for group in judged]
+        softened = [[one.worth for one in group] for group in judged]
         means = [float(np.mean([least for least, _ in group])) for group in softened]
         value, of_groups = softmin(np.array(means))
         if self.dynamics:
@@ -106,7 +111,7 @@ class Objective:
         whitened, b = look.whitened, one.b
         joints, unit = whitened.joints, whitened.problem.unit
         for number in np.flatnonzero(share > FAINT * share.max()).tolist():
-            by_squares = share[number] / (1.0 + one.signals[number]) / one.divisor
+            by_squares = share[number] / (one.needs + one.signals)[number] / one.divisor
             rival, white = one.case.rivals[number], one.rivals[number]
             known = whitened.system.white_design
             known = known if white is None else np.column_stack([known, white])
@@ -254,6 +259,23 @@ class Judged:
     def signals(self) -> Floats:
         """Return (R,) nats that decide against each rival."""
         return np.array([0.5 * float(np.sum(one**2)) for one in self.left]) / self.divisor
+
+    @property
+    def needs(self) -> Floats:
+        """Return (R,) nats that a verdict needs against each: to claim an effect, or to name it."""
+        limits = thresholds.USED
+        name = limits.rival_deviations * limits.rival_nats
+        return np.array([limits.floor if one is None else name for one in self.case.rivals])
+
+    @property
+    def worth(self) -> tuple[float, Floats]:
+        """Return the value of the case, and (R,) its slope by the log of each 1 + signal / need."""
+        logs = np.log1p(self.signals / self.needs)
+        value, weights = softmin(logs)
+        if len(logs) > 1 and self.case.rivals[0] is None:
+            value += SEEN * float(logs[0])
+            weights[0] += SEEN
+        return value, weights
 
 
 def judge(whitened: Whitened, group: Sequence[Case], assumed: Assumed, size: float) -> list[Judged]:

@@ -103,21 +103,21 @@ def unlisted_section(story: "Investigation") -> Section | None:
         for one in story.curves
     ]
     parts = [html.bullets(texts)] if texts else []
-    header = ["formula", "verdict", "nats", "error before [N·m]", "after", "it might be"]
+    header = ["formula", "it might be", "verdict", "nats", "error before [N·m]", "after"]
     for found in story.unlisted.proposals:
         rows = [
             [
                 f"τ = {one.formula}",
-                one.finding.said,
+                one.words,
+                one.finding.verdict.value,
                 typeset(one.finding.log_bayes_factor),
                 *(DASH if error is None else typeset(error) for error in one.finding.errors),
-                one.words,
             ]
             for one in found.proposals
         ]
         if rows:
             parts.append(html.paragraph(f"{found.joint}: {found.tried} formulas competed."))
-            parts.append(html.table(header, rows, words=2))
+            parts.append(html.table(header, rows, words=3))
     return Section(
         "What nobody listed",
         "No effect of the catalogue fits this. Where a curve lowers the error, the model holds it, "

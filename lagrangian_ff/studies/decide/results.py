@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.report.colours import AFTER, BEFORE, GOOD, INK
 from lagrangian_ff.report.style import new_figure, styled
@@ -273,6 +274,16 @@ def _of_motions(opened: Sequence[Opened]) -> dict[str, Finding | None]:
             f"one designed motion names {named:.2f} of what the usual one leaves open, "
             f"{wrong:.2f} wrongly (wanted {NAMED:g} and {WRONG:g})",
             {"named": named, "wrong": wrong},
+        )
+        sure = [one for one in opened if one.expected >= thresholds.USED.floor]
+        decided = sum(
+            one.designed is not None and one.designed.outcome is Outcome.RIGHT for one in sure
+        )
+        found["promised"] = Finding(
+            decided >= NAMED * len(sure),
+            f"{len(sure)} of {len(opened)} designs promise {thresholds.USED.floor:g} nats or more; "
+            f"{decided} of these are named",
+            {"promised": len(sure), "named": decided},
         )
         ratios = [max(a, 1.0) / max(b, 1.0) for one in opened if one.nats for a, b in [one.nats]]
         middle = float(np.median(ratios)) if ratios else 0.0

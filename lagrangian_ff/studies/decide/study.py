@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
-from lagrangian_ff.diagnosis import diagnose, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
     For,
@@ -23,9 +23,9 @@ from lagrangian_ff.diagnosis.excite import (
 from lagrangian_ff.diagnosis.results import Diagnosis, Found
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import learned_and_unseen
+from lagrangian_ff.investigation.investigate import learned_and_unseen, to_design_with
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording import Recording, condition_alike
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
@@ -100,10 +100,11 @@ class Decision:
         assert hidden is not None
         suspect = Suspect(hidden.effect, hidden.joint)
         first = rig.follow(usual)
-        model, before = _diagnosed([first])
+        before = _diagnosed([first])
         clock.lap("usual")
         made: dict[str, Any] = {"before": self._judged(before.findings).record()}
         question = _question(before, suspect)
+        model = to_design_with(before, apply(before), question)
         limits, start = limits_of(model), seen_pose(model, hidden.joint, limits_of(model))
         found = design(
             model,
@@ -128,7 +129,7 @@ class Decision:
             rows = slice(0, 1 + round(USUAL / (path.time[1] - path.time[0])))
             cut = Trajectory(path.time[rows], path.q[rows], path.qd[rows], path.qdd[rows], JOINTS)
             try:
-                _, after = _diagnosed([first, rig.follow(cut)])
+                after = _diagnosed([first, rig.follow(cut)])
             except UserError as error:
                 made[name] = {"failed": str(error)}
                 continue
@@ -194,12 +195,12 @@ def _question(found: Diagnosis, suspect: Suspect) -> Question:
     return For(suspect)
 
 
-def _diagnosed(recordings: Sequence[Recording]) -> tuple[Model, Diagnosis]:
-    """Return the model of the first part of each recording, and what it lacks."""
+def _diagnosed(recordings: Sequence[Recording]) -> Diagnosis:
+    """Return what a model of the first part of each recording lacks."""
     motions = condition_alike(list(recordings))
     learned, unseen = learned_and_unseen(motions)
     model = identify(learned, Settings(model=MODEL, train=1.0)).model
-    return model, with_consequences(diagnose(model, learned, unseen))
+    return with_consequences(diagnose(model, learned, unseen))
 
 
 @dataclass(frozen=True)
