@@ -148,7 +148,7 @@ def parse_own(words: Sequence[str]) -> argparse.Namespace:
 
 
 def parse_ros2(words: Sequence[str]) -> None:
-    """Raise UnsoundError for a node, launch file, launch argument or parameter that does not exist."""
+    """Raise UnsoundError for a node, launch file, argument or parameter that does not exist."""
     if words[1:3] == ["run", "lagrangian_ff"] and words[3] == "lagrangian_ff":
         if len(words) > 4:
             parse_own(words[3:])
@@ -268,7 +268,7 @@ class Session:
     def _begin(self, names: Sequence[str]) -> None:
         """Make what the page begins with."""
         for number, name in enumerate(name for name in names if not name.endswith(".npz")):
-            small_arm(Path(name), seed=number)
+            small_arm(Path(name), seed=number, slow=name.startswith("slow"))
         for name in (name for name in names if name.endswith(".npz")):
             small_arm(Path("learned"), seed=7)
             self._call(["identify", "learned", "--output", name, *QUICK], name)

@@ -171,8 +171,8 @@ def command_pages() -> Iterator[tuple[str, str]]:
         )
     names, about = [c.NAME for c in COMMANDS], [c.SUMMARY for c in COMMANDS]
     text = (
-        "`lagrangian_ff COMMAND --help` says the same in a shell. Exit codes: 0 done, 2 a mistake that"
-        " you can fix, 130 interrupted."
+        "`lagrangian_ff COMMAND --help` says the same in a shell. Exit codes: 0 done, 2 a mistake"
+        " that you can fix, 130 interrupted."
     )
     heading = ["command", "what it does"]
     yield "commands.md", index("The command line", text, heading, names, about, "commands")
@@ -235,8 +235,8 @@ def python_pages() -> Iterator[tuple[str, str]]:
             parts.append(f"```{{eval-rst}}\n{body}\n```")
         yield f"python/{room}.md", "\n\n".join(parts)
     text = (
-        "The public names of `lagrangian_ff`, with shapes and units. [From Python](../python.md) has"
-        " a first session."
+        "The public names of `lagrangian_ff`, with shapes and units. [From Python](../python.md)"
+        " has a first session."
     )
     heading = ["package", "what is in it"]
     yield "python.md", index("Python", text, heading, ROOMS, first, "python")
