@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import image, rc_context
@@ -100,7 +100,7 @@ def errors(runs: list[Comparison]) -> Floats:
 
 def drawn(arm: Floats, before: list[Comparison], after: list[Comparison], look: Look) -> Figure:
     """Return the picture in the colours of one ground."""
-    style = {
+    style: dict[Any, Any] = {
         "font.size": 11.5, "text.color": look.ink, "axes.labelcolor": look.ink,
         "axes.edgecolor": look.faint, "xtick.color": look.faint, "ytick.color": look.faint,
         "axes.spines.top": False, "axes.spines.right": False, "axes.titlelocation": "left",
