@@ -23,6 +23,7 @@ myst_enable_extensions = ["attrs_inline", "deflist"]
 myst_heading_anchors = 4
 suppress_warnings = ["misc.highlighting_failure"]  # outputs with … are no JSON
 highlight_language = "text"
+smartquotes = False  # would make a dash of the -- of options
 
 default_role = "code"  # `q` in a docstring is code
 autodoc_typehints = "none"  # the signature has them

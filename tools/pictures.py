@@ -112,6 +112,7 @@ def drawn(arm: Floats, before: list[Comparison], after: list[Comparison], look: 
         FigureCanvasAgg(figure)
         left, middle, right = figure.subplots(1, 3, width_ratios=(0.85, 1.25, 1.15))
         left.imshow(arm)
+        left.set_anchor("N")
         left.axis("off")
         left.set_title("The simulated arm")
 
@@ -129,7 +130,7 @@ def drawn(arm: Floats, before: list[Comparison], after: list[Comparison], look: 
         middle.axhline(0.0, color=look.faint, linewidth=0.7, zorder=0)
         middle.set(xlabel="speed of joint_3 [rad/s]", ylabel="torque left over [N·m]")
         middle.set_title("Where the model fails")
-        middle.legend(loc="upper left", handlelength=1.2)
+        middle.legend(loc="lower right", handlelength=1.2)
 
         joints = before[0].motion.joints
         at = np.arange(len(joints))
@@ -138,6 +139,7 @@ def drawn(arm: Floats, before: list[Comparison], after: list[Comparison], look: 
         right.set_xticks(at, [name.removeprefix("joint_") for name in joints])
         right.set(xlabel="joint", ylabel="error on unseen motion [N·m]")
         right.set_title("The error falls")
+        right.margins(y=0.12)
         first, second = errors(before)[JOINT], errors(after)[JOINT]
         right.annotate(
             f"{first:.2f} → {second:.2f}", (JOINT, first), (0, 4), textcoords="offset points",

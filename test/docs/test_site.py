@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -13,11 +15,25 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 LINK = re.compile(r"(?:\]\(|src=\"|srcset=\")(?!https?:)([^)\s\"#]*)(?:#([^)\s\"]+))?[)\"]")
 
+LOCAL = re.compile(r'(?:href|src)="(?!https?:|mailto:|data:)([^"#?]*)(?:\?[^"#]*)?(?:#([^"]+))?"')
+
 
 def anchors(page: Path) -> set[str]:
     """Return the anchors that GitHub gives the headings of a page."""
     headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@cache
+def identifiers(page: Path) -> set[str]:
+    """Return what a page of the site can be entered at."""
+    return set(re.findall(r'\bid="([^"]+)"', page.read_text(encoding="utf-8")))
+
+
+def leads_somewhere(page: Path, target: str, anchor: str) -> bool:
+    """Return whether a link of a page of the site finds its file, and the place in it."""
+    file = (page.parent / target).resolve() if target else page
+    return file.exists() and (not anchor or file.suffix != ".html" or anchor in identifiers(file))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -45,3 +61,10 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     assert "--confirm" in commands
     assert "fade_time" in (tmp_path / "site" / "reference" / "nodes" / "watchdog.html").read_text()
     assert "0.1.0" in (tmp_path / "site" / "changelog.html").read_text()
+    broken = [
+        f"{page.name}: {target}#{anchor}"
+        for page in (tmp_path / "site").rglob("*.html")
+        for target, anchor in LOCAL.findall(page.read_text(encoding="utf-8"))
+        if not leads_somewhere(page, unquote(target), unquote(anchor))
+    ]
+    assert broken == []
