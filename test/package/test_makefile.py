@@ -17,7 +17,7 @@ INSTALL = "install --no-compile"
 pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 
 DEMO = "[arm,bags,ros,threads]"
-TEST = "[arm,bags,ros,test,threads]"
+TEST = "[arm,bags,docs,ros,test,threads]"
 
 
 class Machine:

@@ -84,5 +84,4 @@ def test_all_name_the_same_pythons() -> None:
     assert f'python_requires=">={PYTHONS[0]}"' in text
     oldest, newest = (".".join(map(str, v)) for v in (environment.OLDEST, environment.NEWEST))
     assert (oldest, newest) == (PYTHONS[0], PYTHONS[-1])
-    for name in ("README.md", "docs/installing.md"):
-        assert f"{oldest} to {newest}" in (ROOT / name).read_text(), name
+    assert f"Python {oldest} to {newest}" in (ROOT / "docs" / "installing.md").read_text()
