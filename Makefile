@@ -116,5 +116,5 @@ benchmark:  ## measure speed against named yardsticks
 
 clean:  ## remove what the build and the tests left; keeps .venv, the loops and out/
 	rm -rf build install log dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage
-	rm -rf lagrangian_ff.egg-info
+	rm -rf lagrangian_ff.egg-info docs/reference
 	find lagrangian_ff test benchmark tools launch -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true

@@ -60,7 +60,7 @@ def of_the_site(text: str) -> str:
         r"![\g<alt>](\g<light>){.only-light}\n![\g<alt>](\g<dark>){.only-dark}", text
     )
     text = re.sub(r"\]\((?!https?:|#|docs/)", "](../", text)
-    return text.replace("](docs/", "](")
+    return text.replace("](docs/", "](").replace("](../CHANGELOG.rst", "](changelog.rst")
 
 
 def read(app: object, page: str, source: list[str]) -> None:

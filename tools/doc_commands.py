@@ -42,7 +42,8 @@ from lagrangian_ff.cli.main import build_parser, main  # noqa: E402
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 LEFT_OUT = ("...", "…")
 FENCE = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
-NUMBER = re.compile(r"[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+# Not the 3 of joint_3: that is a name.
+NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 # What a name in capitals stands for where a number is expected.
 STANDS_FOR = {"KG": "3", "PROFILE": "ur", "EFFECT@JOINT:SIZE": "stribeck@joint_3:0.1"}
 

@@ -80,3 +80,8 @@ def test_output_is_compared_by_words_and_written_with_its_numbers() -> None:
         agreed(shown, ["error 0.25 N·m", "saved: b"], "")
     with pytest.raises(UnsoundError):
         agreed(shown, ["saved: a", "error 0.25 N·m"], "")
+
+
+def test_a_number_that_is_part_of_a_name_is_compared() -> None:
+    shown = Shown("one", ["joint_3  0.5"])
+    assert agreed(shown, ["joint_1  0.1", "joint_3  0.25"], "") == ["joint_3  0.25"]
