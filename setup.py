@@ -155,6 +155,7 @@ setup(
         (f"share/{PACKAGE}/launch", glob("launch/*.launch.py")),
     ],
     python_requires=">=3.10",
+    setup_requires=loops.requirements(),
     install_requires=RUNTIME,
     extras_require=EXTRAS,
     zip_safe=False,

@@ -4,7 +4,7 @@ make wheels, or python tools/wheels.py [PYTHON ...]
 
 Each Python from 3.10 to 3.13 gets an empty environment with the wheel and what it requires, without
 extras. In a folder elsewhere the command then identifies a model of a made recording, diagnoses it,
-predicts with it and exports it to C. Needs a C compiler and the package index.
+predicts with it and exports it to C. Needs the package index.
 """
 
 import argparse
@@ -101,13 +101,8 @@ def tried(python: Python, folder: Path) -> dict[str, float]:
         StepError: a step did not work.
     """
     source, wheels, work = folder / "source", folder / "wheels", folder / "work"
-    source.mkdir(parents=True)
-    work.mkdir()
-    for name in FILES:
-        shutil.copy(ROOT / name, source)
-    for name in FOLDERS:
-        ignored = shutil.ignore_patterns("__pycache__", "*.pyc", "*.so")
-        shutil.copytree(ROOT / name, source / name, ignore=ignored)
+    work.mkdir(parents=True)
+    copy_sources(source)
     programs = folder / "venv" / "bin"
     pip: list[str | Path] = [programs / "python", "-m", "pip", "--quiet"]
     taken: dict[str, float] = {}
@@ -134,6 +129,16 @@ def tried(python: Python, folder: Path) -> dict[str, float]:
     if missing := [name for name in MADE if not (work / name).exists()]:
         raise StepError(f"Python {python.version}: {', '.join(missing)} was not written")
     return taken
+
+
+def copy_sources(folder: Path) -> None:
+    """Copy what a wheel is built from, and nothing that a build has left, to a folder."""
+    folder.mkdir()
+    for name in FILES:
+        shutil.copy(ROOT / name, folder)
+    for name in FOLDERS:
+        ignored = shutil.ignore_patterns("__pycache__", "*.pyc", "*.so")
+        shutil.copytree(ROOT / name, folder / name, ignore=ignored)
 
 
 def surroundings() -> dict[str, str]:

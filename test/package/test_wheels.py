@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 
 import environment  # noqa: E402
-from wheels import COMMANDS, PYTHONS, StepError, python_of, pythons, tried  # noqa: E402
+from wheels import COMMANDS, PYTHONS, StepError, copy_sources, python_of, pythons, tried  # noqa: E402
 
 HERE = f"{sys.version_info[0]}.{sys.version_info[1]}"
 FIRST = ("3.12", "3.13", "3.10", "3.11")
@@ -76,6 +76,24 @@ def test_a_step_that_fails_is_named(tmp_path: Path) -> None:
     (tmp_path / "venv").write_text("in the way of the environment")
     with pytest.raises(StepError, match=f"Python {HERE}: environment failed"):
         tried(found, tmp_path)
+
+
+def test_a_compiler_is_brought_only_where_there_is_none(tmp_path: Path) -> None:
+    """Pip builds in an environment that has what the package asks for, and nothing else."""
+    copy_sources(tmp_path / "source")
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    asked = "from setuptools.build_meta import *; print(get_requires_for_build_wheel())"
+    said = []
+    for _ in ("no compiler", "one"):
+        done = subprocess.run(
+            [sys.executable, "-c", asked], cwd=tmp_path / "source", env={"PATH": str(programs)},
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        said.append("ziglang" in done.stdout.splitlines()[-1])
+        (programs / "cc").write_text("")
+        (programs / "cc").chmod(0o755)
+    assert said == [True, False]
 
 
 def test_all_name_the_same_pythons() -> None:
