@@ -40,7 +40,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo workbench test test-oldest lint types format fuzz soak benchmark docs docs-output install clean
+.PHONY: help demo workbench test test-oldest wheels lint types format fuzz soak benchmark docs docs-output install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -69,6 +69,9 @@ endif
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04
 	@$(MAKE) --no-print-directory VENV=.venv-oldest install CONSTRAINTS=constraints-ubuntu-24.04.txt
 	@.venv-oldest/bin/python -m pytest $(ARGS)
+
+wheels:  ## build the wheel with every Python from 3.10 to 3.13 here, and use it outside the sources
+	@"$(PYTHON)" tools/wheels.py $(ARGS)
 
 docs:  ## the documentation as a site, in out/docs; warnings are errors
 	$(environment) $(EXTRAS),docs

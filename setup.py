@@ -132,6 +132,12 @@ setup(
     maintainer="lagrangian_ff maintainers",
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
+    classifiers=[
+        "Programming Language :: Python :: 3.10",
+        "Programming Language :: Python :: 3.11",
+        "Programming Language :: Python :: 3.12",
+        "Programming Language :: Python :: 3.13",
+    ],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     ext_modules=LOOPS,
     cmdclass={"build_ext": BuildLoops},
