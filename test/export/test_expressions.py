@@ -36,7 +36,7 @@ def test_parameters_get_what_they_multiply(one: str, two: str, three: str) -> No
     effect, x = formula_effect("mine", formula, {}), trial_motion()
     found = mapped(effect)
     assert found is not None
-    given_ = {name: getattr(x, name)[:, 1] for name in INPUTS}
+    given_ = {name: getattr(x, name)[:, 1] for name in INPUTS} | {"v0": x.sign_speed[1]}
     expected = effect.columns(x, 1, {})
     for place, text in enumerate(found.columns):
         again = evaluated(parsed(text_of(parsed(text))), given_) + np.zeros(len(x))
