@@ -30,6 +30,9 @@ Record = dict[str, Any]
 PATIENCE = 600.0  # s for which a question waits
 LOOK = 0.05  # s between looks for an answer
 MOVED = 0.02  # rad by which the arm may have moved since the question
+FIRST = 8.0
+"""s of the first motion in each range, at least; a quarter of a short budget, as the others need
+theirs."""
 DRAWN = 80
 """Points of a motion that its picture has, at most."""
 STOP, PERMIT, REFUSE = "stop", "permit", "refuse"
@@ -137,9 +140,11 @@ class Investigate:
         with self.arm.opened(self.wanted, folder) as ready:
             joints = ready.rig.joints
             scale = {name: one for name, one in self.scale.items() if name in joints}
+            budget = 60.0 * self.wanted.minutes
             plan = Plan(
                 ready.limits,
-                budget=60.0 * self.wanted.minutes,
+                budget=budget,
+                first=min(Plan.first, max(FIRST, budget / 4)),
                 clear=ready.clear,
                 conditioning=Conditioning(effort=self.effort, effort_scale=scale),
             )

@@ -3,6 +3,7 @@
 import re
 import signal
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,7 @@ def tried(
             assert f"lagrangian_ff workbench --live --session {first.session}" in text
             assert page.get_by_role("button", name="Investigate").count() == 1  # the step alone
         assert first.stop() == 0
-        yield lambda: serve(folder / "session", "--try")
+        yield partial(serve, folder / "session", "--try")
 
 
 def begun(page: Any, served: Served, minutes: float) -> None:
