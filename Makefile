@@ -11,7 +11,7 @@ VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/nodes test/workbench/test_live_page.py
+PROCESSES = test/nodes test/workbench/test_live_page.py test/workbench/test_investigate_live.py
 # What keeps both processors busy: beside it, tests of processes come too late. The whole demo, and
 # the tests that build interfaces first.
 WHOLE = test/nodes/test_feedforward_action.py test/nodes/test_your_robot.py \

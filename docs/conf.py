@@ -63,9 +63,10 @@ def of_the_site(text: str) -> str:
     return text.replace("](docs/", "](").replace("](../CHANGELOG.rst", "](changelog.rst")
 
 
-def read(app: object, page: str, source: list[str]) -> None:
+def read(app: Sphinx, page: str, source: list[str]) -> None:
     """Put README.md at the head of the first page, and let links to it lead there."""
     if page == "index":
+        app.env.note_dependency(str(ROOT / "README.md"))
         source[0] = of_the_site((ROOT / "README.md").read_text(encoding="utf-8")) + source[0]
     source[0] = source[0].replace("](../README.md", "](index.md")
 

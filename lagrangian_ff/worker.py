@@ -2,9 +2,9 @@
 
 A process, because compiled code that holds the interpreter would delay a recording or a page, and
 because the program survives whatever happens to it. `python -m lagrangian_ff.worker JOB` writes one
-JSON object a line: {"progress", "label"} while it works, {"result"} or {"error"} at the end. Job
-and result are pickled, in hexadecimal digits. The process ends when its standard input does, so
-that it does not outlive a killed program.
+JSON object a line: {"progress", "label"} while it works, {"said"} where a job calls `say`,
+{"result"} or {"error"} at the end. Job and result are pickled, in hexadecimal digits. The process
+ends when its standard input does, so that it does not outlive a killed program.
 """
 
 import json
@@ -13,6 +13,8 @@ import pickle
 import sys
 import threading
 import traceback
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from subprocess import PIPE, Popen, TimeoutExpired
 from typing import Any, Generic, Protocol, TypeVar
@@ -35,6 +37,13 @@ class Job(Protocol):
         """
 
 
+class Listening(Job, Protocol):
+    """A job that the program talks to while it works."""
+
+    def hear(self, text: str) -> None:
+        """Receive a line of `Worker.tell`; in a thread, perhaps before `work` begins."""
+
+
 Given = TypeVar("Given", bound=Job)
 
 
@@ -53,6 +62,7 @@ class Worker(Generic[Given]):
         job: the request.
         fraction: share done, 0 to 1.
         label: what it does now.
+        said: what the job said last, see `say`; None before.
     """
 
     def __init__(
@@ -61,6 +71,7 @@ class Worker(Generic[Given]):
         self.job = job
         self.fraction = 0.0
         self.label = "starting"
+        self.said: Any = None
         self._outcome: Outcome | None = None
         # A new session: the Ctrl-C that ends the program must not reach the process first.
         given = [*command, pickle.dumps(job).hex()]
@@ -71,6 +82,13 @@ class Worker(Generic[Given]):
     def outcome(self) -> Outcome | None:
         """Return how the job ended, None before its end."""
         return None if self._thread.is_alive() else self._outcome
+
+    def tell(self, text: str) -> None:
+        """Send a line to a job that listens; nothing happens after its end."""
+        assert self._process.stdin is not None
+        with suppress(OSError, ValueError):  # it has ended
+            self._process.stdin.write(text + "\n")
+            self._process.stdin.flush()
 
     def cancel(self) -> None:
         """End the process now."""
@@ -95,6 +113,8 @@ class Worker(Generic[Given]):
                 continue  # a number that it prints
             if "progress" in event:
                 self.fraction, self.label = float(event["progress"]), str(event["label"])
+            elif "said" in event:
+                self.said = event["said"]
             elif "result" in event:
                 outcome = _read(event["result"])
             elif "error" in event:
@@ -114,12 +134,18 @@ def _read(pickled: str) -> Outcome:
         return Outcome(None, f"the result of the process cannot be read: {error}")
 
 
+def say(record: Any) -> None:
+    """Say something in JSON to the program that asked for this job; it is `Worker.said` there."""
+    _write({"said": record})
+
+
 def main() -> int:
     """Do the job on the command line and return the exit code."""
     os.nice(5)  # recording and control come first
-    threading.Thread(target=_end_with_its_parent, daemon=True).start()
     try:
         job: Job = pickle.loads(bytes.fromhex(sys.argv[1]))
+        hear = getattr(job, "hear", None)
+        threading.Thread(target=_end_with_its_parent, args=(hear,), daemon=True).start()
         result = job.work(lambda share, label: _write({"progress": share, "label": label}))
         pickled = pickle.dumps(result).hex()
     except (UserError, OSError) as error:
@@ -137,8 +163,10 @@ def _write(event: dict[str, Any]) -> None:
     print(json.dumps(event), flush=True)
 
 
-def _end_with_its_parent() -> None:
-    sys.stdin.read()
+def _end_with_its_parent(hear: Callable[[str], None] | None) -> None:
+    for line in sys.stdin:
+        if hear is not None:
+            hear(line.rstrip("\n"))
     os._exit(3)
 
 

@@ -2,12 +2,15 @@
 
 import sys
 import time
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.session import Result
-from lagrangian_ff.worker import Outcome, Worker
+from lagrangian_ff.progress import Progress
+from lagrangian_ff.worker import Outcome, Worker, say
 
 JOB = Identify(output="model.npz", bags=("nowhere",), joints=("a",), effort_scale={"a": 2.0})
 
@@ -55,6 +58,36 @@ def test_every_end_without_a_result_is_an_error_in_words(text: str, expected: st
     outcome = finished(Worker(JOB, program(text)))
     assert outcome.result is None
     assert expected in outcome.error
+
+
+@dataclass
+class Echo:
+    """Says twice what it is told, until that is `end`."""
+
+    heard: list[str] = field(default_factory=list)
+
+    def hear(self, text: str) -> None:
+        self.heard.append(text)
+
+    def work(self, progress: Progress) -> int:
+        while "end" not in self.heard:
+            say([2 * text for text in self.heard])
+            time.sleep(0.01)
+        return len(self.heard)
+
+
+def test_a_job_hears_and_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    worker = Worker(Echo())
+    worker.tell("a")
+    worker.tell("b")
+    deadline = time.monotonic() + 60.0
+    while worker.said != ["aa", "bb"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    worker.tell("end")
+    assert finished(worker) == Outcome(3)
+    worker.tell("too late")
 
 
 def test_it_can_be_cancelled() -> None:

@@ -147,7 +147,12 @@ def _metavar(action: argparse.Action) -> str:
 
 def command_page(name: str, parser: argparse.ArgumentParser, summary: str) -> str:
     """Return the page of a command."""
-    parts = [f"# {name}", f"{summary}.", f"```text\n{parser.usage}\n```", parser.description or ""]
+    parts = [
+        f"# {name}",
+        f"{summary[:1].upper()}{summary[1:]}.",
+        f"```text\n{parser.usage}\n```",
+        parser.description or "",
+    ]
     for group in parser._action_groups:
         actions = [a for a in group._group_actions if a.help != argparse.SUPPRESS]
         if actions:

@@ -3,9 +3,10 @@
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.investigate import investigate
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
-from lagrangian_ff.investigation.story import Ended, Investigation, Turn
+from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Turn
 
 __all__ = [
+    "Asked",
     "Ended",
     "Investigation",
     "Permit",

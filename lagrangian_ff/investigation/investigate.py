@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis import apply, compare, diagnose, with_consequences
+from lagrangian_ff.diagnosis import apply, compare, diagnose, verdict, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Limits,
@@ -24,7 +24,7 @@ from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
-from lagrangian_ff.investigation.story import Ended, Investigation, Turn, asked
+from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
 from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
@@ -49,7 +49,13 @@ class _Look:
     model: Model
 
 
-def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silent) -> Investigation:
+def investigate(
+    rig: Rig,
+    plan: Plan,
+    permit: Permit,
+    progress: Progress = silent,
+    listen: Listener = lambda asked: None,
+) -> Investigation:
     """Return the story of an arm that was moved until nothing was left to decide.
 
     Each round identifies a model of all motions so far, and diagnoses it: the first part of each
@@ -60,11 +66,12 @@ def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silen
     Args:
         permit: is asked before the first motion and before each larger range.
         progress: receives the share of the budget used, and what is done.
+        listen: receives each question when its motion is designed, and again with its answer.
 
     Raises:
         UserError: the limits leave no room, or nothing can be learned from the first motion.
     """
-    story = _Story(rig, plan, permit, progress)
+    story = _Story(rig, plan, permit, progress, listen)
     try:
         ended, words = story.go()
     except UserError as error:
@@ -77,8 +84,11 @@ def investigate(rig: Rig, plan: Plan, permit: Permit, progress: Progress = silen
 class _Story:
     """An investigation under way."""
 
-    def __init__(self, rig: Rig, plan: Plan, permit: Permit, progress: Progress) -> None:
+    def __init__(
+        self, rig: Rig, plan: Plan, permit: Permit, progress: Progress, listen: Listener
+    ) -> None:
         self._rig, self._plan, self._permit, self._progress = rig, plan, permit, progress
+        self._listen, self._asked = listen, Asked("", 0.0)
         self._start = rig.pose() if plan.start is None else plan.start
         self._limits = plan.limits
         self._recordings: list[Recording] = []
@@ -143,7 +153,10 @@ class _Story:
         found = Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
         if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
             return found
-        return self._with_unlisted(found)
+        try:
+            return self._with_unlisted(found)
+        except StoppedError as error:  # what is known is kept
+            return replace(found, ended=Ended.STOPPED, words=str(error))
 
     def _with_unlisted(self, found: Investigation) -> Investigation:
         """Return the story with what no effect fits, as curves and formulas."""
@@ -173,6 +186,8 @@ class _Story:
         begin = self._used / self._plan.budget
         here = part(self._progress, begin, min(1.0, begin + seconds / self._plan.budget))
         here(0.0, f"moving for {seconds:.0f} s: {asked(question)}")
+        self._asked = Asked(asked(question), seconds, made.nats if made else None)
+        self._listen(self._asked)
         known = self._looks[-1].model if self._looks else None
         self._recordings.append(self._rig.run(motion, known, here))
         self._motions.append((question, motion, made))
@@ -188,6 +203,8 @@ class _Story:
             found = with_consequences(diagnose(base, learned, unseen), confirmed_only=True)
         look = _Look(base, found, apply(found))
         self._looks.append(look)
+        names = tuple(one.name for one, _ in found.tried)
+        self._listen(replace(self._asked, answer=verdict(found), confirmed=names))
         return look
 
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:

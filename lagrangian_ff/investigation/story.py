@@ -1,6 +1,6 @@
 """What an investigation did and found, turn by turn."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -21,6 +21,29 @@ class Ended(str, Enum):
     BUDGET = "the time for motion is used"
     REFUSED = "the motion was not permitted"
     STOPPED = "the arm was stopped"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A question under way.
+
+    Attributes:
+        words: the question.
+        seconds: of the motion that is to answer it.
+        expected: nats that the motion is expected to gain; None for a motion of a kind.
+        answer: the verdict after it, in words; empty before.
+        confirmed: what is confirmed by then, in words.
+    """
+
+    words: str
+    seconds: float
+    expected: float | None = None
+    answer: str = ""
+    confirmed: tuple[str, ...] = ()
+
+
+Listener = Callable[[Asked], None]
+"""Receives what an investigation asks, and what the answer is."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Does what the page asks: it changes the session and starts work in processes."""
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,13 +9,18 @@ from typing import Any
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench import jobs
+from lagrangian_ff.workbench.investigating import Arm, Investigate
+from lagrangian_ff.workbench.investigations import Investigations
 from lagrangian_ff.workbench.looking import Look
 from lagrangian_ff.workbench.moving import Move
 from lagrangian_ff.workbench.recordings import Recordings
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
+from lagrangian_ff.workbench.unlisted import Unlisted
 from lagrangian_ff.worker import Outcome, Worker
 
 Asked = dict[str, Any]
+CURVE = "curve"
+"""Under which name `diagnosis.add` adds one."""
 
 
 @dataclass
@@ -44,24 +49,36 @@ class Bench:
         session: on disk.
         changed: is called after every change that pages show.
         skeleton: of the arm, see `skeleton.read_skeleton`.
+        arm: that may be investigated; None for none.
 
     Attributes:
+        investigations: of the session.
         more: returns what pages show besides.
     """
 
     def __init__(
-        self, session: Session, changed: Callable[[], None], skeleton: Sequence[dict[str, Any]] = ()
+        self,
+        session: Session,
+        changed: Callable[[], None],
+        skeleton: Sequence[dict[str, Any]] = (),
+        arm: Arm | None = None,
     ) -> None:
         self.session = session
         self._skeleton = list(skeleton)
         self._recordings = Recordings(session, self._begin)
+        self.investigations = Investigations(
+            session, self._begin, self._recordings.look, self._compare_if_possible, arm
+        )
+        unlisted = Unlisted(session, self._begin, self._add_to)
         self.more: Callable[[], dict[str, Any]] = dict
         self._changed = changed
         self._running: list[Running] = []
         self._waiting: list[Callable[[], None]] = []
         self._said = ""
-        self._asks: dict[str, Callable[[Asked], None]] = {
+        self._asks: dict[str, Callable[[Asked], Asked | None]] = {
             **self._recordings.asks,
+            **self.investigations.asks,
+            **unlisted.asks,
             "read": self._read,
             "choose": lambda asked: session.choose(str(asked["model"])),
             "learn": self._learn,
@@ -85,10 +102,12 @@ class Bench:
                 "title": one.title,
                 "share": one.worker.fraction,
                 "label": one.worker.label,
+                "stops": isinstance(one.worker.job, Investigate),
             }
             for one in self._running
         ]
-        return {"work": work, "said": self._said, **self.more()}
+        arm = self.investigations.state()
+        return {"work": work, "said": self._said, "arm": arm, **self.more()}
 
     def state(self) -> dict[str, Any]:
         """Return all that a page shows."""
@@ -99,8 +118,8 @@ class Bench:
             "skeleton": self._skeleton,
         }
 
-    def ask(self, what: str, asked: Asked) -> None:
-        """Do what a page asks.
+    def ask(self, what: str, asked: Asked) -> Asked:
+        """Do what a page asks, and return what it is to know.
 
         Raises:
             UserError: it is not possible now, and why.
@@ -109,10 +128,11 @@ class Bench:
             raise UserError(f"the page asks for {what!r}, which is not known; reload it")
         self._said = ""
         try:
-            self._asks[what](asked)
+            found = self._asks[what](asked)
         except (KeyError, ValueError, TypeError) as error:
             raise UserError(f"the page asks for {what} in an unknown way: {error}") from error
         self._changed()
+        return found or {}
 
     def take_file(self, name: str, file: Path) -> Card:
         """Take a recording that lies somewhere already."""
@@ -139,7 +159,7 @@ class Bench:
 
     def tick(self) -> None:
         """Take what has come out of processes; to be called several times a second."""
-        moved = False
+        moved = self.investigations.tick()
         for one in list(self._running):
             outcome: Outcome | None = one.worker.outcome()
             if outcome is None:
@@ -150,7 +170,7 @@ class Bench:
                 one.failed(outcome.error)
             else:
                 one.take(outcome.result)
-        if not self._running and self._waiting:
+        if self._free and self._waiting:
             self._waiting.pop(0)()
             moved = True
         if self._recordings.aside.tick(free=not self._running) or moved or self._running:
@@ -169,18 +189,30 @@ class Bench:
         job: Any,
         take: Callable[[Any], None],
         failed: Callable[[str], None] | None = None,
+        began: Callable[[Worker[Any]], None] = lambda worker: None,
     ) -> None:
-        """Start work in a process, or after the work under way: it has all processors."""
+        """Start work in a process, or after the work under way: it has all processors.
+
+        Args:
+            began: receives the process.
+        """
 
         def start() -> None:
             self._recordings.aside.give_way()
             told = failed or (lambda error: self._fail(title, error))
-            self._running.append(Running(self.session.name("w"), title, Worker(job), take, told))
+            worker = Worker(job)
+            self._running.append(Running(self.session.name("w"), title, worker, take, told))
+            began(worker)
 
-        if self._running:
-            self._waiting.append(start)
-        else:
+        if self._free:
             start()
+        else:
+            self._waiting.append(start)
+
+    @property
+    def _free(self) -> bool:
+        """Return whether work may begin: beside an investigation, too, which waits for its arm."""
+        return all(isinstance(one.worker.job, Investigate) for one in self._running)
 
     def _fail(self, title: str, error: str) -> None:
         self._said = f"{title} failed: {error}"
@@ -225,6 +257,11 @@ class Bench:
         node, sources = self.session.node(), self.session.unseen()
         if not sources:
             raise UserError("there is no recording to compare with")
+        own = node.settings.get("scales", {}) if "learned" in node.settings else {}
+        learned = 0.0
+        if any(one in own for one in sources):  # it has seen the beginning of these
+            sources = tuple(one for one in sources if one in own)
+            learned = node.settings["learned"]
         file = str(self._place("traces") / f"{node.id}.npz")
 
         def take(found: Any) -> None:
@@ -232,7 +269,7 @@ class Bench:
             self.session.save()
 
         page, given = self._page("compare", node), (self._effects, self.session.reading)
-        job = jobs.Compare(file, page, node.file, sources, *given)
+        job = jobs.Compare(file, page, node.file, sources, *given, learned)
         self._begin("comparing it with unseen motion", job, take)
 
     def _diagnose(self, asked: Asked) -> None:
@@ -273,18 +310,34 @@ class Bench:
             (one for one in found if (one["effect"], one["joint"]) == (effect, joint)), {}
         )
         why = known.get("why") or {"why": "added by hand"}
+        title, added = f"{effect.replace('_', ' ')} on {joint}", {"effect": effect, "joint": joint}
+        self._add_to(node, added, why, title, known.get("shape", {}))
+
+    def _add_to(
+        self,
+        node: Node,
+        added: Asked,
+        why: Asked,
+        title: str,
+        shape: Mapping[str, float] | None = None,
+    ) -> None:
+        """Add to a model what `Node.added` describes.
+
+        Args:
+            shape: as found, where `added` has none.
+        """
         identity, file = self._new_model()
-        title = f"+ {effect.replace('_', ' ')} on {joint}"
 
         def take(described: Any) -> None:
-            made = Node(identity, file, node.id, title, described, settings=node.settings)
-            made.added, made.why = {"effect": effect, "joint": joint}, why
+            made = Node(identity, file, node.id, f"+ {title}", described, settings=node.settings)
+            made.added, made.why = added, why
             self.session.add_node(made)
             self._compare()
 
-        job = jobs.Add(file, node.file, effect, joint, known.get("shape", {}), why,
-                       self._effects)  # fmt: skip
-        self._begin(f"adding {effect.replace('_', ' ')} on {joint}", job, take)
+        form, shape = added.get("form", {}), added.get("shape") or shape or {}
+        effect = CURVE if form else added["effect"]
+        job = jobs.Add(file, node.file, effect, added["joint"], shape, why, self._effects, form)
+        self._begin(f"adding {title}", job, take)
 
     def _move(self, asked: Asked) -> None:
         node, effect, joint = self.session.node(), str(asked["effect"]), str(asked["joint"])
@@ -323,6 +376,8 @@ class Bench:
                 one.worker.cancel()
                 if isinstance(one.worker.job, Look):
                     one.failed("reading was cancelled; take it away and add it again")
+                if isinstance(one.worker.job, Investigate):
+                    one.failed("it was cancelled; its motions are kept under Data")
                 self._said = f"{one.title}: cancelled"
 
     def _new_model(self) -> tuple[str, str]:

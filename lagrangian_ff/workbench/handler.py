@@ -12,6 +12,7 @@ import tornado.web
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench.bench import Bench
+from lagrangian_ff.workbench.investigating import Arm
 from lagrangian_ff.workbench.session import Session
 
 LARGEST_QUESTION = 2**16  # bytes
@@ -30,6 +31,7 @@ class Service:
         hosts: names by which the page may be asked for.
         token: what a page must know; empty for none, on loopback.
         skeleton: of the arm that is drawn.
+        arm: that may be investigated; None for none.
     """
 
     def __init__(
@@ -38,10 +40,11 @@ class Service:
         hosts: Sequence[str],
         token: str,
         skeleton: Sequence[dict[str, Any]] = (),
+        arm: Arm | None = None,
     ) -> None:
         self.hosts, self.token = frozenset(hosts), token
         self._news = asyncio.Event()
-        self.bench = Bench(session, self.changed, skeleton)
+        self.bench = Bench(session, self.changed, skeleton, arm)
 
     def changed(self) -> None:
         """Let every page hear of a change."""

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.workbench.settings import Reading, told
+from lagrangian_ff.workbench.shown import described, finding_card, left_over, proposals_cards
 
 if TYPE_CHECKING:
-    from lagrangian_ff.diagnosis.results import Diagnosis, Finding
     from lagrangian_ff.identification import Model
-    from lagrangian_ff.identification.records import Estimate
     from lagrangian_ff.recording import Motion
 
 MOST_TRIED = 4
@@ -69,6 +68,8 @@ class Compare:
         sources: files of recordings, compared together.
         effects: the file of the user's formulas; empty for none.
         reading: how the recordings are read.
+        learned: share of each recording, from its beginning, that the model learned from; the rest
+            is compared.
     """
 
     output: str
@@ -77,6 +78,7 @@ class Compare:
     sources: tuple[str, ...]
     effects: str = ""
     reading: Reading = field(default_factory=Reading)
+    learned: float = 0.0
 
     def work(self, progress: Progress) -> Record:
         """Write the arrays; return the errors per joint and where most of them lie."""
@@ -93,7 +95,8 @@ class Compare:
         model = load_model(self.model, self.effects)
         reading = part(progress, 0.0, 0.2)
         motions = motions_for(self.model, model, self.sources, reading, self.reading)
-        motion = concatenate(motions)
+        parts = [one.take(slice(round(self.learned * len(one)), None)) for one in motions]
+        motion = concatenate(parts)
         with one_blas_thread():
             checks = preflight(model, motion, kind=False)
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)
@@ -168,7 +171,8 @@ class Search:
             "verdict": verdict(found),
             "checks": [told(one) for one in checks if one.advice],
             "on": list(self.sources),
-            "findings": [_card(one, found) for one in found.findings],
+            "findings": [finding_card(one, found) for one in found.findings],
+            **left_over(found),
             "not_observable": [
                 {"effect": one.effect, "joint": one.joint, "reason": one.reason,
                  "motion": one.next_motion}
@@ -188,6 +192,7 @@ class Add:
         shape: its nonlinear parameters; those not given are searched.
         why: for the model's history.
         effects: the file of the user's formulas; empty for none.
+        form: of a curve, `over` and `friction` as `diagnosis.add` takes them.
     """
 
     output: str
@@ -197,6 +202,7 @@ class Add:
     shape: Mapping[str, float] = field(default_factory=dict)
     why: Mapping[str, object] = field(default_factory=dict)
     effects: str = ""
+    form: Mapping[str, Any] = field(default_factory=dict)
 
     def work(self, progress: Progress) -> Record:
         """Write the model with the effect, and return its errors."""
@@ -204,9 +210,41 @@ class Add:
 
         before = load_model(self.model, self.effects)
         shape = dict(self.shape) or None
-        after = add(before, self.effect, self.joint, shape, dict(self.why), progress)
+        why = dict(self.why)
+        after = add(before, self.effect, self.joint, shape, why, progress, **self.form)
         after.save(Path(self.output))
         return described(after)
+
+
+@dataclass(frozen=True)
+class Propose:
+    """Propose formulas for what a model lacks on a joint, or holds as a curve there.
+
+    Attributes:
+        model: its file.
+        joint: its name.
+        sources, confirm, effects, reading: as of `Search`.
+    """
+
+    model: str
+    joint: str
+    sources: tuple[str, ...]
+    confirm: tuple[str, ...]
+    effects: str = ""
+    reading: Reading = field(default_factory=Reading)
+
+    def work(self, progress: Progress) -> Record:
+        """Return a card for each formula, and what they competed with."""
+        from lagrangian_ff.diagnosis.proposing import propose
+        from lagrangian_ff.kernels.threads import one_blas_thread
+
+        model = load_model(self.model, self.effects)
+        given, reading = self.reading, part(progress, 0.0, 0.1)
+        motions = motions_for(self.model, model, self.sources, reading, given)
+        confirm = motions_for(self.model, model, self.confirm, reading, given)
+        report = part(progress, 0.1, 1.0)
+        with one_blas_thread():
+            return proposals_cards(propose(model, motions, confirm, self.joint, progress=report))
 
 
 @dataclass(frozen=True)
@@ -294,64 +332,3 @@ def motions_for(
     if reading is None:
         return condition_alike(recordings, before)
     return reading.ready(sources, recordings, before)
-
-
-def described(model: "Model") -> Record:
-    """Return what the page shows of a model."""
-    found = model.identified
-    effects = [
-        {
-            "effect": one.effect,
-            "joint": one.joint,
-            "formula": one.formula,
-            "parameters": {name: _estimate(value) for name, value in one.parameters.items()},
-        }
-        for one in found.effects
-    ]
-    return finite({
-        "name": model.name,
-        "joints": list(model.joints),
-        "seconds": found.seconds,
-        "effects": effects,
-        "notes": list(found.notes),
-    })  # fmt: skip
-
-
-def _estimate(value: "Estimate") -> Record:
-    return {"value": value.value, "low": value.low, "high": value.high, "unit": value.unit}
-
-
-def _card(found: "Finding", diagnosis: "Diagnosis") -> Record:
-    from lagrangian_ff.diagnosis.adding import for_history
-
-    before, after = found.errors
-    rest, blocks = found.partial_residual, found.consequence
-    return {
-        "effect": found.effect.name,
-        "joint": found.joint,
-        "place": found.place(diagnosis.model.joints),
-        "meaning": found.effect.meaning,
-        "formula": found.effect.formula,
-        "verdict": found.verdict.value,
-        "said": found.said,
-        "doubt": found.doubt.words if found.doubt else "",
-        "gain": found.log_bayes_factor,
-        "p_value": found.p_value,
-        "before": before,
-        "after": after,
-        "told_apart_by": list(found.told_apart_by),
-        "shape": dict(found.shape),
-        "parameters": {name: _estimate(value) for name, value in found.parameters.items()},
-        "curve": {
-            "coordinate": rest.coordinate,
-            "unit": rest.unit,
-            **{name: getattr(rest, name).tolist()
-               for name in ("x", "residual", "low", "high", "effect")},
-        },
-        "blocks": {
-            "before": blocks.before.tolist(),
-            "after": blocks.after.tolist(),
-        } if blocks else None,
-        "once": found.once,
-        "why": for_history(found, diagnosis),
-    }  # fmt: skip

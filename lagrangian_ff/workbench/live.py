@@ -92,6 +92,7 @@ class Live:
             "error": self._error,
             "rate": self._status.get("rate"),
             "joints": len(self._status.get("joints", ())),
+            "topics": [one["topic"] for one in self._status.get("topics", ())],
             "recording": int(recording["seconds"]) if recording else None,
             "motion": {**motion, "elapsed": int(motion["elapsed"]), "name": self._motion}
             if motion
@@ -302,6 +303,7 @@ class Live:
 
     async def _prepare(self, asked: Asked) -> Asked:
         motion, topic = str(asked["motion"]), str(asked["topic"])
+        self._require_free()
         places = (self._bench.session.folder / "motions").glob("*.csv")
         file = next((one for one in places if one.name == motion), None)
         if file is None:
@@ -312,9 +314,15 @@ class Live:
         self._confirmation = Confirmation(token, motion, topic, int(found["answer"]), until)
         return {**found, "motion": motion, "token": token, "holds": HOLDS}
 
+    def _require_free(self) -> None:
+        """Raise UserError while an investigation moves the arm."""
+        if self._bench.investigations.moving:
+            raise UserError("an investigation moves the arm: wait for its end, or stop it")
+
     async def _send(self, asked: Asked) -> Asked:
         given = str(asked["token"]), str(asked["motion"]), str(asked["topic"])
         known = self._confirmation
+        self._require_free()
         if known is None or not hmac.compare_digest(known.token.encode(), given[0].encode()):
             raise UserError("this motion was not confirmed: look at it again")
         self._confirmation = None

@@ -22,6 +22,7 @@ from tornado.iostream import StreamClosedError
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.workbench.curve_handlers import Chosen, Lit, Map, Trace
 from lagrangian_ff.workbench.handler import Handler, Part, Service
+from lagrangian_ff.workbench.investigating import Arm
 from lagrangian_ff.workbench.session import Session
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -78,8 +79,7 @@ class Ask(Handler):
     """A change, or work to begin."""
 
     def post(self, what: str) -> None:
-        self.service.bench.ask(what, self.asked())
-        self.say({"done": what})
+        self.say({**self.service.bench.ask(what, self.asked()), "done": what})
 
 
 @tornado.web.stream_request_body
@@ -150,8 +150,11 @@ class Page(Download):
 
     def get(self, kind: str, node: str) -> None:
         session = self.service.bench.session
+        if kind == "investigation":
+            known = next((one["id"] for one in session.investigations if one["id"] == node), "")
+            return self.send(session.folder / "pages" / f"{kind}_{known}.html", f"{kind}.html")
         file = session.folder / "pages" / f"{kind}_{session.node(node).id}.html"
-        self.send(file, f"{kind}.html")
+        return self.send(file, f"{kind}.html")
 
 
 def application(service: Service, *parts: Part) -> tornado.web.Application:
@@ -169,7 +172,7 @@ def application(service: Service, *parts: Part) -> tornado.web.Application:
             (r"/api/map/(\w+)", Map, given),
             (r"/api/chosen/(\w+)", Chosen, given),
             (r"/api/lit/(\w+)", Lit, given),
-            (r"/api/page/(compare|diagnose)/(\w+)", Page, given),
+            (r"/api/page/(compare|diagnose|investigation)/(\w+)", Page, given),
             (r"/api/motion/(\w+)", Motion, given),
             (r"/api/take/(\w+)", Take, given),
             *(page for part in parts for page in part.pages),
@@ -186,6 +189,7 @@ async def serve(
     said: Any,
     skeleton: Sequence[dict[str, Any]] = (),
     joined: Sequence[Callable[[Service], Part]] = (),
+    arm: Arm | None = None,
 ) -> None:
     """Serve a session until a signal ends it.
 
@@ -195,6 +199,7 @@ async def serve(
         host: the address to listen on.
         skeleton: of the arm that is drawn; empty for none.
         joined: makes the parts of the server besides.
+        arm: that may be investigated; None for none.
         said: is called with the address of the page, once it can be opened.
 
     Raises:
@@ -202,7 +207,7 @@ async def serve(
     """
     alone = host in LOOPBACK
     token = "" if alone else secrets.token_urlsafe(24)
-    service = Service(session, LOOPBACK if alone else (*LOOPBACK, host), token, skeleton)
+    service = Service(session, LOOPBACK if alone else (*LOOPBACK, host), token, skeleton, arm)
     known = {card.file for card in session.cards}
     for source in sources:
         if str(source.resolve()) not in known:

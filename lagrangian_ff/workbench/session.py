@@ -70,9 +70,12 @@ class Node:
         on: the recordings that it was compared with.
         diagnosed: see `jobs.Search`; None before.
         what_if: see `jobs.WhatIf`; None before.
-        added: `effect` and `joint` of what was added; empty for a model that was identified.
+        proposed: by joint, formulas for what nobody listed, see `jobs.Propose`.
+        added: `effect` and `joint` of what was added, with the `form` of a curve and the `shape`
+            of a proposed formula; empty for a model that was identified.
         why: the evidence for the effect that was added, as the model's history has it.
-        settings: how it, or the model it came from, was learned, see `Session.chosen`.
+        settings: how it, or the model it came from, was learned, see `Session.chosen`; of one that
+            was investigated `learned`, too, the share of each recording that it learned from.
     """
 
     id: str
@@ -84,7 +87,8 @@ class Node:
     on: tuple[str, ...] = ()
     diagnosed: dict[str, Any] | None = None
     what_if: dict[str, Any] | None = None
-    added: dict[str, str] = field(default_factory=dict)
+    proposed: dict[str, Any] = field(default_factory=dict)
+    added: dict[str, Any] = field(default_factory=dict)
     why: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
@@ -100,6 +104,7 @@ class Session:
         current: the model that is looked at; empty without one.
         formulas: effects of the user's own, as `effects.formula` reads them.
         motions: those to record next, see `moving.Move`, each with `id`, `title` and `file`.
+        investigations: see `investigations`, each with `id`, `steps`, `ended` and its `story`.
         effort: what the effort of all recordings holds.
         choice: the model to learn, one of `settings.choices`.
         undone: models that `redo` goes back to, the next one last.
@@ -114,6 +119,7 @@ class Session:
     current: str = ""
     formulas: list[dict[str, Any]] = field(default_factory=list)
     motions: list[dict[str, Any]] = field(default_factory=list)
+    investigations: list[dict[str, Any]] = field(default_factory=list)
     effort: str = TOTAL
     choice: str = AUTO
     undone: list[str] = field(default_factory=list)
@@ -149,6 +155,7 @@ class Session:
         self.nodes = [Node(**{**one, "on": tuple(one["on"])}) for one in saved["nodes"]]
         self.current, self.undone = saved["current"], list(saved["undone"])
         self.formulas, self.motions = saved["formulas"], saved.get("motions", [])
+        self.investigations = saved.get("investigations", [])
         self.effort, self.choice = saved.get("effort", TOTAL), saved.get("choice", AUTO)
         self.count, self.version = saved["count"], saved["version"]
 
@@ -167,6 +174,7 @@ class Session:
             "current": self.current,
             "formulas": self.formulas,
             "motions": self.motions,
+            "investigations": self.investigations,
             "effort": self.effort,
             "choice": self.choice,
             "undone": self.undone,

@@ -60,7 +60,7 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     commands = (tmp_path / "site" / "reference" / "commands" / "diagnose.html").read_text()
     assert "--confirm" in commands
     assert "fade_time" in (tmp_path / "site" / "reference" / "nodes" / "watchdog.html").read_text()
-    assert "0.1.0" in (tmp_path / "site" / "changelog.html").read_text()
+    assert "1.0.0" in (tmp_path / "site" / "changelog.html").read_text()
     broken = [
         f"{page.name}: {target}#{anchor}"
         for page in (tmp_path / "site").rglob("*.html")

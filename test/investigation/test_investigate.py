@@ -1,5 +1,6 @@
 """The loop that closes itself, on an arm whose torques can be written down."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,14 @@ from pendulum_rig import START, PendulumRig, limits, plan
 from lagrangian_ff.diagnosis.excite import For
 from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
-from lagrangian_ff.investigation import Ended, Investigation, Proposal, investigate
+from lagrangian_ff.investigation import (
+    Asked,
+    Ended,
+    Investigation,
+    Proposal,
+    StoppedError,
+    investigate,
+)
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
 
@@ -64,6 +72,24 @@ def test_it_asks_before_the_first_motion_and_before_the_larger_range() -> None:
     assert (first.seconds, second.seconds) == (36.0, pytest.approx(36.0 - rig.moved[0].time[-1]))
     assert (rig.moved[0].q <= first.limits.q_high).all()
     assert "elbow -0.80 to 0.55 rad, up to 3 rad/s" in first.words
+
+
+def test_it_tells_each_question_before_the_motion_and_its_answer_after_it() -> None:
+    rig, told = PendulumRig(), list[Asked]()
+    story = investigate(rig, plan(12.0), lambda proposal: True, listen=told.append)
+    before, after = told
+    assert (before.words, before.answer) == ("What does the arm do?", "")
+    assert before.seconds == float(rig.moved[0].time[-1])
+    assert after == replace(before, answer=story.turns[0].answer)
+
+
+def test_a_stop_while_the_rest_is_looked_at_keeps_the_story() -> None:
+    def stop(share: float, label: str) -> None:
+        if label == "looking at what no effect fits":
+            raise StoppedError("enough")
+
+    story = investigate(PendulumRig(), plan(12.0), lambda proposal: True, stop)
+    assert (story.ended, story.words, len(story.turns)) == (Ended.STOPPED, "enough", 1)
 
 
 def test_nothing_moves_without_permission() -> None:

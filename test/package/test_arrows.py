@@ -36,7 +36,7 @@ ARROWS: dict[str, set[str]] = {
     "report": {"investigation", *UNDERSTOOD},
     "nodes": {"arm", "investigation", "report", *UNDERSTOOD},
     "studies": {"arm", "investigation", "report", *UNDERSTOOD},
-    "workbench": {"arm", "report", *UNDERSTOOD},
+    "workbench": {"arm", "investigation", "report", *UNDERSTOOD},
     "demo": {"arm", "nodes", "report", *UNDERSTOOD},
     "cli": {
         "arm",

@@ -26,11 +26,13 @@ def moved(
     drag: float = 0.9,
     seconds: float = 30.0,
     sign: tuple[float, float] = (1.0, 1.0),
+    rough: float = 0.0,
 ) -> Path:
     """Write a recording of a motion with quadratic drag on joint b.
 
     Args:
         sign: of the effort that is written.
+        rough: N·m of friction on joint b that is a wave over its position, as no known effect is.
     """
     random = np.random.default_rng(seed)
     time_, phase = np.arange(0.0, seconds, 0.01), random.uniform(0.0, 6.0, (2, 2))
@@ -43,6 +45,7 @@ def moved(
         qdd -= amplitude * w**2 * np.sin(angle)
     tau = 8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02)
     tau[:, 1] += drag * qd[:, 1] * np.abs(qd[:, 1])
+    tau[:, 1] += rough * np.tanh(qd[:, 1] / 0.02) * np.sin(5.3 * q[:, 1])
     tau += 0.05 * random.standard_normal(tau.shape)
     return write_npz(path, Recording(JOINTS, time_, q, qd, tau * sign, start=1.7e9))
 

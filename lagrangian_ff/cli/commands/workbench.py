@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common import options
+from lagrangian_ff.cli.common.arms import RobotArm, SimulatedArm
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.outputs import check_sources
 from lagrangian_ff.errors import UserError
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from lagrangian_ff.workbench.handler import Part, Service
+    from lagrangian_ff.workbench.investigating import Arm
 
 NAME = "workbench"
 SUMMARY = "open a page on which a model is learned, looked at and mended"
@@ -62,7 +64,7 @@ def run(arguments: Namespace) -> int:
             "the workbench needs Tornado: apt install python3-tornado, or pip install tornado"
         )
     check_sources(arguments.sources)
-    joined = _attached(arguments)
+    joined, arm = _attached(arguments)
     from lagrangian_ff.workbench.server import serve
     from lagrangian_ff.workbench.session import Session
     from lagrangian_ff.workbench.skeleton import read_skeleton
@@ -77,6 +79,10 @@ def run(arguments: Namespace) -> int:
     if getattr(arguments, "try") and urdf is None:
         urdf = Path(str(files("lagrangian_ff"))) / "arm" / "arm6.urdf"
     skeleton = [] if urdf is None else read_skeleton(urdf)
+    if arm is None and getattr(arguments, "try"):
+        from lagrangian_ff.cli.common.trial import hidden_by
+
+        arm = SimulatedArm(hidden_by(arguments.seed or 0))
     session.urdf = "" if urdf is None else str(urdf.absolute())
 
     def said(address: str) -> None:
@@ -86,13 +92,13 @@ def run(arguments: Namespace) -> int:
 
     port = 8765 if arguments.port is None else arguments.port
     asyncio.run(
-        serve(session, sources, port, arguments.host or "127.0.0.1", said, skeleton, joined)
+        serve(session, sources, port, arguments.host or "127.0.0.1", said, skeleton, joined, arm)
     )
     return 0
 
 
-def _attached(arguments: Namespace) -> "list[Callable[[Service], Part]]":
-    """Return what attaches the workbench to a ROS graph, empty without --live.
+def _attached(arguments: Namespace) -> "tuple[list[Callable[[Service], Part]], Arm | None]":
+    """Return what attaches the workbench to a ROS graph, and its arm; nothing without --live.
 
     Raises:
         UserError: an option that needs --live, or a name that is none.
@@ -101,7 +107,7 @@ def _attached(arguments: Namespace) -> "list[Callable[[Service], Part]]":
         for option in ("topic", "namespace"):
             if getattr(arguments, option) is not None:
                 raise UserError(f"--{option} needs --live")
-        return []
+        return [], None
     from lagrangian_ff.workbench.live_pages import attached
 
     given = ["--ros-args"]
@@ -115,4 +121,4 @@ def _attached(arguments: Namespace) -> "list[Callable[[Service], Part]]":
             )
         rooted = f"/{value.strip('/')}" if option == "namespace" else value
         given += ["-r", f"{name}:={rooted}"]
-    return [attached(given)]
+    return [attached(given)], RobotArm(tuple(given))

@@ -19,6 +19,11 @@ MOTIONS = {
 """Speed, seed and s of each recording; the first goes where the others go."""
 
 
+def hidden_by(seed: int) -> tuple[str, ...]:
+    """Return what the arm of a seed hides, as `simulate --hidden` names it."""
+    return (HIDDEN[seed % len(HIDDEN)],)
+
+
 def record(folder: Path, seed: int) -> list[Path]:
     """Write the recordings below a folder, and return them.
 
@@ -33,7 +38,7 @@ def record(folder: Path, seed: int) -> list[Path]:
     place = folder / "arm"
     place.mkdir(exist_ok=True)
     made = []
-    asked = wanted([HIDDEN[seed % len(HIDDEN)]])
+    asked = wanted(hidden_by(seed))
     with progress_bar("moving the simulated arm") as progress:
         for number, (name, (speed, motion, seconds)) in enumerate(MOTIONS.items()):
             reported = part(progress, number / len(MOTIONS), (number + 1) / len(MOTIONS))

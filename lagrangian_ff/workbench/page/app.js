@@ -7,10 +7,11 @@ import * as live from "./live.js";
 import * as model from "./model.js";
 import * as compare from "./compare.js";
 import * as diagnose from "./diagnose.js";
+import * as investigate from "./investigate.js";
 import * as history from "./history.js";
 import * as take from "./take.js";
 
-const STEPS = { data, live, model, compare, diagnose, history, take };
+const STEPS = { data, live, model, compare, diagnose, investigate, history, take };
 let shown = "";
 let drawn = "", told = "";
 
@@ -46,11 +47,13 @@ function drawWork(state) {
     return;
   }
   const more = state.work.length > 1 ? `, ${state.work.length - 1} more` : "";
-  if (place.dataset.work !== work.id || !place.childElementCount) {
-    place.dataset.work = work.id;
+  const stops = work.stops && !state.arm.halted;
+  if (place.dataset.work !== work.id + stops || !place.childElementCount) {
+    place.dataset.work = work.id + stops;
     place.replaceChildren(
       h("span", {}), h("progress", { max: 1, "aria-label": work.title }),
-      h("button", { class: "plain", onclick: () => ask("cancel", { work: work.id }) }, "Cancel"));
+      stops ? h("button", { class: "main danger", "data-key": "halt", onclick: () => ask("halt") }, "Stop the arm")
+        : h("button", { class: "plain", onclick: () => ask("cancel", { work: work.id }) }, "Cancel"));
   }
   const text = `${work.title} – ${work.label}${more}`;
   if (place.firstChild.textContent !== text) {
@@ -66,7 +69,9 @@ export function go(name) {
 function draw(state) {
   drawWork(state);
   live.banner(state);
-  const key = [chosen(state), state.version, state.work.length > 0].join();
+  investigate.banner(state);
+  document.getElementById("top").classList.toggle("moving", Boolean(state.live?.motion || state.arm.running));
+  const key = [chosen(state), state.version, state.work.length > 0, state.arm.asks, state.live?.topics].join();
   const statuses = key + steps(state).map(([, step]) => step.status(state)).join();
   if (statuses !== told) {
     told = statuses;

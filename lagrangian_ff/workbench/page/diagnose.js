@@ -7,6 +7,7 @@ import { saver } from "./save.js";
 import { formulas } from "./formula.js";
 import { whatIf } from "./whatif.js";
 import { motions, mover } from "./motion.js";
+import { unlisted } from "./unlisted.js";
 
 export const TITLE = "Diagnose";
 
@@ -59,15 +60,16 @@ export function view(state, { go }) {
     return [head("What is missing?", "Every known effect is tried on every joint. Only what also helps on motion that was not searched is confirmed.", start),
       h("div", { class: "empty" }, h("h3", {}, !node ? "No model yet" : busy ? "Looking" : "Not looked yet"),
         !node ? "Learn a model first." : busy ? "This takes some seconds to a minute." : "It takes some seconds to a minute."),
-      node ? formulas(state, node, busy, go) : null].filter(Boolean);
+      ...(node ? [...unlisted(node, busy, go), formulas(state, node, busy, go)] : [])];
   }
   const found = node.diagnosed;
   return [head("What is missing?", found.verdict, start),
     ...notices(state), ...checksOfFiles(state, found.checks, found.on || []),
     ...found.findings.map((one) => card(one, busy, go)),
+    ...unlisted(node, busy, go),
     ...motions(state),
     whatIf(node, busy),
-    found.findings.length ? null : h("div", { class: "empty" }, h("h3", {}, "Nothing is missing that these recordings can show"),
+    found.findings.length || (found.unexplained || []).length ? null : h("div", { class: "empty" }, h("h3", {}, "Nothing is missing that these recordings can show"),
       "The list below says what they could not show."),
     found.not_observable.length ? h("details", {}, h("summary", {}, `${found.not_observable.length} effects that this motion cannot show`),
       h("ul", { class: "hidden-effects" }, found.not_observable.map((one) => h("li", {}, h("span", {}, `${spoken(one.effect)} on ${one.joint}: ${one.reason}; ${one.motion}`),

@@ -23,11 +23,15 @@ export function line(state) {
 
 // The error of each step on motion that took no part, as a staircase.
 export function stairs(state, width, height) {
-  const steps = line(state).filter((node) => node.compared);
+  return staircase(line(state).filter((node) => node.compared).map((node) => ({ title: node.title, rmse: node.compared.rmse })), width, height);
+}
+
+// The errors of steps, each with a title and its rmse, as a staircase.
+export function staircase(steps, width, height) {
   if (!steps.length) {
     return null;
   }
-  const errors = steps.map((node) => node.compared.rmse);
+  const errors = steps.map((one) => one.rmse);
   const top = Math.max(...errors) * 1.15;
   const left = 4, bottom = height - 16, room = bottom - 14;
   const x = (k) => left + ((width - left * 2) * k) / steps.length;
@@ -36,7 +40,7 @@ export function stairs(state, width, height) {
   errors.forEach((error, k) => {
     path += `${k ? "L" : "M"}${x(k)} ${y(error)}L${x(k + 1)} ${y(error)}`;
   });
-  const words = steps.map((node, k) => `${node.title}: ${number(errors[k])} N·m`).join("; ");
+  const words = steps.map((one) => `${one.title}: ${number(one.rmse)} N·m`).join("; ");
   return s("svg", { viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": `error on unseen motion: ${words}` },
     s("line", { class: "axis", x1: left, x2: width - left, y1: bottom, y2: bottom }),
     s("path", { class: "fall", d: path }),
@@ -63,7 +67,7 @@ export function ticks(low, high) {
 
 // What the data show of an effect over its own coordinate, and the effect as fitted.
 export function curve(found) {
-  const { x, residual, low, high, effect, coordinate, unit } = found.curve;
+  const { x, residual = [], low = found.curve.effect, high = low, effect, coordinate, unit } = found.curve;
   const width = 560, height = 260, left = 52, right = 10, top = 12, bottom = 40;
   const every = [...low, ...high, ...effect].filter((value) => value !== null);
   const across = scale(Math.min(...x), Math.max(...x), left, width - right);
@@ -80,7 +84,8 @@ export function curve(found) {
     s("path", { class: "effect", d: path(effect) }),
     residual.map((value, k) => (value === null ? null : s("circle", { class: "rest", cx: across(x[k]), cy: up(value), r: 2.6 }))),
     s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${coordinate} [${unit}]`),
-    s("text", { x: left, y: top - 1 }, "N·m: what the rest of the model leaves (dots, 90 % band), and the effect as fitted"));
+    s("text", { x: left, y: top - 1 }, residual.length ? "N·m: what the rest of the model leaves (dots, 90 % band), and the effect as fitted"
+      : found.curve.friction ? "N·m: the curve, which changes its sign with the direction" : "N·m: the curve"));
 }
 
 // The error of each block of unseen motion, before and after.

@@ -32,7 +32,6 @@ export function banner({ live }) {
     place.replaceChildren(
       ...(recording ? [h("span", { class: "recorded" })] : []),
       ...(motion ? [h("span", { class: "moved" }), h("button", { class: "main danger", "data-key": "halt", onclick: () => does("stop") }, "Stop the motion")] : []));
-    document.getElementById("top").classList.toggle("moving", Boolean(motion));
     if (motion && waits.stop) {
       place.querySelector("button").focus();
     }

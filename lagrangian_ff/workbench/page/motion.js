@@ -9,7 +9,7 @@ export function mover(effect, joint, busy, label) {
 }
 
 // Positions of the joints that move, one lane each.
-function picture(motion) {
+export function picture(motion) {
   const moving = motion.joints.map((name, n) => ({ name, q: motion.q[n] }))
     .map((one) => ({ ...one, low: Math.min(...one.q), high: Math.max(...one.q) })).filter((one) => one.high - one.low > 1e-3);
   const width = 560, lane = 46, left = 86, right = 64, height = moving.length * lane + 22;

@@ -1,18 +1,11 @@
 // A motion is sent: what it would do is said first, and only a click on Send does it.
 import { h, number } from "./dom.js";
 import { ask } from "./link.js";
+import { angle, confirm, names } from "./confirm.js";
 
 const kept = { motion: "", topic: "" };
 // Whether a motion was sent here, so that the button that stops it is to have the focus.
 export const waits = { stop: false };
-
-function angle(value) {
-  return value.toFixed(3).replace(/^-(0\.0+)$/, "$1");
-}
-
-function names(list) {
-  return list.length ? list.join(", ") : "none";
-}
 
 // How the arm gets to the start of the motion, in words.
 function way(found) {
@@ -25,38 +18,22 @@ function way(found) {
   return `First a slow move to the start, ${number(found.way)} s at 0.3 rad/s at most, straight in joint angles: ${moves.join(", ")} rad. See that this way is free.`;
 }
 
-function confirm(found, motion) {
-  const before = document.activeElement?.dataset.key;
-  const rows = [["Arm", names(found.joints)], ["Topic", found.topic], ["Who takes it", names(found.nodes)],
-    ["Duration", `${number(found.seconds)} s, of them ${number(found.way)} s on the way to its start`],
-    ["Way to the start", way(found)]];
-  const send = h("button", { class: "main danger", onclick: async () => {
-    send.disabled = true;
-    waits.stop = true;
-    const done = await ask("send", { token: found.token, motion: found.motion, topic: found.topic }, "api/live/");
-    waits.stop = waits.stop && Boolean(done);
-    close();
-  } }, "Send");
-  const dialog = h("dialog", { "aria-labelledby": "confirm-title", "aria-describedby": "confirm-care" },
-    h("h2", { id: "confirm-title" }, `Move the arm: ${motion}?`),
-    h("dl", {}, rows.map(([term, words]) => [h("dt", {}, term), h("dd", {}, words)])),
-    h("table", {}, h("thead", {}, h("tr", {}, h("th", {}, "joint"), h("th", { class: "number" }, "is at [rad]"),
-      h("th", { class: "number" }, "motion begins at [rad]"), h("th", { class: "number" }, "fastest [rad/s]"))),
-      h("tbody", {}, found.joints.map((joint, n) => h("tr", {}, h("td", {}, joint),
-        h("td", { class: "number" }, angle(found.start[n] - found.moved[n])), h("td", { class: "number" }, angle(found.start[n])),
-        h("td", { class: "number" }, number(found.fastest[n])))))),
-    found.notes.map((note) => h("p", { class: "quiet" }, note)),
-    h("p", { id: "confirm-care" }, "Have the emergency stop at hand. This page is no safety function: the controller's own limits hold."),
-    h("div", { class: "row" }, h("button", { class: "plain", autofocus: true, onclick: () => close() }, "Do not send"), send));
-  const close = () => dialog.close();
-  dialog.addEventListener("close", () => {
-    dialog.remove();
-    if (before && document.activeElement === document.body) {
-      document.querySelector(`[data-key="${CSS.escape(before)}"]`)?.focus();
-    }
+function asked(found, motion) {
+  confirm({
+    title: `Move the arm: ${motion}?`,
+    rows: [["Arm", names(found.joints)], ["Topic", found.topic], ["Who takes it", names(found.nodes)],
+      ["Duration", `${number(found.seconds)} s, of them ${number(found.way)} s on the way to its start`],
+      ["Way to the start", way(found)]],
+    header: ["joint", "is at [rad]", "motion begins at [rad]", "fastest [rad/s]"],
+    joints: found.joints.map((joint, n) => [joint, angle(found.start[n] - found.moved[n]), angle(found.start[n]), number(found.fastest[n])]),
+    notes: found.notes,
+    no: { words: "Do not send" },
+    yes: { words: "Send", act: async () => {
+      waits.stop = true;
+      const done = await ask("send", { token: found.token, motion: found.motion, topic: found.topic }, "api/live/");
+      waits.stop = waits.stop && Boolean(done);
+    } },
   });
-  document.body.append(dialog);
-  dialog.showModal();
 }
 
 function options(values, chosen) {
@@ -78,12 +55,12 @@ export class Motions {
 
   async prepare() {
     this.send.disabled = true;
-    const asked = { motion: this.motion.value, topic: this.topic.value };
-    const found = await ask("prepare", asked, "api/live/");
+    const question = { motion: this.motion.value, topic: this.topic.value };
+    const found = await ask("prepare", question, "api/live/");
     this.send.disabled = false;
     this.send.focus();
     if (found) {
-      confirm(found, this.title(asked.motion));
+      asked(found, this.title(question.motion));
     }
   }
 
