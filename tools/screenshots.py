@@ -1,7 +1,8 @@
 """Make the pictures of the workbench in docs/pictures, as a user walks through it.
 
     .venv/bin/python tools/screenshots.py
-    .venv/bin/python tools/screenshots.py --live     beside the simulated arm, in ROS 2
+    .venv/bin/python tools/screenshots.py --live       beside the simulated arm, in ROS 2
+    .venv/bin/python tools/screenshots.py --unlisted   an effect that no catalogue has
 
 Needs Chromium. It also prints the time and the clicks from the first page to the fallen error.
 """
@@ -86,6 +87,35 @@ def walk(page: Any, address: str, name: str) -> None:
     click("Take it away")
     page.wait_for_timeout(400)
     picture("take")
+    page.goto(address + "#investigate")
+    page.get_by_label("Minutes of motion").fill("2")
+    click("Investigate")
+    page.get_by_role("heading", name="In the end").wait_for(timeout=5 * LONG)
+    idle(page)
+    picture("investigate")
+
+
+def unlisted(page: Any, address: str, name: str) -> None:
+    """Take what no effect fits in as a curve, and have formulas proposed, with pictures."""
+    page.goto(address)
+    page.wait_for_selector("article .joints >> nth=2", timeout=LONG)
+    idle(page)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+    page.goto(address + "#diagnose")
+    page.locator("#view").get_by_role("button", name="Find what is missing").click()
+    left = page.locator("article", has_text="Unexplained on")
+    left.wait_for(timeout=LONG)
+    idle(page)
+    left.scroll_into_view_if_needed()
+    page.screenshot(path=PICTURES / f"workbench_unlisted{name}.png")
+    left.get_by_role("button", name="Propose formulas").click()
+    formula = page.locator("article", has_text="A formula for").first
+    formula.wait_for(timeout=5 * LONG)
+    idle(page)
+    page.locator("section", has_text="Formulas for").evaluate("one => one.scrollIntoView()")
+    page.screenshot(path=PICTURES / f"workbench_formulas{name}.png")
 
 
 def live(page: Any, address: str, name: str, session: Path) -> None:
@@ -111,6 +141,14 @@ def live(page: Any, address: str, name: str, session: Path) -> None:
     page.get_by_role("button", name="Stop the motion").wait_for()
     page.wait_for_timeout(13_000)
     page.screenshot(path=PICTURES / f"workbench_live{name}.png")
+    page.get_by_role("button", name="Stop the motion").wait_for(state="detached", timeout=LONG)
+    page.get_by_role("button", name="Stop recording").click()
+    page.goto(address + "#investigate")
+    idle(page)
+    page.locator("#view").get_by_role("button", name="Investigate").click()
+    page.get_by_role("dialog").wait_for(timeout=LONG)
+    page.wait_for_timeout(300)
+    page.screenshot(path=PICTURES / f"workbench_permit{name}.png")
 
 
 @contextmanager
@@ -134,6 +172,7 @@ def main() -> int:
     parser.add_argument("--height", type=int, default=768)
     parser.add_argument("--dark", action="store_true", help="in dark colours")
     parser.add_argument("--live", action="store_true", help="only those of a running arm")
+    parser.add_argument("--unlisted", action="store_true", help="only of what nobody listed")
     parser.add_argument("--name", default="", help="added to the pictures' names")
     given = parser.parse_args()
     chromium = shutil.which("chromium")
@@ -143,7 +182,8 @@ def main() -> int:
         if given.live:
             stack.enter_context(simulated_arm())
         session = Path(folder) / "session"
-        process, address = started(session, *(["--live"] if given.live else []))
+        more = ["--live"] if given.live else ["--seed", "5"] if given.unlisted else []
+        process, address = started(session, *more)
         try:
             with sync_playwright() as driver:
                 browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
@@ -153,6 +193,8 @@ def main() -> int:
                 )
                 if given.live:
                     live(page, address, given.name, session)
+                elif given.unlisted:
+                    unlisted(page, address, given.name)
                 else:
                     walk(page, address, given.name)
                 browser.close()

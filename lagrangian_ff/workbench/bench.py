@@ -67,7 +67,7 @@ class Bench:
         self._skeleton = list(skeleton)
         self._recordings = Recordings(session, self._begin)
         self.investigations = Investigations(
-            session, self._begin, self._recordings.look, self._compare_if_possible, arm
+            session, self._begin, self._recordings.look, self._compare, arm
         )
         unlisted = Unlisted(session, self._begin, self._add_to)
         self.more: Callable[[], dict[str, Any]] = dict
@@ -252,9 +252,9 @@ class Bench:
         job = jobs.Learn(file, sources, chosen["model"], chosen["urdf"], reading)
         self._begin("learning a model", job, take)
 
-    def _compare(self) -> None:
-        """Compare the model that is looked at with what it has not seen."""
-        node, sources = self.session.node(), self.session.unseen()
+    def _compare(self, model: str = "") -> None:
+        """Compare a model with what it has not seen; the one that is looked at if none is named."""
+        node, sources = self.session.node(model), self.session.unseen()
         if not sources:
             raise UserError("there is no recording to compare with")
         own = node.settings.get("scales", {}) if "learned" in node.settings else {}

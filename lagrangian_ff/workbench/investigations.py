@@ -53,7 +53,7 @@ class Investigations:
         session: on disk.
         begin: starts work.
         look: reads a recording that has become a card.
-        done: is called when models have come.
+        compare: compares a model with motion that it has not seen.
         arm: that may be moved; None for none.
 
     Attributes:
@@ -65,10 +65,10 @@ class Investigations:
         session: Session,
         begin: Begin,
         look: Callable[[Card], None],
-        done: Callable[[], None],
+        compare: Callable[[str], None],
         arm: Arm | None = None,
     ) -> None:
-        self._session, self._begin, self._look, self._done = session, begin, look, done
+        self._session, self._begin, self._look, self._compare = session, begin, look, compare
         self._arm = arm
         self._worker: Worker[Any] | None = None
         self._now: Asked | None = None
@@ -209,7 +209,7 @@ class Investigations:
         scales = {file: dict(now["scale"]) for file in now["bags"]}
         settings = {"model": "", "asked": "", "urdf": "", "effort": session.effort,
                     "scales": scales, "learned": LEARNED}  # fmt: skip
-        parent = ""
+        parent, made = "", []
         for one in models:
             added, why = one["added"], one["why"]
             title = f"+ {title_of(added)}" if added else now["title"]
@@ -217,13 +217,14 @@ class Investigations:
             node.added, node.why, node.settings = added, why, settings
             session.nodes.append(node)
             parent = node.id
+            made.append(node)
         if models:
             node.proposed = story["proposed"]
             now["node"] = node.id
             session.current, session.undone = node.id, []
         session.save()
-        if models:
-            self._done()
+        for node in made:
+            self._compare(node.id)
 
     def _fail(self, error: str) -> None:
         """Keep what is known of one that did not come to an end."""

@@ -10,7 +10,9 @@ HIDDEN = (
     "load_friction@joint_2:0.15",
     "position_friction@joint_1:0.2",
     "ripple@joint_2:0.1",
+    "pitting@joint_2:0.2",
 )
+"""By seed; the last is in no catalogue."""
 MOTIONS = {
     "first motion": (6, 0, 60.0),
     "second motion": (4, 1, 30.0),

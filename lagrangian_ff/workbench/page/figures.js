@@ -68,7 +68,7 @@ export function ticks(low, high) {
 // What the data show of an effect over its own coordinate, and the effect as fitted.
 export function curve(found) {
   const { x, residual = [], low = found.curve.effect, high = low, effect, coordinate, unit } = found.curve;
-  const width = 560, height = 260, left = 52, right = 10, top = 12, bottom = 40;
+  const width = 560, height = 260, left = 52, right = 10, top = 24, bottom = 40;
   const every = [...low, ...high, ...effect].filter((value) => value !== null);
   const across = scale(Math.min(...x), Math.max(...x), left, width - right);
   const up = scale(Math.min(...every), Math.max(...every), height - bottom, top);
@@ -84,7 +84,7 @@ export function curve(found) {
     s("path", { class: "effect", d: path(effect) }),
     residual.map((value, k) => (value === null ? null : s("circle", { class: "rest", cx: across(x[k]), cy: up(value), r: 2.6 }))),
     s("text", { x: (left + width) / 2, y: height - 6, "text-anchor": "middle" }, `${coordinate} [${unit}]`),
-    s("text", { x: left, y: top - 1 }, residual.length ? "N·m: what the rest of the model leaves (dots, 90 % band), and the effect as fitted"
+    s("text", { x: left, y: top - 12 }, residual.length ? "N·m: what the rest of the model leaves (dots, 90 % band), and the effect as fitted"
       : found.curve.friction ? "N·m: the curve, which changes its sign with the direction" : "N·m: the curve"));
 }
 

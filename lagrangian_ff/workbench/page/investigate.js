@@ -46,7 +46,7 @@ async function look() {
     rows: [["Arm", names(found.joints)], ["Topic", found.topic], ["Who takes it", names(found.nodes)],
       ["Duration", `up to ${number(found.seconds)} s of motion, in several motions that it designs itself`],
       ["Range", over(found)],
-      ["Way to the start", "Each motion begins and ends where the arm stands now. If it is moved meanwhile, it first goes back there, at no more than 0.3 rad/s."]],
+      ["Way to the start", "Each motion begins and ends where the arm stands now. If it is moved between two motions, it first goes back there, at no more than 0.3 rad/s."]],
     header: ["joint", "is at [rad]", "lowest [rad]", "highest [rad]", "fastest [rad/s]"],
     joints: found.joints.map((joint, n) => [joint, angle(found.start[n]), angle(found.low[n]), angle(found.high[n]), number(found.fastest[n])]),
     notes: [found.clear ? "Links keep clear of each other. Nobody checks what stands around the arm: see that the whole range is free."
@@ -144,7 +144,7 @@ function turn(story, one, k) {
   return h("section", { class: "card finding" }, h("div", {}, h("h3", {}, `${k + 1}. ${one.asked}`),
     h("p", {}, one.answer),
     h("p", { class: "quiet" }, `A motion of ${number(one.seconds)} s` + (one.expected_nats === null ? "." : `, expected to gain ${nats(one.expected_nats)} nats; gained so far ${nats(one.gained_nats)}.`)),
-    one.confirmed.length ? h("p", { class: "quiet" }, `Confirmed after it: ${one.confirmed.map(spoken).join(", ")}.`) : null),
+    one.confirmed.length ? h("p", { class: "quiet" }, `Confirmed by then: ${one.confirmed.map(spoken).join(", ")}.`) : null),
   h("div", { class: "drawn" }, picture(story.pictures[k])));
 }
 
@@ -155,14 +155,14 @@ function told(state, one, go) {
   if (!story || !story.turns.length) {
     return [h("section", { class: "card" }, h("h3", {}, one.title), why, about, one.steps.length ? steps(one) : null)];
   }
-  const falls = fall(story), figure = staircase(falls, 640, 200);
+  const falls = fall(story), figure = staircase(falls, 640, 130);
   const { joints } = story;
   const errors = [story.before.errors, ...story.turns.map((each) => each.errors), ...(falls.length > story.turns.length + 1 ? [story.unlisted.errors] : [])];
-  return [h("div", { class: "two" }, h("section", { class: "card drawn" }, h("h3", {}, `${one.title}: the error falls`), figure, saver(figure, one.id),
-    h("div", { class: "wide" }, h("table", { class: "close" }, h("thead", {}, h("tr", {}, h("th", {}, "unseen error [N·m]"), falls.map(({ title }) => h("th", { class: "number" }, title)))),
+  return [h("div", { class: "two" }, h("section", { class: "card drawn" }, h("h3", {}, `I${one.title.slice(1)}: the error falls`), figure, saver(figure, one.id),
+    h("details", {}, h("summary", {}, "Error of each joint"), h("div", { class: "wide" }, h("table", { class: "close" }, h("thead", {}, h("tr", {}, h("th", {}, "unseen error [N·m]"), falls.map(({ title }) => h("th", { class: "number" }, title)))),
       h("tbody", {}, joints.map((joint) => h("tr", {}, h("td", {}, joint), errors.map((each) => h("td", { class: "number" }, number(each[joint]))))),
-        h("tr", {}, h("td", {}, "all"), falls.map(({ rmse }) => h("td", { class: "number total" }, number(rmse)))))))),
-  h("section", { class: "card" }, h("h3", {}, "In the end"), why, h("ul", {}, story.left.map((text) => h("li", {}, text))), about,
+        h("tr", {}, h("td", {}, "all"), falls.map(({ rmse }) => h("td", { class: "number total" }, number(rmse))))))))),
+  h("section", { class: "card end" }, h("h3", {}, "In the end"), why, h("ul", {}, story.left.map((text) => h("li", {}, text))), about,
     h("p", { class: "quiet" }, "The model is a step, with each effect that was added before it."),
     h("div", { class: "row lead-up" }, h("button", { class: "main", "data-key": "tosteps", onclick: async () => {
       if (!one.node || (await ask("look", { model: one.node }))) {

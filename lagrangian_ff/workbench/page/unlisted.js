@@ -19,11 +19,12 @@ function drawn(figures, name) {
 
 // Something over a coordinate without a name.
 function left(one, node, busy, go) {
-  const figures = [one.curve && curve({ ...one, curve: one.curve }), one.blocks && blocks(one)];
+  const sure = node.diagnosed.findings.some((found) => found.verdict === "confirmed");
+  const figures = [one.curve && curve(one), one.blocks && blocks(one)];
   return h("article", { class: "card finding" }, h("div", {},
     h("h3", {}, `Unexplained on ${one.joint} `), h("span", { class: "badge suggested" }, "no effect fits"),
     h("p", {}, `Something ${percent(one.share)} the size of its torque depends on ${one.coordinate}, and no effect of the catalogue looks so.`),
-    one.before === null ? null : h("p", {}, `As a curve, beside what is confirmed above: unseen error of the joint ${number(one.before)} → ${number(one.after)} N·m` + (one.worth ? "." : ", which is not worth it.")),
+    one.before === null ? null : h("p", {}, `As a curve${sure ? ", beside what is confirmed above" : ""}: unseen error of the joint ${number(one.before)} → ${number(one.after)} N·m` + (one.worth ? "." : ", which is not worth it.")),
     h("p", { class: "quiet" }, `log Bayes factor ${number(one.gain)}. A curve is splines; it has no name, and is zero outside what was seen.`),
     h("div", { class: "row" }, one.form ? h("button", { class: one.worth ? "main" : "plain", disabled: busy, "data-key": "curve" + one.effect + one.joint, onclick: async () => {
       if (await ask("curve", { effect: one.effect, joint: one.joint })) {
@@ -34,13 +35,16 @@ function left(one, node, busy, go) {
 }
 
 function formula(one, busy, go) {
+  // Over another coordinate than its own a formula cannot be recognised.
+  const over = one.effect.endsWith(`_${one.curve.coordinate}`) ? curve(one) : null;
   return h("article", { class: "card finding" }, h("div", {},
     h("h3", {}, `A formula for ${one.joint} `), h("span", { class: "badge " + one.verdict }, one.said),
     h("p", { class: "formula" }, "τ = " + one.formula),
     h("p", {}, one.meaning[0].toUpperCase() + one.meaning.slice(1) + "."),
     one.before === null || one.after === null ? null : h("p", {}, `Unseen error of the joint: ${number(one.before)} → ${number(one.after)} N·m.`),
     h("ul", { class: "quiet" }, Object.entries(one.parameters).map(([name, value]) =>
-      h("li", {}, `${name} = ${number(value.value)} ${value.unit}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`)))),
+      h("li", {}, `${name} = ${number(value.value)} ${value.unit}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`))),
+    Object.entries(one.shape).map(([name, value]) => h("li", {}, `${name} = ${number(value)} ${one.file.units[name]}`.replace(/ 1$/, "")))),
     h("p", { class: "quiet" }, `log Bayes factor ${number(one.gain)}` + (one.p_value === null ? "." : `; chance gives as much once in ${number(1 / Math.max(one.p_value, 1e-6))} searches.`)),
     one.doubt ? h("p", { class: "quiet" }, `Only suggested: ${one.doubt}.`) : null,
     one.rivals.length ? h("p", { class: "quiet" }, `As good on this motion: ${one.rivals.map(spoken).join(", ")}.`) : null,
@@ -50,12 +54,12 @@ function formula(one, busy, go) {
           go("history");
         }
       } }, "Add"))),
-  drawn([curve(one), one.blocks && blocks(one)], one.effect));
+  drawn([over, one.blocks && blocks(one)], one.effect));
 }
 
 function proposed(found, busy, go) {
   const beside = found.curve_error === null ? "" : ` With the curve that the model has there the error is ${number(found.curve_error)} N·m; a formula takes its place.`;
-  return [h("section", {}, h("h3", {}, `Formulas for ${found.joint}`),
+  return [h("section", { class: "lead" }, h("h3", {}, `Formulas for ${found.joint}`),
     h("p", { class: "quiet" }, `${found.tried} formulas and curves competed; of so many, chance gives the best ${number(found.threshold)} nats once in twenty times. The best curve gains ${number(found.curve_gain)} nats.${beside} A formula says how a torque looks, not what causes it.`)),
   ...found.formulas.map((one) => formula(one, busy, go)),
   found.formulas.length ? null : h("p", {}, "No formula fits.")].filter(Boolean);
