@@ -124,3 +124,15 @@ def ros_environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
             patch.setenv(name, value)
         yield dict(os.environ)
     lock.close()
+
+
+@pytest.fixture
+def catalogue_kept() -> Iterator[None]:
+    """Take effects of a user out of the catalogue again, which a test has loaded."""
+    from lagrangian_ff.effects import EFFECTS
+    from lagrangian_ff.effects.base import BROUGHT
+
+    before = set(EFFECTS)
+    yield
+    for name in set(EFFECTS) - before:
+        del EFFECTS[name], BROUGHT[name]

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from lagrangian_ff.effects import EFFECTS, load_effects
-from lagrangian_ff.effects.base import BROUGHT
 
 
 @pytest.fixture
@@ -32,13 +31,12 @@ def test_the_table_holds_every_effect_as_it_is(page: str) -> None:
     assert said == {name: (e.formula, e.shows_as) for name, e in EFFECTS.items()}
 
 
-def test_the_example_works(page: str, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("catalogue_kept")
+def test_the_example_works(root: Path, tmp_path: Path) -> None:
+    page = (root / "docs" / "own_effect.md").read_text()
     example = re.search(r"```python\n(.*?)```", page, re.DOTALL)
     assert example
     file = tmp_path / "mine.py"
     file.write_text(example.group(1))
     (pit,) = load_effects(file)
-    try:
-        assert pit.name == "pit"
-    finally:
-        del EFFECTS["pit"], BROUGHT["pit"]
+    assert pit.name == "pit"

@@ -139,6 +139,7 @@ def test_a_first_motion_takes_less_of_the_range_until_it_is_clear() -> None:
         investigate(PendulumRig(), plan(12.0, clear=lambda path: "the wall"), lambda p: True)
 
 
+@pytest.mark.usefixtures("catalogue_kept")
 def test_what_nobody_listed_becomes_a_curve_and_formulas(tmp_path: Path) -> None:
     story = investigate(PendulumRig(rough=0.3), plan(24.0), lambda proposal: True)
     assert story.unlisted is not None

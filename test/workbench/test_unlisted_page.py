@@ -74,6 +74,7 @@ def test_a_curve_is_a_step_that_can_be_undone(served: Served, page: Any, tmp_pat
     playwright.expect(page.locator("#view table").first.locator("tbody tr")).to_have_count(2)
 
 
+@pytest.mark.usefixtures("catalogue_kept")
 def test_formulas_are_proposed_and_one_takes_the_place_of_the_curve(
     served: Served, page: Any, browser: Any, tmp_path: Path
 ) -> None:

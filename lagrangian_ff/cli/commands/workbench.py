@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.cli.common import options
-from lagrangian_ff.cli.common.arms import RobotArm, SimulatedArm
 from lagrangian_ff.cli.common.console import Console
 from lagrangian_ff.cli.common.outputs import check_sources
 from lagrangian_ff.errors import UserError
@@ -80,6 +79,7 @@ def run(arguments: Namespace) -> int:
         urdf = Path(str(files("lagrangian_ff"))) / "arm" / "arm6.urdf"
     skeleton = [] if urdf is None else read_skeleton(urdf)
     if arm is None and getattr(arguments, "try"):
+        from lagrangian_ff.cli.common.arms import SimulatedArm
         from lagrangian_ff.cli.common.trial import hidden_by
 
         arm = SimulatedArm(hidden_by(arguments.seed or 0))
@@ -108,6 +108,7 @@ def _attached(arguments: Namespace) -> "tuple[list[Callable[[Service], Part]], A
             if getattr(arguments, option) is not None:
                 raise UserError(f"--{option} needs --live")
         return [], None
+    from lagrangian_ff.cli.common.arms import RobotArm
     from lagrangian_ff.workbench.live_pages import attached
 
     given = ["--ros-args"]
