@@ -19,10 +19,10 @@ WHOLE = test/nodes/test_feedforward_action.py test/nodes/test_your_robot.py \
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Without the last option a worker that crashed can leave pytest waiting for ever.
-SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0
+SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0 --durations 12
 
 BIN = $(VENV)/bin
-SOURCES = lagrangian_ff test benchmark launch tools setup.py
+SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py
 # A ROS that is sourced in this shell belongs to another Python, and would be found before our own.
 ifdef ROS_DISTRO
 unexport PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH
@@ -40,7 +40,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo workbench test test-oldest lint types format fuzz soak benchmark install clean
+.PHONY: help demo workbench test test-oldest wheels lint types format fuzz soak benchmark docs docs-output install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -63,15 +63,27 @@ else
 	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test \
 		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
 	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES) $(addprefix --ignore=,$(WHOLE))
-	@$(BIN)/python -m pytest $(WHOLE)
+	@$(BIN)/python -m pytest --durations 12 $(WHOLE)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04
 	@$(MAKE) --no-print-directory VENV=.venv-oldest install CONSTRAINTS=constraints-ubuntu-24.04.txt
 	@.venv-oldest/bin/python -m pytest $(ARGS)
 
+wheels:  ## build the wheel with every Python from 3.10 to 3.13 here, and use it outside the sources
+	@"$(PYTHON)" tools/wheels.py $(ARGS)
+
+docs:  ## the documentation as a site, in out/docs; warnings are errors
+	$(environment) $(EXTRAS),docs
+	@$(BIN)/python -m sphinx -q -b html -W --keep-going -n docs out/docs
+	@echo "out/docs/index.html"
+
+docs-output:  ## run every command of the documentation, write the outputs that it shows
+	$(environment) $(EXTRAS),test,docs
+	@$(BIN)/python tools/doc_commands.py $(ARGS)
+
 install:  ## only make the environment
-	$(environment) $(EXTRAS),test $(addprefix --constraints ,$(CONSTRAINTS))
+	$(environment) $(EXTRAS),test,docs $(addprefix --constraints ,$(CONSTRAINTS))
 
 lint: install  ## check style
 	@$(BIN)/ruff check $(SOURCES)
@@ -104,5 +116,5 @@ benchmark:  ## measure speed against named yardsticks
 
 clean:  ## remove what the build and the tests left; keeps .venv, the loops and out/
 	rm -rf build install log dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .coverage
-	rm -rf lagrangian_ff.egg-info
+	rm -rf lagrangian_ff.egg-info docs/reference
 	find lagrangian_ff test benchmark tools launch -name __pycache__ -prune -exec rm -rf {} + 2>/dev/null || true

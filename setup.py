@@ -11,8 +11,10 @@ from setuptools.command.build_ext import build_ext
 
 PACKAGE = "lagrangian_ff"
 
+SOURCES = Path(__file__).with_name(PACKAGE)
+
 # Not imported: its room needs NumPy, which is not installed yet.
-loops = SimpleNamespace(**run_path(str(Path(__file__).with_name(PACKAGE) / "loops" / "build.py")))
+loops = SimpleNamespace(**run_path(str(SOURCES / "loops" / "build.py")))
 
 
 class BuildLoops(build_ext):
@@ -75,6 +77,8 @@ EXTRAS = {
     "onnx": ["onnx >=1.15, <2"],
     # Studies on the machines of a Dask cluster.
     "cluster": ["distributed >=2024.8, <2027"],
+    # Builds the documentation.
+    "docs": ["sphinx >=7.2.6, <10", "myst-parser >=2, <6", "furo >=2023.9.10, <2027"],
     # What `make benchmark` compares with.
     "benchmark": ["jax >=0.4.30, <1", "scikit-learn >=1.3, <2"],
     # Guides `make fuzz` by the lines that it reaches; has no wheel for some Pythons.
@@ -122,12 +126,18 @@ EXTRAS = {
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=run_path(str(SOURCES / "__init__.py"))["__version__"],
     description="Robot dynamics that are learned, explained and used, inside ROS 2.",
     license="Apache-2.0",
     maintainer="lagrangian_ff maintainers",
     maintainer_email="maintainers@lagrangian-ff.example",
     keywords=["ROS", "robotics", "inverse dynamics", "identification", "feedforward"],
+    classifiers=[
+        "Programming Language :: Python :: 3.10",
+        "Programming Language :: Python :: 3.11",
+        "Programming Language :: Python :: 3.12",
+        "Programming Language :: Python :: 3.13",
+    ],
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     ext_modules=LOOPS,
     cmdclass={"build_ext": BuildLoops},
@@ -145,6 +155,7 @@ setup(
         (f"share/{PACKAGE}/launch", glob("launch/*.launch.py")),
     ],
     python_requires=">=3.10",
+    setup_requires=loops.requirements(),
     install_requires=RUNTIME,
     extras_require=EXTRAS,
     zip_safe=False,

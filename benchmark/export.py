@@ -3,8 +3,9 @@
 For `chain+fri`, 6 joints, 500 samples: the library as its CMake package builds it (-O3), for
 numbers of 64 and of 32 bits, and its torque in parts. Bound: 15 µs a state. Pinocchio's algorithm
 knows the arm's 60 inertial parameters, and is called from Python, whose call is timed alone, too.
-The other kernels are sums over their samples; their times are those that docs/export.md states.
-Prints the largest difference from Python in parts of each joint's largest torque, as well.
+The other kernels are sums over their samples; their times are those that docs/export.md states, as
+is that of `chain+fri` with a curve over position and velocity on every joint. Prints the largest
+difference from Python in parts of each joint's largest torque, as well.
 """
 
 import argparse
@@ -12,6 +13,8 @@ import ctypes
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -19,13 +22,17 @@ import numpy as np
 from numpy.typing import NDArray
 from timing import medians, moving
 
+from lagrangian_ff.effects import Over, curve_over
+from lagrangian_ff.effects.curve import Axis
 from lagrangian_ff.export import write
 from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
 BOUND = 15.0  # µs
 JOINTS, SAMPLES, STATES = 6, 500, 500
+BENDS = 15  # of a curve, along each coordinate
 OTHERS = ("vrbfs+fri", "rbfs+fri", "energy+fri", "chain_rbf+fri", "srbfs+fri", "pol+fri")
 MANY = """
 #include "arm.h"
@@ -55,11 +62,30 @@ def main() -> None:
         print("skipped: there is no C compiler")
         return
     pinocchio_alone(options.repeats)
-    for name in ("chain+fri", *OTHERS):
-        model = learned(name)
+    for model in models():
         with tempfile.TemporaryDirectory() as folder:
             write(model, "c", Path(folder) / "arm")
             measure(model, Path(folder), compiler, options.repeats)
+
+
+def models() -> Iterator[Model]:
+    """Yield the models to measure."""
+    chain = learned("chain+fri")
+    yield chain
+    yield with_curves(chain)
+    yield from map(learned, OTHERS)
+
+
+def with_curves(model: Model) -> Model:
+    """Return a model with a curve on every joint, whose heights are drawn."""
+    axis = Axis(tuple(np.linspace(-2.0, 2.0, BENDS).tolist()))
+    heights = np.random.default_rng(0).normal(size=(axis.count**2, 1))
+    curve = curve_over([Over("position"), Over("velocity")])
+    curve = curve.made((axis, axis), np.ones(axis.count**2, dtype=bool), heights)
+    terms = (*model.basis.terms, *(Term(curve, n, {}) for n in range(JOINTS)))
+    prior = replace(model.prior, basis=replace(model.basis, terms=terms))
+    coefficients = np.append(model.coefficients, np.ones(JOINTS))
+    return replace(model, name=f"{model.name}+curves", prior=prior, coefficients=coefficients)
 
 
 def learned(name: str) -> Model:

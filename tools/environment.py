@@ -25,9 +25,9 @@ import sysconfig
 import threading
 import time
 from pathlib import Path
+from runpy import run_path
 
 ROOT = Path(__file__).resolve().parent.parent
-ZIG = "ziglang >=0.13, <0.18"  # a C compiler from the package index, where the machine has none
 OLDEST, NEWEST = (3, 10), (3, 13)  # the Pythons that have wheels of rclpy
 VERSION = f"{sys.version_info[0]}.{sys.version_info[1]}"
 BUILD = ["pip >=23.1", "setuptools ==68.1.2", "wheel"]  # this setuptools is what colcon needs
@@ -219,8 +219,8 @@ class Environment:
         self.directory.mkdir(parents=True)
         self.unfinished.touch()
         self.run("making the environment", [sys.executable, "-m", "venv", self.directory])
-        compiler = any(shutil.which(name) for name in (os.environ.get("CC", "cc"), "gcc", "clang"))
-        self.pip("preparing", *BUILD, *([] if compiler else [ZIG]))
+        compiler = run_path(str(LOOPS / "build.py"))["requirements"]()
+        self.pip("preparing", *BUILD, *compiler)
 
     def install(self, extras: list[str]) -> None:
         """Install the package, editable, with its requirements and those of the extras."""

@@ -116,7 +116,8 @@ class Axis:
         return len(self.bends) + 2
 
     @cached_property
-    def _knots(self) -> Floats:
+    def knots(self) -> Floats:
+        """Return (K + 6,) the knots: the bends, and three beyond each end."""
         bends, beyond = np.asarray(self.bends), np.arange(1.0, 4.0)
         below = bends[0] - beyond[::-1] * (bends[1] - bends[0])
         return np.concatenate([below, bends, bends[-1] + beyond * (bends[-1] - bends[-2])])
@@ -127,7 +128,7 @@ class Axis:
         They add up to 1. Places outside count as the nearest end (de Boor 1972, J. Approx. Theory
         6(1), eq. (9)).
         """
-        knots, last = self._knots, len(self.bends) - 2
+        knots, last = self.knots, len(self.bends) - 2
         at = np.clip(at, self.bends[0], self.bends[-1])
         first = np.clip(np.searchsorted(self.bends, at, side="right") - 1, 0, last)
         left = [at - knots[first + 3 - n] for n in range(3)]

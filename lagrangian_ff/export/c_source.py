@@ -7,9 +7,9 @@ from importlib.resources import files
 import numpy as np
 
 from lagrangian_ff.errors import ExportError
-from lagrangian_ff.export.c_tables import form_in_c, table
+from lagrangian_ff.export.c_tables import curves_in_c, form_in_c, table
 from lagrangian_ff.export.expressions import in_c, number_in_c, parsed
-from lagrangian_ff.export.portable import CHECKED, PARTNER, Portable, PortableTerm, checked
+from lagrangian_ff.export.portable import CHECKED, Portable, PortableTerm, checked
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.predicting import STILL
 
@@ -77,7 +77,7 @@ def sources(model: Model, held: Portable, name: str) -> dict[str, str]:
             f"    settled   {effect}: {why}\n" for effect, why in held.settled.items()
         ),
         "FORMS": _forms(held),
-        "TERMS": "".join(_terms(held, follows=False)),
+        "TERMS": "".join([*_terms(held, follows=False), *_curves(held)]),
         "FOLLOWING": "".join(_terms(held, follows=True)),
         "STATES": str(CHECKED),
         "TABLES": _checked(model),
@@ -98,6 +98,8 @@ def _source(held: Portable, words: Mapping[str, str]) -> str:
     if "square(" in interface:
         parts.append(SQUARE)
     parts += [form_in_c(form) + "\n" for form in held.forms]
+    if held.curves:
+        parts.append(curves_in_c(held.curves) + "\n")
     return "".join([*parts, interface])
 
 
@@ -162,12 +164,18 @@ def _terms(held: Portable, *, follows: bool) -> Iterator[str]:
             yield "    }\n"
 
 
+def _curves(held: Portable) -> Iterator[str]:
+    """Yield the code of every curve on its joint."""
+    for number, curve in enumerate(held.curves):
+        place = held.effects.index(curve.effect)
+        yield f"    effect[{place}][{curve.joint}] += {curve.call(number)};\n"
+
+
 def _sum(term: PortableTerm) -> str:
     inputs = ("q", "qd", "qdd", "load", "torque")
     names = {one: f"{one}[{term.joint}]" for one in inputs}
     names |= {one: number_in_c(value) for one, value in term.values.items()}
-    if term.partner is not None:
-        names[PARTNER] = f"qd[{term.partner}]"
+    names |= {name: f"{what}[{joint}]" for name, (what, joint) in term.others.items()}
     parts = (
         f"{number_in_c(float(factor))} * {in_c(parsed(text), names)}"
         for text, factor in zip(term.columns, term.coefficients, strict=True)

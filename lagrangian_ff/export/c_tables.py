@@ -1,13 +1,15 @@
 """The numbers of a form as C tables, and the code that computes its torque from them."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.resources import files
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects.curve import FADES
 from lagrangian_ff.errors import ExportError
+from lagrangian_ff.export.curves import PortableCurve
 from lagrangian_ff.export.rigid import (
     Bodies,
     Form,
@@ -45,6 +47,16 @@ def _braced(array: Floats) -> str:
 def form_in_c(form: Form) -> str:
     """Return tables and functions of a form; `<kind>_torque` is the last of them."""
     return "".join(_TABLES[type(form)](form)) + "\n" + _template(form.kind)
+
+
+def curves_in_c(curves: Sequence[PortableCurve]) -> str:
+    """Return tables of all curves, and the function `over` that reads them."""
+    parts = [f"enum {{ PIECES = 4 }};\n#define FADES R({FADES})\n"]
+    for number, curve in enumerate(curves):
+        for axis, knots in enumerate(curve.knots()):
+            parts.append(table(f"curve_{number}_knots_{axis}", knots))
+        parts.append(table(f"curve_{number}_heights", curve.heights.ravel()))
+    return "".join([*parts, "\n", _template("curve")])
 
 
 def _template(kind: str) -> str:

@@ -2,7 +2,8 @@
 
 A new effect is its line here. Names in an expression are, of the effect's own joint, q, qd, qdd,
 `load` and `torque` (see `effects.Inputs`); `v0`, the width of the joint's smoothed sign; the shapes
-of the effect; and `qd_partner`, the speed of the joint that the shape `partner` counts.
+of the effect; `qd_partner`, the speed of the joint that the shape `partner` counts; and in formulas
+states of other joints, as q_2 of the second.
 """
 
 from collections.abc import Mapping
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.effects.curve import Curve
 from lagrangian_ff.effects.formula import SINCE, Formula
+from lagrangian_ff.export.curves import READ
 from lagrangian_ff.export.expressions import by_parameter, text_of
 
 CLOCK = "it follows the time since a recording began, which a controller does not have"
@@ -75,11 +77,8 @@ CATALOGUE: Mapping[str, Mapped] = {
 
 def unexportable(effect: Effect) -> str:
     """Return why no format holds an effect, after its name; empty if one may."""
-    if isinstance(effect, Curve):
-        return "is a curve, a sum of splines, which these formats do not hold yet"
-    if isinstance(effect, Formula) and effect.last:
-        return "reads other joints, and what is exported of an effect reads its own"
-    if isinstance(effect, Formula) and SINCE in effect.inputs:
+    past = isinstance(effect, Curve) and any(one.kind not in READ for one in effect.over)
+    if past or (isinstance(effect, Formula) and SINCE in effect.inputs):
         return f"follows the time since the joint turned round: {PAST}"
     return ""
 

@@ -39,6 +39,7 @@ def document(model: Model, held: Portable) -> dict[str, Any]:
         "unit": held.unit.tolist(),
         "rigid": [_form(form) for form in held.forms],
         "effects": [by_name(term) for term in held.terms],
+        "curves": [curve.record() for curve in held.curves],
         "range": by_name(held.range),
         "settled": dict(held.settled),
         "check": {n: v.tolist() for n, v in zip(names, checked(model), strict=True)},

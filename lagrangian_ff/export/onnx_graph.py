@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.effects.curve import FADES
 from lagrangian_ff.errors import ExportError
 from lagrangian_ff.export import expressions
+from lagrangian_ff.export.curves import PortableCurve
 from lagrangian_ff.export.expressions import parsed
-from lagrangian_ff.export.portable import PARTNER, Portable, PortableTerm
+from lagrangian_ff.export.portable import Portable, PortableTerm
 from lagrangian_ff.export.rigid import Form, LagrangianRbf, Motors, StateRbf, Trigonometric
 from lagrangian_ff.kernels.structured.chain import LONG, SHORT
 
@@ -18,6 +20,9 @@ OPERATORS: Mapping[type[ast.operator], str] = {
     ast.Add: "Add", ast.Sub: "Sub", ast.Mult: "Mul", ast.Div: "Div", ast.Pow: "Pow",
 }  # fmt: skip
 FUNCTIONS = {name: name.capitalize() for name in expressions.FUNCTIONS}
+
+DOUBLE = 11
+"""ONNX's number for the type of doubles."""
 
 
 class Graph:
@@ -88,6 +93,8 @@ def torque(graph: Graph, held: Portable, q: str, qd: str, qdd: str) -> str:
     for term in held.terms:
         if not term.constant and not term.follows:
             total = graph.op("Add", total, _term(graph, term, states))
+    for curve in held.curves:
+        total = graph.op("Add", total, _curve(graph, curve, states, joints))
     states["torque"] = total
     for term in held.terms:
         if term.follows:
@@ -97,13 +104,55 @@ def torque(graph: Graph, held: Portable, q: str, qd: str, qdd: str) -> str:
 
 def _term(graph: Graph, term: PortableTerm, states: Mapping[str, str]) -> str:
     given = {name: graph.column(values, term.joint) for name, values in states.items()}
-    if term.partner is not None:
-        given[PARTNER] = graph.column(states["qd"], term.partner)
+    for name, (what, joint) in term.others.items():
+        given[name] = graph.column(states[what], joint)
     total = graph.op("Mul", given["q"], 0.0)
     for text, factor in zip(term.columns, term.coefficients, strict=True):
         column = _expression(graph, parsed(text), given, term.values)
         total = graph.op("Add", total, graph.op("Mul", column, np.float64(factor)))
     return graph.op("Mul", total, term.on)
+
+
+def _curve(graph: Graph, curve: PortableCurve, states: Mapping[str, str], joints: int) -> str:
+    """Return (M, N) the torque of a curve, as `c/curve.c`."""
+    first, *second = (
+        _splines(graph, graph.column(states[name], joint), knots)
+        for (name, joint), knots in zip(curve.over, curve.knots(), strict=True)
+    )
+    found = graph.op("MatMul", first, curve.heights.reshape(len(curve.heights), -1))
+    for other in second:
+        found = graph.op("Mul", found, other)
+        found = graph.op("ReduceSum", found, np.array([1]), keepdims=1)
+    if curve.v0 is not None:
+        speed = graph.op("Div", graph.column(states["qd"], curve.joint), np.float64(curve.v0))
+        found = graph.op("Mul", found, graph.op("Tanh", speed))
+    return graph.op("Mul", found, np.eye(joints)[curve.joint])
+
+
+def _splines(graph: Graph, place: str, knots: Floats) -> str:
+    """Return (M, K + 2) every B-spline at places (M, 1), times how far the curve has not faded.
+
+    Those of degree 0 are 1 in one interval. Each degree mixes two of the degree before, of which
+    at most four are not 0 (de Boor 1972, eq. (4)).
+    """
+    op, bends = graph.op, knots[3:-3]
+    at = op("Min", op("Max", place, bends[0]), bends[-1])
+    away = op("Div", op("Abs", op("Sub", place, at)), FADES * (bends[-1] - bends[0]))
+    share = op("Max", op("Sub", 1.0, away), 0.0)
+    fade = op("Mul", op("Mul", share, share), op("Sub", 3.0, op("Mul", share, 2.0)))
+    never = np.full(3, np.inf)
+    begin = np.concatenate([never, bends[:-1], never])
+    end = np.concatenate([never, bends[1:-1], [np.inf], never])
+    inside = op("And", op("GreaterOrEqual", at, begin), op("Less", at, end))
+    found = op("Mul", op("Cast", inside, to=DOUBLE), fade)
+    for degree in range(1, 4):
+        count = len(knots) - degree - 1
+        begin, end = knots[:count], knots[degree + 1 :]
+        rising = op("Div", op("Sub", at, begin), knots[degree:-1] - begin)
+        falling = op("Div", op("Sub", end, at), end - knots[1 : count + 1])
+        lower, upper = (op("Gather", found, np.arange(count) + n, axis=1) for n in (0, 1))
+        found = op("Add", op("Mul", rising, lower), op("Mul", falling, upper))
+    return found
 
 
 def _expression(

@@ -1,6 +1,6 @@
 """A model as forms and expressions: what every format that holds it whole is written from."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,10 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.base import BROUGHT
+from lagrangian_ff.effects.curve import Curve
+from lagrangian_ff.effects.formula import Formula
 from lagrangian_ff.errors import ExportError
+from lagrangian_ff.export.curves import PortableCurve
 from lagrangian_ff.export.effects import mapped, unexportable
 from lagrangian_ff.export.expressions import evaluated, names_in, parsed
 from lagrangian_ff.export.rigid import Form, forms_of
@@ -32,7 +35,8 @@ class PortableTerm:
         columns: an expression for each coefficient.
         coefficients: (P,) in the effect's units.
         values: numbers by name that stand in the expressions: its shapes, and v0.
-        partner: index of the joint whose speed is `qd_partner`; None if none is in it.
+        others: states of other joints by the name that they have in the expressions: q, qd, qdd or
+            load, and the index of the joint.
         follows: whether `torque` is in it: the sum of load and of all effects that do not follow.
         constant: whether it is one torque at all times, which belongs to the load.
     """
@@ -43,7 +47,7 @@ class PortableTerm:
     columns: tuple[str, ...]
     coefficients: Floats
     values: Mapping[str, float]
-    partner: int | None = None
+    others: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     follows: bool = False
     constant: bool = False
 
@@ -51,8 +55,8 @@ class PortableTerm:
         """Return (M, N) N·m of states as the effects see them."""
         inputs = ("q", "qd", "qdd", "load", "torque")
         given = {name: getattr(x, name)[:, self.joint] for name in inputs} | dict(self.values)
-        if self.partner is not None:
-            given[PARTNER] = x.qd[:, self.partner]
+        for name, (what, joint) in self.others.items():
+            given[name] = getattr(x, what)[:, joint]
         total = np.zeros(len(x))
         for text, factor in zip(self.columns, self.coefficients, strict=True):
             total = total + factor * evaluated(parsed(text), given)
@@ -68,7 +72,8 @@ class Portable:
         source: name of the model, as `chain+fri`.
         unit: (N,) N·m that count as one in the forms.
         forms: their sum is the rigid-body torque.
-        terms: the effects.
+        effects: their names, each once, in the model's order.
+        terms: those that are expressions.  curves: those that are splines.
         range: the motion the model was identified on.
         settled: names of effects that are taken as settled, and what they are of.
     """
@@ -77,14 +82,11 @@ class Portable:
     source: str
     unit: Floats
     forms: tuple[Form, ...]
+    effects: tuple[str, ...]
     terms: tuple[PortableTerm, ...]
+    curves: tuple[PortableCurve, ...]
     range: MotionRange
     settled: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """Return the names of the effects, each once."""
-        return tuple(dict.fromkeys(term.effect for term in self.terms))
 
 
 def portable(model: Model, *, settled: bool = False) -> Portable:
@@ -100,10 +102,16 @@ def portable(model: Model, *, settled: bool = False) -> Portable:
     """
     joints = len(model.joints)
     speed = model.basis.sign_speed(joints)
-    placed = [
-        _term(term, model.coefficients[place], joints, speed)
-        for term, place in model.basis.slices()
-    ]
+    placed, curves = [], []
+    for term, place in model.basis.slices():
+        b = model.coefficients[place]
+        if why := unexportable(term.effect):
+            raise ExportError(f"the effect {term.effect.name} {why}")
+        if isinstance(term.effect, Curve):
+            width = float(speed[term.joint])
+            curves.append(PortableCurve.of(term, term.effect, b, width))
+        else:
+            placed.append(_term(term, b, joints, speed))
     past = {term.effect: why for term, why in placed if why}
     if past and not settled:
         listed = "; ".join(f"{name}: {why}" for name, why in past.items())
@@ -111,12 +119,17 @@ def portable(model: Model, *, settled: bool = False) -> Portable:
             f"not exported: {listed}. --settled leaves it as it is after a long steady motion, "
             "and says what that costs"
         )
+    terms = tuple(term for term, _ in placed if set(term.columns) != {"0"})
+    held = {term.effect for term in terms} | {curve.effect for curve in curves}
+    names = dict.fromkeys(term.effect.name for term in model.basis.terms)
     return Portable(
         joints=model.joints,
         source=model.name,
         unit=model.unit,
         forms=forms_of(model.kernel, model.centres, model.weights),
-        terms=tuple(term for term, _ in placed if set(term.columns) != {"0"}),
+        effects=tuple(name for name in names if name in held),
+        terms=terms,
+        curves=tuple(curves),
         range=model.range,
         settled=past,
     )
@@ -126,8 +139,6 @@ def _term(
     term: Term, coefficients: Floats, joints: int, speed: Sequence[float] | Floats
 ) -> tuple[PortableTerm, str]:
     """Return a term, and why it is settled; empty if it is not."""
-    if why := unexportable(term.effect):
-        raise ExportError(f"the effect {term.effect.name} {why}")
     found = mapped(term.effect)
     if found is None:
         origin = BROUGHT.get(term.effect.name)
@@ -146,11 +157,21 @@ def _term(
         columns=found.columns,
         coefficients=coefficients,
         values={name: value for name, value in values.items() if name in used},
-        partner=round(term.shape["partner"]) if PARTNER in used else None,
+        others=_others(term, used),
         follows="torque" in term.effect.uses,
         constant=term.effect.constant,
     )
     return made, found.refused
+
+
+def _others(term: Term, used: Collection[str]) -> dict[str, tuple[str, int]]:
+    """Return the states of other joints that expressions use, by their names there."""
+    if PARTNER in used:
+        return {PARTNER: ("qd", round(term.shape["partner"]))}
+    if not isinstance(term.effect, Formula):
+        return {}
+    read = term.effect.inputs.items()
+    return {name: (what, of) for name, (what, of) in read if of is not None and name in used}
 
 
 def checked(model: Model) -> tuple[Floats, Floats, Floats, Floats]:

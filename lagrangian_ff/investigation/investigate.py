@@ -24,15 +24,7 @@ from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
-from lagrangian_ff.investigation.story import (
-    Asked,
-    Ended,
-    Investigation,
-    Listener,
-    Turn,
-    asked,
-    of_question,
-)
+from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
 from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
@@ -138,7 +130,7 @@ class _Story:
             if seconds < SHORTEST:
                 return Ended.BUDGET, Ended.BUDGET.value
             questions.append(question)
-            made = self._designed(look, question, min(seconds, MOST * self._left))
+            made = self._designed(look.base, question, min(seconds, MOST * self._left))
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
@@ -221,9 +213,8 @@ class _Story:
             shown = observability(learned)
         return next_question(look.diagnosis, shown, asked_before, self._plan.size, self._plan.gears)
 
-    def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
+    def _designed(self, model: Model, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")
-        model = to_design_with(look.diagnosis, look.model, question)
         return design(
             model,
             question,
@@ -241,19 +232,6 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
-
-
-def to_design_with(found: Diagnosis, model: Model, question: Question) -> Model:
-    """Return the model to design a motion with: the one with all that is confirmed.
-
-    What is confirmed is no noise any more, so that the motion can show more. Where the question is
-    about something confirmed it is the model without.
-
-    Args:
-        found: the diagnosis.  model: with what it confirmed.
-    """
-    has = {(one.effect.name, joint) for one, _ in found.tried for joint in one.joints}
-    return found.model if has.intersection(of_question(question)) else model
 
 
 def first_motion(

@@ -4,7 +4,6 @@ import hashlib
 import os
 import platform
 import shutil
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -23,6 +22,8 @@ FLAGS = [
     "-Wextra",
 ]
 
+ZIG = "ziglang >=0.13, <0.18"
+"""A C compiler from the package index."""
 PLAIN = "plain"
 _AVX2 = ["-mavx2", "-mfma"]
 LEVELS = {
@@ -48,20 +49,27 @@ def digest() -> str:
     return found.hexdigest()[:16]
 
 
+def requirements() -> list[str]:
+    """Return what has to be installed to compile: nothing, or `ZIG` where there is no compiler."""
+    compilers = ("cc", "gcc", "clang")
+    return [] if os.environ.get("CC") or any(map(shutil.which, compilers)) else [ZIG]
+
+
 def choose_compiler() -> None:
     """Let the environment name the compiler of the package `ziglang` where there is no other.
 
     Raises:
         SystemExit: there is none at all; it says what to install.
     """
-    if os.environ.get("CC") or any(shutil.which(name) for name in ("cc", "gcc", "clang")):
+    if not requirements():
         return
-    if find_spec("ziglang") is None:
+    found = find_spec("ziglang")
+    if found is None or found.origin is None:
         raise SystemExit(
             "lagrangian_ff compiles its loops from C, and no C compiler was found. Install one"
             " (Debian, Ubuntu: apt install gcc libc6-dev), or: pip install ziglang"
         )
     # Without a target it compiles for this very processor.
-    target = f"{platform.machine()}-linux-gnu"
-    os.environ["CC"] = f"{sys.executable} -m ziglang cc -target {target}"
+    compiler = Path(found.origin).with_name("zig")
+    os.environ["CC"] = f"{compiler} cc -target {platform.machine()}-linux-gnu"
     os.environ["LDSHARED"] = f"{os.environ['CC']} -shared"

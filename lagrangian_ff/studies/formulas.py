@@ -6,7 +6,7 @@ Their errors on another recording are compared, and it is counted how often the 
 the formulas proposed first.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -97,25 +97,15 @@ class Judged:
         return 0 < self.rank <= FIRST
 
 
-def study(
-    cases: Sequence[Strange], seed: int = 0, settings: Settings = USUAL, progress: Progress = silent
-) -> list[Judged]:
-    """Return every case judged.
+def judged(
+    case: Strange, seed: int = 0, settings: Settings = USUAL, progress: Progress = silent
+) -> Judged:
+    """Return one case judged.
 
     Args:
         seed: of motions and noise.  settings: of the models.
         progress: receives the share done, 0 to 1.
     """
-    return [
-        judged(one, seed, settings, part(progress, n / len(cases), (n + 1) / len(cases)))
-        for n, one in enumerate(cases)
-    ]
-
-
-def judged(
-    case: Strange, seed: int = 0, settings: Settings = USUAL, progress: Progress = silent
-) -> Judged:
-    """Return one case judged; see `study`."""
     first, second = (_motion(case, 2 * seed + number) for number in (0, 1))
     name = JOINTS[case.joint]
     model = identify([first], settings).model

@@ -48,7 +48,7 @@ def test_splines_add_up_to_one_and_are_those_of_scipy(steps: list[float], place:
     first, values = axis.weights(inside)
     assert values.sum() == pytest.approx(1.0)
     assert (values >= -1e-12).all()
-    known = BSpline(axis._knots, np.eye(axis.count), 3)(inside)[0]
+    known = BSpline(axis.knots, np.eye(axis.count), 3)(inside)[0]
     found = np.zeros(axis.count)
     found[first[0] : first[0] + 4] = values[0]
     np.testing.assert_allclose(found, known, atol=1e-9)

@@ -11,7 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from sines import sines
 
-from lagrangian_ff.effects import Effect
+from lagrangian_ff.effects import Effect, Over, curve_over
+from lagrangian_ff.effects.curve import Axis
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.predicting import MotionRange
@@ -152,6 +154,26 @@ def model_of(
     measured = made.torque(made.inputs_of(made.data))
     noisy = measured + 0.01 * rng.normal(size=measured.shape) * measured.std(axis=0)
     return replace(made, data=replace(made.data, tau=noisy))
+
+
+def curves() -> list[Term]:
+    """Curves over one and two coordinates, and a formula that reads other joints."""
+    rng = np.random.default_rng(3)
+    wishes = (
+        (curve_over([Over("velocity")]), 0),
+        (curve_over([Over("position"), Over("load", 1, "joint_2")], friction=True), 2),
+        (curve_over([Over("acceleration", 0, "joint_1")], odd=True), 1),
+    )
+    terms = []
+    for wish, joint in wishes:
+        axes = tuple(Axis(tuple(np.sort(rng.uniform(-2, 2, 7)).tolist())) for _ in wish.over)
+        count = int(np.prod([axis.count for axis in axes]))
+        made = wish.made(axes, np.ones(count, dtype=bool), rng.normal(size=(count, 4)))
+        terms.append(Term(made, joint, {}))
+    pressed = formula_effect(
+        "pressed", "A*sign(qd)*exp(-(q_3/w)^2)+B*load_2*qd_1", {"w": (0.1, 1, 3)}
+    )
+    return [*terms, Term(pressed, 0, {"w": 0.5})]
 
 
 def shape_of(effect: Effect) -> dict[str, float]:

@@ -14,12 +14,14 @@ from export_examples import (
     apart,
     built,
     compiler,
+    curves,
     model_of,
     shape_of,
     states,
 )
 
-from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects import EFFECTS, Over, curve_over
+from lagrangian_ff.effects.curve import Axis, Curve
 from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.errors import ExportError
 from lagrangian_ff.export import FORMATS, Options, write
@@ -114,6 +116,30 @@ def test_every_effect_is_exported_and_equal_or_refused_with_a_reason(tmp_path: P
         term = Term(EFFECTS[name], 0, shape_of(EFFECTS[name]))
         with pytest.raises(ExportError, match=rf"{name}: it .*--settled"):
             write(model_of("chain+fri", further=[term]), "c", tmp_path / "other")
+
+
+@pytest.mark.parametrize("flags", [("-O2",), ("-O0", *SANE)])
+def test_curves_and_formulas_of_other_joints_are_those_of_python(
+    flags: tuple[str, ...], tmp_path: Path
+) -> None:
+    """Within what was seen, beyond it, and where a curve has faded."""
+    model, x = model_of("chain+fri", further=curves()), states(10_000, 3)
+    found = answered(built(library(model, tmp_path), *flags), x)
+    assert apart(found.tau, model.predict(x.q, x.qd, x.qdd)) < ROUNDING
+    expected = model.terms(x.q, x.qd, x.qdd).effects
+    for place, torque in enumerate(expected.values()):
+        assert apart(found.effects[:, place], torque) < ROUNDING
+    (after,) = (t for t in model.basis.terms if t.effect.name == "curve_velocity")
+    assert isinstance(after.effect, Curve)
+    outside = after.effect.outside(model.inputs(x.q, x.qd, x.qdd), 0)
+    assert 0.1 < np.mean(outside) < 0.9
+
+
+def test_a_curve_that_depends_on_the_past_is_refused(tmp_path: Path) -> None:
+    wish = curve_over([Over("reversal")], friction=True)
+    made = wish.made((Axis((0.0, 0.5, 1.0)),), np.ones(5, dtype=bool), np.eye(5))
+    with pytest.raises(ExportError, match="depends on the past"):
+        write(model_of("chain", further=[Term(made, 0, {})]), "c", tmp_path / "other")
 
 
 def test_settled_effects_are_left_as_python_has_them_without_time(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from export_examples import Floats, model_of, rms
+from export_examples import Floats, curves, model_of, rms
 from numpy.typing import NDArray
 
 pytest.importorskip("pinocchio", reason="reading a URDF needs Pinocchio")
@@ -183,6 +183,23 @@ def test_a_ur_program_holds_the_payload_and_the_friction_that_is_left(
     assert any("no friction scales" in note for note in alone.notes)
     with pytest.raises(ExportError, match="has no link hand: name"):
         write(model, "ur", path, replace(options, flange="hand"))
+
+
+def test_what_a_curve_costs_is_named_where_no_curve_fits(model: Model, tmp_path: Path) -> None:
+    curve = curves()[0]
+    bent = replace(
+        model,
+        prior=replace(model.prior, basis=replace(model.basis, terms=(*model.basis.terms, curve))),
+        coefficients=np.append(model.coefficients, [1.0, -2.0, 0.5, 3.0]),
+    )
+    parts = bent.basis.torque(bent.inputs_of(bent.data), bent.coefficients)
+    flange = [str(link.get("name")) for link in ElementTree.parse(URDF).iter("link")][-1]
+    for name in ("urdf", "mjcf", "ur"):
+        found = write(bent, name, tmp_path / name, Options(urdf=URDF, flange=flange))
+        (lost,) = (loss for loss in found.losses if loss.what == "curve_velocity")
+        np.testing.assert_allclose(lost.rms, rms(parts["curve_velocity"]))
+        assert lost.rms[0] > 0.1
+        assert found.difference[0] > 0.1
 
 
 def test_what_cannot_be_described_is_refused(model: Model, tmp_path: Path) -> None:

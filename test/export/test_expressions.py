@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lagrangian_ff.effects import EFFECTS
@@ -28,6 +28,7 @@ INNER = st.recursive(
 )
 
 
+@example("sign(qd)", "qdd", "abs(sign(q))^1.5")
 @given(INNER, INNER, INNER)
 def test_parameters_get_what_they_multiply(one: str, two: str, three: str) -> None:
     formula = f"A*({one}) - ({two})*(B - A*{three})/2"
@@ -36,7 +37,7 @@ def test_parameters_get_what_they_multiply(one: str, two: str, three: str) -> No
     effect, x = formula_effect("mine", formula, {}), trial_motion()
     found = mapped(effect)
     assert found is not None
-    given_ = {name: getattr(x, name)[:, 1] for name in INPUTS}
+    given_ = {name: getattr(x, name)[:, 1] for name in INPUTS} | {"v0": x.sign_speed[1]}
     expected = effect.columns(x, 1, {})
     for place, text in enumerate(found.columns):
         again = evaluated(parsed(text_of(parsed(text))), given_) + np.zeros(len(x))

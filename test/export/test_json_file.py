@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from export_examples import apart, model_of, shape_of, states
+from export_examples import apart, curves, model_of, shape_of, states
+from scipy.interpolate import BSpline
 
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.export import Options, write
@@ -67,6 +68,22 @@ def rigid(form: Mapping[str, Any], q: Any, qd: Any, qdd: Any) -> Any:
     return momentum(q, qdd) + turning - slope
 
 
+def splined(curve: Mapping[str, Any], state: Mapping[str, Any]) -> float:
+    """A curve of one state, by SciPy's B-splines."""
+    heights, fade = np.array(curve["heights"]), 1.0
+    for over, bends in zip(curve["over"], map(np.array, curve["bends"]), strict=True):
+        at, beyond = state[over["state"]][over["joint"]], np.arange(1.0, 4.0)
+        low, high = bends[0], bends[-1]
+        below = low - beyond[::-1] * (bends[1] - low)
+        knots = np.concatenate([below, bends, high + beyond * (high - bends[-2])])
+        heights = BSpline(knots, heights, 3)(np.clip(at, low, high))
+        away = max(low - at, at - high, 0.0) / (curve["fades"] * (high - low))
+        left = max(1.0 - away, 0.0)
+        fade *= left * left * (3.0 - 2.0 * left)
+    sign = 1.0 if curve["v0"] is None else np.tanh(state["qd"][curve["joint"]] / curve["v0"])
+    return float(heights) * fade * sign
+
+
 def effects(document: Mapping[str, Any], q: Any, qd: Any, qdd: Any, bodies: Any) -> Any:
     """All effects of one state, by Python's own reading of their expressions."""
     load, joints = bodies.copy(), len(q)
@@ -76,8 +93,8 @@ def effects(document: Mapping[str, Any], q: Any, qd: Any, qdd: Any, bodies: Any)
     def one(effect: Mapping[str, Any], torque: Any) -> Any:
         n = effect["joint"]
         names = {"q": q[n], "qd": qd[n], "qdd": qdd[n], "load": load[n], "torque": torque[n]}
-        if effect["partner"] is not None:
-            names["qd_partner"] = qd[effect["partner"]]
+        state = {"q": q, "qd": qd, "qdd": qdd, "load": load}
+        names |= {name: state[what][k] for name, (what, k) in effect["others"].items()}
         columns = [
             eval(text.replace("^", "**"), functions, names | effect["values"])
             for text in effect["columns"]
@@ -88,6 +105,8 @@ def effects(document: Mapping[str, Any], q: Any, qd: Any, qdd: Any, bodies: Any)
         if effect["constant"]:
             load = load + one(effect, load)
     total = bodies + sum((one(e, load) for e in listed if not e["follows"]), np.zeros(joints))
+    for curve in document["curves"]:
+        total[curve["joint"]] += splined(curve, {"q": q, "qd": qd, "qdd": qdd, "load": load})
     return total + sum((one(e, total) for e in listed if e["follows"]), np.zeros(joints)) - bodies
 
 
@@ -101,7 +120,7 @@ def test_torques_follow_from_the_file_alone(tmp_path: Path) -> None:
     names = [name for name, one in CATALOGUE.items() if not one.refused]
     terms = [Term(EFFECTS[name], 1, shape_of(EFFECTS[name])) for name in names if name != "coupled"]
     terms.append(Term(EFFECTS["coupled"], 0, {"partner": 2.0, "ratio": -1.0}))
-    model, x = model_of("chain+fri", further=terms), states(20, 3)
+    model, x = model_of("chain+fri", further=[*terms, *curves()]), states(20, 3)
     document = read(model, tmp_path)
     found = np.array([torque(document, *row) for row in zip(x.q, x.qd, x.qdd, strict=True)])
     assert apart(found, model.predict(x.q, x.qd, x.qdd)) < 1e-12
@@ -119,7 +138,7 @@ def test_the_file_of_every_kernel_follows_the_schema(name: str, tmp_path: Path) 
     validator = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     validator.Draft202012Validator.check_schema(schema)
-    document = read(model_of(f"{name}+fri+drift"), tmp_path, settled=True)
+    document = read(model_of(f"{name}+fri+drift", further=curves()), tmp_path, settled=True)
     validator.validate(document, schema)
     assert document["settled"]["drift"]
     wrongs: tuple[dict[str, Any], ...] = (

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from export_examples import Floats, apart, model_of, shape_of, states
+from export_examples import Floats, apart, curves, model_of, shape_of, states
 
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ExportError
@@ -44,6 +44,21 @@ def test_the_graph_has_every_effect_that_is_a_function_of_the_state(tmp_path: Pa
     model, x = model_of("motor", further=terms), states(40, 3)
     found = referred(exported(model, tmp_path), x)
     assert apart(found, model.predict(x.q, x.qd, x.qdd)) < 1e-11  # see IN_MOTORS of the C test
+
+
+@pytest.mark.parametrize("count", [1, 500])
+def test_the_graph_has_curves_as_python_has_them(count: int, tmp_path: Path) -> None:
+    """Within what was seen, beyond it, and where a curve has faded."""
+    runtime = pytest.importorskip("onnxruntime", reason="onnxruntime is not installed")
+    model, x = model_of("vrbfs+fri", further=curves(), centres=12), states(500, 3)
+    path, expected = exported(model, tmp_path), model.predict(x.q, x.qd, x.qdd)
+    some = x.take(slice(0, count))
+    (found,) = runtime.InferenceSession(str(path)).run(
+        None, {"q": some.q, "qd": some.qd, "qdd": some.qdd}
+    )
+    for torque in (found, referred(path, some)):
+        scale = np.abs(expected).max(axis=0)
+        assert np.max(np.abs(torque - expected[:count]) / scale) < 1e-12
 
 
 def test_a_runtime_computes_the_default_model_of_six_joints(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ def steps() -> dict[int, list[str]]:
     """Return the lines of the blocks of each step."""
     found: dict[int, list[str]] = {}
     for section in DOCUMENT.read_text(encoding="utf-8").split("\n## ")[1:]:
-        blocks = re.findall(r"^```\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
+        blocks = re.findall(r"^```bash\n(.*?)^```", section, re.MULTILINE | re.DOTALL)
         found[int(section.split(".")[0])] = [line for b in blocks for line in b.splitlines()]
     return found
 

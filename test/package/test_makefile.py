@@ -17,7 +17,7 @@ INSTALL = "install --no-compile"
 pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 
 DEMO = "[arm,bags,ros,threads]"
-TEST = "[arm,bags,ros,test,threads]"
+TEST = "[arm,bags,docs,ros,test,threads]"
 
 
 class Machine:
@@ -29,6 +29,9 @@ class Machine:
         for name in ("Makefile", "setup.py", "setup.cfg", "pyproject.toml"):
             shutil.copy(ROOT / name, self.clone)
         shutil.copy(ROOT / "tools" / "environment.py", self.clone / "tools")
+        loops = Path("lagrangian_ff") / "loops"
+        (self.clone / loops).mkdir(parents=True)
+        shutil.copy(ROOT / loops / "build.py", self.clone / loops)
         self.calls = folder / "calls"
         self.python = folder / "python" / "python3.11"
         self.python.parent.mkdir()

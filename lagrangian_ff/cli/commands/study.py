@@ -29,8 +29,8 @@ examples:
   lagrangian_ff study ideal --scheduler tcp://host:8786   on the workers of a Dask cluster
 
 how long it takes, on two processors, about:
-  hidden and nuisances 3 h; ideal and friction 1 h; speeds 20 minutes; loaded, tracking, sparsity
-  and consistency 5 to 10 minutes; measured 1 to 2 minutes an arm.
+  hidden, nuisances and decide 3 h; ideal and friction 1 h; speeds 20 minutes; loaded, tracking,
+  sparsity and consistency 5 to 10 minutes; measured 1 to 2 minutes an arm.
 
 what comes out, in the folder:
   cases.jsonl (every case, a line each, as it is done), summary.json (the numbers of the table), and
