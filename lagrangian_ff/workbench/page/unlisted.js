@@ -8,6 +8,11 @@ function percent(share) {
   return `${number(100 * share)} %`;
 }
 
+// A pure number has none.
+function unit(text) {
+  return text === "1" ? "" : text;
+}
+
 function proposer(joint, node, busy) {
   return h("button", { class: "plain", disabled: busy, "data-key": "propose" + joint, onclick: () => ask("propose", { joint }) },
     node.proposed[joint] ? "Propose again" : "Propose formulas");
@@ -43,8 +48,8 @@ function formula(one, busy, go) {
     h("p", {}, one.meaning[0].toUpperCase() + one.meaning.slice(1) + "."),
     one.before === null || one.after === null ? null : h("p", {}, `Unseen error of the joint: ${number(one.before)} → ${number(one.after)} N·m.`),
     h("ul", { class: "quiet" }, Object.entries(one.parameters).map(([name, value]) =>
-      h("li", {}, `${name} = ${number(value.value)} ${value.unit}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`))),
-    Object.entries(one.shape).map(([name, value]) => h("li", {}, `${name} = ${number(value)} ${one.file.units[name]}`.replace(/ 1$/, "")))),
+      h("li", {}, `${name} = ${number(value.value)} ${unit(value.unit)}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`))),
+    Object.entries(one.shape).map(([name, value]) => h("li", {}, `${name} = ${number(value)} ${unit(one.file.units[name])}`))),
     h("p", { class: "quiet" }, `log Bayes factor ${number(one.gain)}` + (one.p_value === null ? "." : `; chance gives as much once in ${number(1 / Math.max(one.p_value, 1e-6))} searches.`)),
     one.doubt ? h("p", { class: "quiet" }, `Only suggested: ${one.doubt}.`) : null,
     one.rivals.length ? h("p", { class: "quiet" }, `As good on this motion: ${one.rivals.map(spoken).join(", ")}.`) : null,
