@@ -11,11 +11,11 @@ VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/nodes test/workbench/test_live_page.py test/workbench/test_investigate_live.py
+PROCESSES = test/nodes test/workbench/test_live_page.py
 # What keeps both processors busy: beside it, tests of processes come too late. The whole demo, and
 # the tests that build interfaces first.
 WHOLE = test/nodes/test_feedforward_action.py test/nodes/test_your_robot.py \
-	test/nodes/test_ros_rig.py test/demo
+	test/nodes/test_ros_rig.py test/workbench/test_investigate_live.py test/demo
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Without the last option a worker that crashed can leave pytest waiting for ever.
