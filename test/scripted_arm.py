@@ -2,9 +2,13 @@
 
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+import rclpy
+from rclpy.context import Context
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
@@ -96,3 +100,18 @@ def path_of(message: JointTrajectory) -> Trajectory:
         for name in ("positions", "velocities", "accelerations")
     )
     return Trajectory(np.array(time_), q, qd, qdd, tuple(message.joint_names))
+
+
+@contextmanager
+def driving(drag: float, *, moving: bool = True) -> Iterator[Driver]:
+    """Yield the scripted arm in its own node, from its start to its end."""
+    context = Context()
+    rclpy.init(context=context)
+    node = rclpy.create_node("driver", context=context)
+    made = Driver(node, drag)
+    made.moving = moving
+    made.start()
+    yield made
+    made.end()
+    node.destroy_node()
+    context.try_shutdown()

@@ -49,6 +49,16 @@ def idle(page: Any) -> None:
     page.wait_for_timeout(400)
 
 
+def learned(page: Any, address: str) -> None:
+    """Open a workbench, and learn a model of its recordings."""
+    page.goto(address)
+    page.wait_for_selector("article .joints >> nth=2", timeout=LONG)
+    idle(page)
+    page.get_by_role("button", name="Learn a model").click()
+    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
+    idle(page)
+
+
 def walk(page: Any, address: str, name: str) -> None:
     """Go from recordings to the fallen error, with a picture of each step."""
 
@@ -97,12 +107,7 @@ def walk(page: Any, address: str, name: str) -> None:
 
 def unlisted(page: Any, address: str, name: str) -> None:
     """Take what no effect fits in as a curve, and have formulas proposed, with pictures."""
-    page.goto(address)
-    page.wait_for_selector("article .joints >> nth=2", timeout=LONG)
-    idle(page)
-    page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-    idle(page)
+    learned(page, address)
     page.goto(address + "#diagnose")
     page.locator("#view").get_by_role("button", name="Find what is missing").click()
     left = page.locator("article", has_text="Unexplained on")
@@ -122,12 +127,7 @@ def live(page: Any, address: str, name: str, session: Path) -> None:
     """Learn a model, move the simulated arm after a confirmation, with pictures."""
     from lagrangian_ff.arm import exciting_trajectory, write_trajectory
 
-    page.goto(address)
-    page.wait_for_selector("article .joints >> nth=2", timeout=LONG)
-    idle(page)
-    page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="See where it fails").wait_for(timeout=LONG)
-    idle(page)
+    learned(page, address)
     (session / "motions").mkdir()
     path = session / "motions" / "all_joints.csv"
     write_trajectory(path, exciting_trajectory(4, seed=7, duration=20.0))

@@ -12,7 +12,7 @@ from lagrangian_ff.effects.curve import FADES, Axis, Curve
 from lagrangian_ff.identification.basis import Term
 
 READ = {"position": "q", "velocity": "qd", "acceleration": "qdd", "load": "load"}
-"""What a curve may be over, by the name of the state that it is."""
+"""The state that each coordinate of a curve is."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ MOST = 2
 
 @dataclass(frozen=True, eq=False)
 class Unlisted:
-    """What is left at the end of an investigation and no effect of the catalogue fits.
+    """What an investigation leaves that no effect of the catalogue fits.
 
     Attributes:
         left: each torque, with what its curve does to the error.

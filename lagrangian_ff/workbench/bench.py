@@ -13,12 +13,11 @@ from lagrangian_ff.workbench.investigating import Arm, Investigate
 from lagrangian_ff.workbench.investigations import Investigations
 from lagrangian_ff.workbench.looking import Look
 from lagrangian_ff.workbench.moving import Move
-from lagrangian_ff.workbench.recordings import Recordings
+from lagrangian_ff.workbench.recordings import Asked, Recordings
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
 from lagrangian_ff.workbench.unlisted import Unlisted
 from lagrangian_ff.worker import Outcome, Worker
 
-Asked = dict[str, Any]
 CURVE = "curve"
 """Under which name `diagnosis.add` adds one."""
 

@@ -1,4 +1,4 @@
-"""An investigation as work of its own process: it asks before it moves, and can be stopped."""
+"""An investigation in a process: it asks before it moves, and can be stopped."""
 
 import signal
 import threading
@@ -258,6 +258,7 @@ class Investigate:
             signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # a late one must not end the process
 
     def _result(self, found: "Investigation") -> Record:
+        from lagrangian_ff.investigation.investigate import LEARNED
         from lagrangian_ff.report import investigation_page
 
         investigation_page(self.page, found)
@@ -267,6 +268,7 @@ class Investigate:
             "left": _left(found),
             "pictures": [_picture(turn) for turn in found.turns],
             "models": self._models(found),
+            "learned": LEARNED,
             "model": last.name if last else "",
             "scale": {j: v for j, v in self.scale.items() if j in found.joints},
             "proposed": {

@@ -9,7 +9,7 @@ import secrets
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.files import whole
@@ -22,28 +22,13 @@ from lagrangian_ff.workbench.investigating import (
     Wanted,
     check,
 )
+from lagrangian_ff.workbench.recordings import Asked, Begin
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
 from lagrangian_ff.worker import Worker
 
-Asked = dict[str, Any]
 HOLDS = 120.0  # s in which a permission may be given
 LIMITS = "joint_limits.yaml"
 LOST = "the workbench ended before it did; its motions are kept under Data"
-LEARNED = 0.6
-"""Share of each motion that an investigation learns from, from its beginning."""
-
-
-class Begin(Protocol):
-    """Starts work in a process, or after the work under way."""
-
-    def __call__(
-        self,
-        title: str,
-        job: Any,
-        take: Callable[[Any], None],
-        failed: Callable[[str], None] | None = None,
-        began: Callable[[Worker[Any]], None] = ...,
-    ) -> None: ...
 
 
 class Investigations:
@@ -208,7 +193,7 @@ class Investigations:
         self._over()
         scales = {file: dict(now["scale"]) for file in now["bags"]}
         settings = {"model": "", "asked": "", "urdf": "", "effort": session.effort,
-                    "scales": scales, "learned": LEARNED}  # fmt: skip
+                    "scales": scales, "learned": story.pop("learned")}  # fmt: skip
         parent, made = "", []
         for one in models:
             added, why = one["added"], one["why"]

@@ -7,6 +7,7 @@ from lagrangian_ff.recording.motion import Conditioning
 from lagrangian_ff.workbench.aside import Aside, Later
 from lagrangian_ff.workbench.looking import Look, Observe
 from lagrangian_ff.workbench.session import Card, Role, Session
+from lagrangian_ff.worker import Worker
 
 Asked = dict[str, Any]
 
@@ -20,6 +21,7 @@ class Begin(Protocol):
         job: Any,
         take: Callable[[Any], None],
         failed: Callable[[str], None] | None = None,
+        began: Callable[[Worker[Any]], None] = ...,
     ) -> None: ...
 
 

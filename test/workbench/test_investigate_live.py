@@ -11,10 +11,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-import rclpy
 from browsing import LONG, chromium, idle, needs_chromium, opened, violations
-from rclpy.context import Context
-from scripted_arm import TOPIC, Driver, path_of
+from scripted_arm import TOPIC, Driver, driving, path_of
 from workbench_examples import Served, serving
 
 playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is not installed")
@@ -30,16 +28,8 @@ joint_limits:
 
 @pytest.fixture(scope="module")
 def driver(ros_environment: dict[str, str]) -> Iterator[Driver]:
-    context = Context()
-    rclpy.init(context=context)
-    node = rclpy.create_node("driver", context=context)
-    made = Driver(node, 0.9)
-    made.moving = False
-    made.start()
-    yield made
-    made.end()
-    node.destroy_node()
-    context.try_shutdown()
+    with driving(0.9, moving=False) as made:
+        yield made
 
 
 @pytest.fixture(scope="module")

@@ -15,9 +15,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-import rclpy
-from rclpy.context import Context
-from scripted_arm import JOINTS, TOPIC, Driver
+from scripted_arm import JOINTS, TOPIC, Driver, driving
 from workbench_examples import Served, moved, serving
 
 from lagrangian_ff.arm.trajectory import Trajectory, write_trajectory
@@ -33,15 +31,8 @@ DRAG = 0.9
 
 @pytest.fixture(scope="module")
 def driver(ros_environment: dict[str, str]) -> Iterator[Driver]:
-    context = Context()
-    rclpy.init(context=context)
-    node = rclpy.create_node("driver", context=context)
-    made = Driver(node, DRAG)
-    made.start()
-    yield made
-    made.end()
-    node.destroy_node()
-    context.try_shutdown()
+    with driving(DRAG) as made:
+        yield made
 
 
 @pytest.fixture(scope="module")

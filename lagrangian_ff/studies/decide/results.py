@@ -88,7 +88,7 @@ class Taken:
     Attributes:
         case: its name.  over: the coordinates of the curve.
         curve, formula: error on unseen motion with the curve, and with the formula proposed first,
-            over that with the true structure; the latter None where none was proposed.
+            over that with the true structure; `formula` is None without a proposal.
         rank: of the true form among the formulas, from 1; 0 if it is not there.
     """
 
