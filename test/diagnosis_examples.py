@@ -134,6 +134,7 @@ def diagnosis(**more: Any) -> Diagnosis:
         taken_up=None,
         not_observable=(),
         ranking=(),
+        waiting=(),
         threshold=14.0,
         noise=np.array([0.1, 0.2]),
     )

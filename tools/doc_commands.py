@@ -9,8 +9,8 @@
   `python` code. A page is one session, in the order in which it is read, in an empty folder. `...`
   in an output stands for lines that are left out.
 - `<!-- not run: REASON -->` above a block: its commands are parsed and not run.
-- `<!-- page not run: REASON -->`: this holds for every block of the page.
-- `<!-- begins with: NAME NAME -->`: recordings, and a model for a name in .npz, that are there.
+- `<!-- page not run: REASON -->`: this holds for every block of the page without `<!-- run -->` above.
+- `<!-- begins with: NAME NAME.npz NAME.urdf -->`: a recording, a model, the simulated arm's URDF.
 - `<!-- simulate: small arm -->`: at reduced size a small arm stands in for the simulated one.
 """
 
@@ -37,6 +37,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 import reference  # noqa: E402
 from small_arm import small_arm  # noqa: E402
 
+from lagrangian_ff.arm import robot_description  # noqa: E402
 from lagrangian_ff.cli.main import build_parser, main  # noqa: E402
 
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
@@ -110,8 +111,8 @@ def blocks(page: Path) -> list[Block]:
     found = []
     for match in FENCE.finditer(text):
         above = text[: match.start()].rstrip("\n").rpartition("\n")[2]
-        line = text.count("\n", 0, match.start()) + 1
-        place, reason = match.span("text"), said(above, "not run") or whole
+        line, place = text.count("\n", 0, match.start()) + 1, match.span("text")
+        reason = "" if above == "<!-- run -->" else said(above, "not run") or whole
         found.append(Block(page, line, match["language"], match["text"], place, reason))
     return found
 
@@ -268,8 +269,11 @@ class Session:
 
     def _begin(self, names: Sequence[str]) -> None:
         """Make what the page begins with."""
-        for number, name in enumerate(name for name in names if not name.endswith(".npz")):
+        for number, name in enumerate(name for name in names if not Path(name).suffix):
             small_arm(Path(name), seed=number, slow=name.startswith("slow"))
+        for path in (Path(name) for name in names if name.endswith(".urdf")):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(robot_description(), encoding="utf-8")
         for name in (name for name in names if name.endswith(".npz")):
             small_arm(Path("learned"), seed=7)
             self._call(["identify", "learned", "--output", name, *QUICK], name)
@@ -312,7 +316,7 @@ class Session:
 
 
 QUICK = ("--samples", "100", "--block", "1", "--train", "1.0")
-REDUCED: dict[str, Sequence[str]] = {"simulate": ("--duration", "6"), "identify": QUICK[:4]}
+REDUCED: dict[str, Sequence[str]] = {"simulate": ("--duration", "12"), "identify": QUICK[:4]}
 """What is added to a command at reduced size; the last of two equal options is taken."""
 
 

@@ -23,6 +23,7 @@ from lagrangian_ff.diagnosis.results import (
     Unexplained,
     sorted_findings,
 )
+from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate, searched_for
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
@@ -91,7 +92,8 @@ def diagnose(
         unexplained=tuple(_unexplained(one, found.whitened, model.joints) for one in curves),
         taken_up=taken_up,
         not_observable=not_observable(found, model.joints),
-        ranking=_ranking(found, model.joints),
+        ranking=_ranking(found.ranking, found, model.joints),
+        waiting=_ranking(found.last, found, model.joints),
         threshold=found.null.threshold,
         noise=found.whitened.noise,
         wanting=found.wanting,
@@ -328,9 +330,11 @@ def _remainders(
     return tuple(Remainder(name, size, size / spread) for name, size, spread in every if size > 0.0)
 
 
-def _ranking(found: Search, joints: Sequence[str]) -> tuple[Ranked, ...]:
+def _ranking(
+    scores: Sequence[BayesFactor], found: Search, joints: Sequence[str]
+) -> tuple[Ranked, ...]:
     ranked = []
-    for score in found.ranking:
+    for score in scores:
         candidate, stands_out = score.candidate, found.null.exceeded_by(score.log_bf)
         name, joint = with_joint_names(candidate.source.name, joints), joints[candidate.joint]
         ranked.append(Ranked(name, joint, score.log_bf, candidate.named, stands_out))

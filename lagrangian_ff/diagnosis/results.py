@@ -335,7 +335,7 @@ class Diagnosis:
         findings: effects, best first.  unexplained: torques that no effect fits.
         taken_up: a load taken up on the way, if there was one.
         not_observable: effects that this motion cannot show.
-        ranking: candidates before anything was found, best first.
+        ranking, waiting: candidates before anything was found, and beside all that was, best first.
         threshold: nats that the maximum over all candidates exceeds by chance once in twenty times.
         noise: (N,) N·m, standard deviation of each joint's unexplained torque.
         wanting: s of such motion that a verdict needs besides; without them there is none.
@@ -353,6 +353,7 @@ class Diagnosis:
     taken_up: TakenUp | None
     not_observable: tuple[NotObservable, ...]
     ranking: tuple[Ranked, ...]
+    waiting: tuple[Ranked, ...]
     threshold: float
     noise: Floats
     wanting: float = 0.0

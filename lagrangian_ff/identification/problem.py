@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term, shares
 from lagrangian_ff.identification.samples import Samples, evenly
@@ -17,9 +17,9 @@ from lagrangian_ff.kernels.dense import gram_of, together
 
 NOISE_START = 1e-2
 """Variance of the noise over the kernel's, before anything is chosen."""
-STUCK_NOISE = 100.0
-"""Variance of the torque of a joint at rest, relative to its noise: it is anywhere within static
-friction, which is some ten times the noise."""
+STUCK_NOISE = 1e6
+"""Variance of the torque of a joint at rest, relative to its noise: it stays anywhere within static
+friction, some thirty times the noise, for as long as the joint rests, which may be 1000 samples."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +104,7 @@ class Rows:
         columns: (S, B) the basis, each column in the torque of its joint, N·m.
         on: (B, n) the factor of each column in the normalised torque of each of the n joints.
         target: (S n,) the torques y.  noise: (S n,) variance of each torque.
+        stuck: (S n,) those of joints at rest, which say nothing of the noise.
     """
 
     states: States
@@ -111,6 +112,7 @@ class Rows:
     on: Floats
     target: Floats
     noise: Floats
+    stuck: Flags
 
     def of(self, samples: Ints) -> Ints:
         """Return (R n,) the rows of these samples."""
@@ -255,12 +257,13 @@ class Problem:
                 held.append(one.columns)
                 factor = shares(x.joints, one.joint, one.others)
                 on.append(np.tile(factor, (one.columns.shape[1], 1)))
-        noise = (self.variances * np.where(x.rest, STUCK_NOISE, 1.0))[:, columns].ravel()
+        stuck = x.rest[:, columns].ravel()
+        noise = np.tile(self.variances[columns], len(x)) * np.where(stuck, STUCK_NOISE, 1.0)
         if self.samples.weight is not None:
             noise = noise / self.samples.weight[:, columns].ravel()
         target = (self.samples.tau[:, columns] / self.unit[columns]).ravel()
         factors = np.concatenate(on)[:, columns] / self.unit[columns]
-        return Rows(self.samples.states, np.column_stack(held), factors, target, noise)
+        return Rows(self.samples.states, np.column_stack(held), factors, target, noise, stuck)
 
 
 def rows_of(samples: Ints, width: int) -> Ints:

@@ -13,7 +13,7 @@ TWICE = 2
 """How often one question is asked, at most: a second motion of its kind doubles the evidence."""
 MOST_EVERYTHING = 3
 HOPE = 8.0
-"""Nats from which on the best candidate of a joint without findings is worth a motion."""
+"""Nats from which on the best candidate of a joint, beside what was found, is worth a motion."""
 
 
 def next_question(
@@ -52,10 +52,12 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
             yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
         elif not one.confirmed:
             yield For(suspect)
-    named = {joint for one in found.findings for joint in one.joints}
-    for ranked in found.ranking:
-        if ranked.named and ranked.joint not in named and ranked.log_bayes_factor > HOPE:
-            named.add(ranked.joint)
+    known = {(one.effect.name, joint) for one in found.findings for joint in one.joints}
+    looked: set[str] = set()
+    for ranked in found.waiting:
+        new = ranked.named and (ranked.name, ranked.joint) not in known
+        if new and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
+            looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
 
 

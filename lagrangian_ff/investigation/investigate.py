@@ -130,7 +130,7 @@ class _Story:
             if seconds < SHORTEST:
                 return Ended.BUDGET, Ended.BUDGET.value
             questions.append(question)
-            made = self._designed(look.base, question, min(seconds, MOST * self._left))
+            made = self._designed(look.model, question, min(seconds, MOST * self._left))
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)

@@ -210,7 +210,7 @@ def test_the_joint_in_question_is_also_moved_alone() -> None:
     assert 0 < len(starts) < len(found)
     *_, best = way.uphill(starts, 0)
     assert not np.ptp(best.control[:, 0])
-    assert np.ptp(best.control[:, 1]) > 0.1
+    assert np.ptp(best.control[:, 1]) > 0.05
     assert best.value > starts[0].value
 
 

@@ -6,10 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pendulum
 import pytest
+from numpy.typing import NDArray
 
 from lagrangian_ff.errors import ModelError, RecordingError
 from lagrangian_ff.identification import Identification, Settings, identify
 from lagrangian_ff.kernels import States
+from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
 
 FEW = Settings(samples=120, evaluations=25, train=0.5)
 
@@ -156,6 +160,34 @@ def test_the_scale_follows_whether_the_joints_share_one_lagrangian() -> None:
     assert agreed.record["scale"] == "common"
     by_force = identify(motion, Settings(samples=120, scale="joint"))
     assert float(str(agreed.record["nmse"])) < float(str(by_force.record["nmse"]))
+
+
+def holding(joint: int, seconds: float, seed: int) -> Motion:
+    """Return a motion in which one joint stands still, its torque anywhere within its friction."""
+    motion = pendulum.motion(seconds, seed=seed, noise=0.02)
+    q, qd, qdd = motion.q.copy(), motion.qd.copy(), motion.qdd.copy()
+    q[:, joint], qd[:, joint], qdd[:, joint] = q[0, joint], 0.0, 0.0
+    x = States.of(q, qd, qdd)
+    tau = pendulum.rigid_torque(x) + pendulum.friction_torque(x)
+    tau[:, joint] += 0.8 * pendulum.COULOMB[joint]
+    tau += 0.02 * motion.tau.std(axis=0) * np.random.default_rng(seed).normal(size=tau.shape)
+    return replace(motion, q=q, qd=qd, qdd=qdd, tau=tau)
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+def test_motion_in_which_a_joint_is_held_costs_the_others_nothing(joint: int) -> None:
+    """What a held joint does not show, the model must not take for noise, or for its absence."""
+    whole = pendulum.motion(20.0, noise=0.02, seed=1)
+    unseen = pendulum.motion(20.0, noise=0.02, seed=5)
+    settings = Settings("chain+fri", train=1.0)
+
+    def error(*learned: Motion) -> Floats:
+        model = identify(list(learned), settings).model
+        left = unseen.tau - model.predict(unseen.q, unseen.qd, unseen.qdd)
+        return np.asarray(left.std(axis=0))
+
+    held = [holding(joint, 20.0, seed) for seed in (2, 3, 4)]
+    assert (error(whole, *held) < 1.05 * error(whole)).all()
 
 
 @pytest.mark.parametrize("landmarks", [0, 40])

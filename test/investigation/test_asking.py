@@ -68,9 +68,13 @@ def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
 ) -> None:
     ranked = Ranked("stribeck", "elbow", nats, named=True, stands_out=False)
     curve = Ranked("curve", "shoulder", 50.0, named=False, stands_out=True)
-    assert asked(diagnosis(ranking=(curve, ranked))) == question
-    named = diagnosis(ranking=(ranked,), findings=(finding("spring"),))
-    assert asked(named) is None  # of a joint with a finding nothing else is asked
+    assert asked(diagnosis(waiting=(curve, ranked))) == question
+    other = Ranked("ripple", "elbow", nats - 1.0, named=True, stands_out=False)
+    assert asked(diagnosis(waiting=(ranked, other)), SEEN, (STRIBECK,) * TWICE) is None
+    beside = diagnosis(waiting=(ranked,), findings=(finding("spring"),))
+    assert asked(beside) == question
+    found = diagnosis(waiting=(ranked,), findings=(finding("stribeck"),))
+    assert asked(found) is None
 
 
 def test_what_could_be_there_unseen_is_asked_for_last_and_not_for_ever() -> None:

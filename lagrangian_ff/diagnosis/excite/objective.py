@@ -142,10 +142,16 @@ class Objective:
         return self.assumed.whitened_at(motion, index, whole, x)
 
     def _inputs(self, control: Floats) -> Inputs:
-        rows = slice(None) if self._remembers else self.index
-        q, qd, qdd = (rate[rows] @ control for rate in self.splines.rates[:3])
-        x = self._read(States.of(q, qd, qdd), self.splines.time[rows])
+        return self._inputs_of(*(rate[self._rows] @ control for rate in self.splines.rates[:3]))
+
+    def _inputs_of(self, q: Floats, qd: Floats, qdd: Floats) -> Inputs:
+        x = self._read(States.of(q, qd, qdd), self.splines.time[self._rows])
         return x.take(self.index) if self._remembers else x
+
+    @property
+    def _rows(self) -> Ints | slice:
+        """Return the samples that effects need: all of them where one has a memory."""
+        return slice(None) if self._remembers else self.index
 
     def _read(self, x: States, time: Floats) -> Inputs:
         """Return states as effects read them."""
@@ -221,17 +227,21 @@ class Objective:
         pulls = [pull for pull in _merged(look.pulls) if pull.term.effect.remembers]
         nearest = np.abs(self.splines.places[:, None] - look.whitened.x.time).argmin(axis=0)
         causes = {pull.term.effect.cause(pull.term.joint, pull.term.shape) for pull in pulls}
-        for joint in causes.intersection(free):
-            here = [p for p in pulls if p.term.effect.cause(p.term.joint, p.term.shape) == joint]
-            before = _sums(here, look.whitened.x)
-            for colour in range(COLOURS):
-                step = np.zeros(len(control))
-                step[colour::COLOURS] = STEP
-                moved = control.copy()
-                moved[:, joint] += step
-                change = (_sums(here, self._inputs(moved)) - before) / STEP
-                mine = np.abs(nearest[:, None] - np.arange(len(control))[colour::COLOURS])
-                whose = np.arange(len(control))[colour::COLOURS][mine.argmin(axis=1)]
+        of = {
+            joint: [p for p in pulls if p.term.effect.cause(p.term.joint, p.term.shape) == joint]
+            for joint in causes.intersection(free)
+        }
+        before = {joint: _sums(here, look.whitened.x) for joint, here in of.items()}
+        rates = [rate[self._rows] for rate in self.splines.rates[:3]]
+        ways = [rate @ control for rate in rates] if of else []
+        for colour in range(COLOURS if of else 0):
+            every = np.arange(len(control))[colour::COLOURS]
+            steps = [STEP * rate[:, every].sum(axis=1) for rate in rates]
+            whose = every[np.abs(nearest[:, None] - every).argmin(axis=1)]
+            for joint, here in of.items():
+                column = np.arange(control.shape[1]) == joint
+                moved = (w + np.outer(s, column) for w, s in zip(ways, steps, strict=True))
+                change = (_sums(here, self._inputs_of(*moved)) - before[joint]) / STEP
                 np.add.at(out[:, joint], whose, change)
         return out
 

@@ -203,6 +203,7 @@ def _by_gram(found: Posterior[System]) -> Derivatives:
     by_gram = system.slope_by_gram()
     each = system.noise.reshape(len(states), -1)
     diagonal = (np.diag(by_gram).reshape(each.shape) * each).sum(axis=0)
+    diagonal -= system.stuck.reshape(each.shape).sum(axis=0)
     if second is not None:
         by_gram *= 1.0 + np.outer(second, second)
     contracted = kernel.contract(states, by_gram, system.weights)

@@ -111,11 +111,14 @@ class Sums:
     Attributes:
         products: (K, K) [Ψ Φ y]ᵀ D⁻¹ [Ψ Φ y], K = M + B + 1; only the lower triangle is written.
         count: torques.  log_noise: log |D|.
+        stuck: of these, torques of joints at rest.  log_stuck: their part of log |D|.
     """
 
     products: Floats
     count: int
     log_noise: float
+    stuck: int
+    log_stuck: float
 
     @classmethod
     def over(
@@ -124,7 +127,7 @@ class Sums:
         """Sum over some samples, chunk by chunk."""
         size = points.size + rows.columns.shape[1] + 1
         products = np.zeros((size, size), order="F")
-        log_noise, done = 0.0, 0
+        log_noise, stuck, log_stuck, done = 0.0, 0, 0.0, 0
         for chunk in points.chunks(samples):
             at = rows.of(chunk)
             features = points.features(rows.states.take(chunk))
@@ -132,10 +135,13 @@ class Sums:
             held /= np.sqrt(rows.noise[at])[:, None]
             # Accumulated in place, half of the work of a product.
             products = blas.dsyrk(1.0, held.T, beta=1.0, c=products, lower=1, overwrite_c=1)
-            log_noise += float(np.sum(np.log(rows.noise[at])))
+            logs, rests = np.log(rows.noise[at]), rows.stuck[at]
+            log_noise += float(np.sum(logs))
+            stuck += int(np.sum(rests))
+            log_stuck += float(np.sum(logs[rests]))
             done += len(chunk)
             progress(done / len(samples), "summing over the samples")
-        return cls(products, len(samples) * len(points.joints), log_noise)
+        return cls(products, len(samples) * len(points.joints), log_noise, stuck, log_stuck)
 
     def plus(self, other: "Sums", sign: float = 1.0) -> "Sums":
         """Return the sum with another group, or, for sign −1, without it."""
@@ -143,6 +149,8 @@ class Sums:
             self.products + sign * other.products,
             self.count + int(sign) * other.count,
             self.log_noise + sign * other.log_noise,
+            self.stuck + int(sign) * other.stuck,
+            self.log_stuck + sign * other.log_stuck,
         )
 
     def squares_left(self, theta: Floats) -> float:

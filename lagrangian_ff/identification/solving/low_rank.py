@@ -56,6 +56,11 @@ class Reduced(Solution):
     def count(self) -> int:
         return self.sums.count
 
+    @property
+    def at_rest(self) -> tuple[int, float]:
+        stuck, log_stuck = self.sums.stuck, self.sums.log_stuck
+        return stuck, log_stuck + stuck * float(np.log(self.factor))
+
     @cached_property
     def _lower(self) -> Floats:
         """Return the Cholesky factor of A, (M, M)."""

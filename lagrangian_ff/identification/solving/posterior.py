@@ -94,9 +94,10 @@ class Posterior(Generic[AnySystem]):
 
         It counts the unit of each torque, so that it can be compared between scalings.
         """
+        moving = np.sum(~self.problem.samples.x.rest, axis=0)
+        by_unit = moving * np.log(self.problem.unit)
         return sum(
-            system.log_evidence
-            - self.count * float(np.sum(np.log(self.problem.unit[list(joints)])))
+            system.log_evidence - float(np.sum(by_unit[list(joints)]))
             for joints, _, system in self.systems
         )
 
@@ -231,7 +232,7 @@ def exact(
             system = like.of(rows.design(), rows.target)
         else:
             gram = problem.gram(joints) if grams is None else grams[joints].copy()
-            system = System.factor(gram, rows.noise, rows.design(), rows.target)
+            system = System.factor(gram, rows.noise, rows.design(), rows.target, rows.stuck)
         systems.append((joints, problem.basis.of_joints(joints), system))
         progress((number + 1) / len(wanted), "fitting")
     return Posterior(problem, problem.samples.states, tuple(systems))

@@ -103,6 +103,14 @@ class Solution(ABC):
 
     @property
     @abstractmethod
+    def at_rest(self) -> tuple[int, float]:
+        """Return the number of torques of joints at rest, and the sum of the logs of their noise.
+
+        These hardly count in the fit, and not in what it says of the noise.
+        """
+
+    @property
+    @abstractmethod
     def information(self) -> Floats:
         """Return (B, B) Φᵀ G⁻¹ Φ."""
 
@@ -169,10 +177,14 @@ class Solution(ABC):
 
     @cached_property
     def degrees(self) -> int:
-        """Return the number of torques minus the directions of the basis that they determine."""
+        """Return the number of torques minus the directions of the basis that they determine.
+
+        Those of joints at rest are not among them.
+        """
+        moving = self.count - self.at_rest[0]
         if len(self.moment) == 0:  # NumPy 1 has no rank for an empty matrix
-            return self.count
-        return int(self.count - np.linalg.matrix_rank(self.covariance, hermitian=True))
+            return max(moving, 1)
+        return max(int(moving - np.linalg.matrix_rank(self.covariance, hermitian=True)), 1)
 
     @cached_property
     def amplitude(self) -> float:
@@ -195,4 +207,5 @@ class Solution(ABC):
         seen = np.linalg.eigvalsh(self.covariance)
         seen = seen[seen > seen.max(initial=0.0) * 1e-14]
         fit = self.degrees * (np.log(2.0 * np.pi * self.amplitude) + 1.0)
-        return -0.5 * (fit + self.log_det - float(np.sum(np.log(seen))))
+        log_det = self.log_det - self.at_rest[1]
+        return -0.5 * (fit + log_det - float(np.sum(np.log(seen))))

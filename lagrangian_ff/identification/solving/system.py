@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import blas, lapack, solve_triangular
 
-from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.identification.solving.solution import (
     LeftOut,
     NotPositiveDefiniteError,
@@ -60,6 +60,7 @@ class System(Solution):
     Attributes:
         cholesky: the factor.
         design: (n, B) the basis Φ.  target: (n,) the torques y.  noise: (n,) variance of each, D.
+        stuck: (n,) the torques of joints at rest.
         white_design: (n, B) U⁻ᵀ Φ.  white_target: (n,) U⁻ᵀ y.
     """
 
@@ -67,16 +68,20 @@ class System(Solution):
     design: Floats
     target: Floats
     noise: Floats
+    stuck: Flags
     white_design: Floats
     white_target: Floats
 
     @classmethod
-    def factor(cls, gram: Floats, noise: Floats, design: Floats, target: Floats) -> "System":
+    def factor(
+        cls, gram: Floats, noise: Floats, design: Floats, target: Floats, stuck: Flags | None = None
+    ) -> "System":
         """Add the noise to the Gram matrix, factor it in place, and whiten basis and torques.
 
         Args:
             gram: (n, n), C-contiguous, lower triangle used; overwritten.
             noise: (n,) variance of each torque.  design: (n, B).  target: (n,).
+            stuck: (n,) the torques of joints at rest; None is none.
 
         Raises:
             NotPositiveDefiniteError: a pivot is not positive, or the Gram matrix is not finite.
@@ -89,19 +94,20 @@ class System(Solution):
             raise NotPositiveDefiniteError(f"pivot {info} of {size} is not positive")
         if not np.isfinite(np.diag(upper)).all():  # LAPACK need not notice
             raise NotPositiveDefiniteError(f"the Gram matrix of {size} torques is not finite")
-        return cls._whitened(Cholesky(upper), design, target, noise)
+        stuck = np.zeros(size, dtype=np.bool_) if stuck is None else stuck
+        return cls._whitened(Cholesky(upper), design, target, noise, stuck)
 
     def of(self, design: Floats, target: Floats) -> "System":
         """Return the system of the same Gram matrix and noise with another basis and torques."""
-        return self._whitened(self.cholesky, design, target, self.noise)
+        return self._whitened(self.cholesky, design, target, self.noise, self.stuck)
 
     @classmethod
     def _whitened(
-        cls, cholesky: Cholesky, design: Floats, target: Floats, noise: Floats
+        cls, cholesky: Cholesky, design: Floats, target: Floats, noise: Floats, stuck: Flags
     ) -> "System":
         both = np.column_stack([design, target])
         white = solve_triangular(cholesky.upper, both, trans=1, check_finite=False)
-        return cls(cholesky, design, target, noise, white[:, :-1], white[:, -1])
+        return cls(cholesky, design, target, noise, stuck, white[:, :-1], white[:, -1])
 
     @property
     def upper(self) -> Floats:
@@ -115,6 +121,10 @@ class System(Solution):
     @property
     def count(self) -> int:
         return int(self.design.shape[0])
+
+    @property
+    def at_rest(self) -> tuple[int, float]:
+        return int(self.stuck.sum()), float(np.sum(np.log(self.noise[self.stuck])))
 
     @cached_property
     def moment(self) -> Floats:

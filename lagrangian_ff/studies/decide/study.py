@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
-from lagrangian_ff.diagnosis import diagnose, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
     For,
@@ -104,7 +104,7 @@ class Decision:
         clock.lap("usual")
         made: dict[str, Any] = {"before": self._judged(before.findings).record()}
         question = _question(before, suspect)
-        model = before.model
+        model = apply(before)  # as a user does before the next motion
         limits, start = limits_of(model), seen_pose(model, hidden.joint, limits_of(model))
         found = design(
             model,
@@ -134,7 +134,7 @@ class Decision:
                 made[name] = {"failed": str(error)}
                 continue
             gains = {(one.effect.name, one.joint): one.log_bayes_factor for one in after.findings}
-            ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.ranking}
+            ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.waiting}
             key = suspect.effect, suspect.joint
             made[name] = {
                 "seconds": float(cut.time[-1]),

@@ -44,6 +44,22 @@ class Problem:
         lower = np.where(np.tri(len(self.gram), dtype=bool), self.gram, np.nan)
         return System.factor(lower, self.noise, self.design, self.target)
 
+    def beside(self, rests: int, seed: int) -> System:
+        """Return the system of these torques and of some that a joint at rest holds back."""
+        rng = np.random.default_rng(seed)
+        size = len(self.target) + rests
+        stuck = np.arange(size) >= len(self.target)
+        gram = np.eye(size)
+        root = rng.normal(size=(size, size)) / np.sqrt(size)
+        gram[stuck] = (root @ root.T)[stuck]
+        gram[:, stuck] = gram[stuck].T
+        gram[np.ix_(~stuck, ~stuck)] = self.gram
+        gram[np.ix_(stuck, stuck)] += np.eye(rests) * size
+        noise = np.concatenate([self.noise, rng.uniform(1e9, 1e10, rests)])
+        design = np.vstack([self.design, rng.normal(size=(rests, self.design.shape[1]))])
+        target = np.concatenate([self.target, rng.normal(size=rests)])
+        return System.factor(gram, noise, design, target, stuck)
+
     def projection(self) -> Floats:
         inverse = np.asarray(np.linalg.inv(self.gram + np.diag(self.noise)))
         carried = inverse @ self.design
@@ -93,6 +109,18 @@ def test_evidence_is_the_restricted_likelihood(size: int, columns: int, seed: in
     )
     assert system.amplitude == pytest.approx(amplitude, rel=1e-8)
     assert system.log_evidence == pytest.approx(expected, rel=1e-8)
+
+
+@given(**sizes, rests=st.integers(1, 30))
+def test_torques_of_joints_at_rest_leave_the_evidence_as_it_is(
+    size: int, columns: int, seed: int, rests: int
+) -> None:
+    problem = Problem.random(size, columns, seed)
+    alone, beside = problem.system(), problem.beside(rests, seed)
+    assert beside.degrees == alone.degrees
+    assert beside.amplitude == pytest.approx(alone.amplitude, rel=1e-5)
+    assert beside.log_evidence == pytest.approx(alone.log_evidence, abs=1e-4)
+    np.testing.assert_allclose(beside.coefficients, alone.coefficients, atol=1e-5)
 
 
 @given(**sizes)
