@@ -9,7 +9,7 @@
   `python` code. A page is one session, in the order in which it is read, in an empty folder. `...`
   in an output stands for lines that are left out.
 - `<!-- not run: REASON -->` above a block: its commands are parsed and not run.
-- `<!-- page not run: REASON -->`: this holds for every block of the page without `<!-- run -->` above.
+- `<!-- page not run: REASON -->`: for every block of the page without `<!-- run -->` above.
 - `<!-- begins with: NAME NAME.npz NAME.urdf -->`: a recording, a model, the simulated arm's URDF.
 - `<!-- simulate: small arm -->`: at reduced size a small arm stands in for the simulated one.
 """
@@ -269,7 +269,7 @@ class Session:
 
     def _begin(self, names: Sequence[str]) -> None:
         """Make what the page begins with."""
-        for number, name in enumerate(name for name in names if not Path(name).suffix):
+        for number, name in enumerate(n for n in names if Path(n).suffix in ("", ".csv")):
             small_arm(Path(name), seed=number, slow=name.startswith("slow"))
         for path in (Path(name) for name in names if name.endswith(".urdf")):
             path.parent.mkdir(parents=True, exist_ok=True)
