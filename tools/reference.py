@@ -59,13 +59,13 @@ def parameters(node: str) -> list[Declared]:
     module = importlib.import_module(f"lagrangian_ff.nodes.{node}")
     link = importlib.import_module("lagrangian_ff.nodes.feedforward_link")
     kept = Declarations()
-    more = len(inspect.signature(module._declare).parameters) - 1
+    more = len(inspect.signature(module.declare).parameters) - 1
     if "profiles=True" in inspect.getsource(module):
         kept.declare("profile", "", "name of a file in config/arms, or a path", read_only=True)
-    module._declare(kept, *(lambda value: "" for _ in range(more)))
+    module.declare(kept, *(lambda value: "" for _ in range(more)))
     joints = {"watchdog": module, "feedforward": link}.get(node)
     if joints is not None:
-        joints._declare_joints(kept, ("JOINT",))
+        joints.declare_joints(kept, ("JOINT",))
     if node in ("identify", "monitor"):
         shared = importlib.import_module("lagrangian_ff.nodes.common.node").Parameters
         shared.declare_effort(kept, ("JOINT",))

@@ -54,7 +54,7 @@ class ArmNode(ClosingNode):
     def __init__(self) -> None:
         super().__init__("arm")
         self._settings = Parameters(self)
-        _declare(self._settings)
+        declare(self._settings)
         value = self._settings.value
         self._own_clock: bool = value("publish_clock")
         asked = wanted(self._settings.strings("hidden"))
@@ -247,7 +247,8 @@ class ArmNode(ClosingNode):
         self._arm.close()
 
 
-def _declare(parameters: Parameters) -> None:
+def declare(parameters: Parameters) -> None:
+    """Declare all parameters."""
     add = parameters.declare
     add("feedforward_source", "stream", "where the feedforward torque comes from: none; stream: "
         "~/commands; trajectory: points[i].effort of the reference; true: the plant's own torques "

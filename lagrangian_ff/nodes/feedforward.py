@@ -52,7 +52,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         answer_every_transition(self)
         self._settings = Parameters(self, profiles=True)
         self._link: FeedforwardLink | None = None
-        _declare(self._settings, self._fixed, self._fixed_while_active)
+        declare(self._settings, self._fixed, self._fixed_while_active)
         self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._failure = ""
         self._settings.watch(self._parameters_changed)
@@ -166,7 +166,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         return None if self._link is None else self._link.controller_status()
 
 
-def _declare(parameters: Parameters, fixed: Check, fixed_while_active: Check) -> None:
+def declare(parameters: Parameters, fixed: Check, fixed_while_active: Check) -> None:
     """Declare the parameters that do not depend on the model.
 
     Args:

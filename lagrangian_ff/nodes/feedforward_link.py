@@ -64,7 +64,7 @@ class FeedforwardLink:
         )
         ready = self._ready = self._file.first
         joints = self._joints = ready.model.joints
-        _declare_joints(parameters, joints)
+        declare_joints(parameters, joints)
         parameters.refuse_unknown("scale", "limits", "terms")
         self._described: dict[str, float] = {}
         self._time, self._rate = NodeTime(node), float(parameters.value("rate"))
@@ -333,7 +333,7 @@ class FeedforwardLink:
         return self._life.status(self._node.count_publishers(self._states.topic))
 
 
-def _declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
+def declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
     """Declare the parameters of each joint of the model."""
     add = parameters.declare
     for joint in joints:

@@ -64,7 +64,7 @@ class IdentifyNode(ClosingNode):
         super().__init__("identify", context=context)
         self._jobs = tuple(jobs)
         self._settings = Parameters(self, profiles=True)
-        _declare(self._settings)
+        declare(self._settings)
         self._session = Session()
         self._worker: Worker[Job] | None = None
         self._warnings = ThrottledWarnings(self.get_logger().warning)
@@ -273,7 +273,7 @@ class IdentifyNode(ClosingNode):
         self._recorder.stop()
 
 
-def _declare(parameters: Parameters) -> None:
+def declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the joints; defaults are the settings'."""
     add = parameters.declare
     add("joints", [""], 'joints to identify, from base to tool; [""] = all, put in order')

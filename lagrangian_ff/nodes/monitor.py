@@ -49,7 +49,7 @@ class MonitorNode(ClosingNode):
     def __init__(self) -> None:
         super().__init__("monitor")
         self._settings = Parameters(self, profiles=True)
-        _declare(self._settings)
+        declare(self._settings)
         value = self._settings.value
         load_own_effects(value("effects_file"))
         self._model, _ = load_model(value("model_file"))
@@ -169,7 +169,7 @@ class MonitorNode(ClosingNode):
         self._loop.stop()
 
 
-def _declare(parameters: Parameters) -> None:
+def declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the model."""
     add = parameters.declare
     add("model_file", "", "the identified model to watch", read_only=True)

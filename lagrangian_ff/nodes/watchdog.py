@@ -51,9 +51,9 @@ class WatchdogNode(ClosingNode):
     def __init__(self) -> None:
         super().__init__("watchdog")
         self._given = Parameters(self)
-        _declare(self._given)
+        declare(self._given)
         self._joints = self._given.strings("joints")
-        _declare_joints(self._given, self._joints)
+        declare_joints(self._given, self._joints)
         self._given.refuse_unknown("limits")
         self._warnings = ThrottledWarnings(self.get_logger().warning)
         self._described: dict[str, float] = {}
@@ -167,7 +167,7 @@ class WatchdogNode(ClosingNode):
             self._commands.wait_for_all_acked(Duration(seconds=0.2))
 
 
-def _declare(parameters: Parameters) -> None:
+def declare(parameters: Parameters) -> None:
     """Declare the parameters that do not depend on the joints."""
     add = parameters.declare
     add("joints", [""], 'order of the torques, for their limits; [""] = any number, no limits',
@@ -179,7 +179,7 @@ def _declare(parameters: Parameters) -> None:
     add("ramp_time", 0.1, "s in which the torque is brought in when it comes", low=0.0, high=10.0)
 
 
-def _declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
+def declare_joints(parameters: Parameters, joints: tuple[str, ...]) -> None:
     """Declare the limits of each joint."""
     for joint in joints:
         parameters.declare(f"limits.{joint}.effort", 0.0, "N·m at most; 0 = of the robot "
