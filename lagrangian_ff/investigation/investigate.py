@@ -1,6 +1,7 @@
 """The loop that closes itself: move, identify, diagnose, design the next motion, until it ends."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +19,9 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.excite.keeping import Clear
 from lagrangian_ff.diagnosis.observable import observability
-from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.diagnosis.results import Diagnosis, Reason
 from lagrangian_ff.errors import ModelError, UserError
-from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import next_question
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
@@ -130,7 +131,11 @@ class _Story:
             if seconds < SHORTEST:
                 return Ended.BUDGET, Ended.BUDGET.value
             questions.append(question)
-            made = self._designed(look.model, question, min(seconds, MOST * self._left))
+            try:
+                made = self._designed(look, question, min(seconds, MOST * self._left))
+            except ModelError as error:  # no motion within the limits answers it: the next one
+                self._say(str(error))
+                continue
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
@@ -213,8 +218,9 @@ class _Story:
             shown = observability(learned)
         return next_question(look.diagnosis, shown, asked_before, self._plan.size, self._plan.gears)
 
-    def _designed(self, model: Model, question: Question, seconds: float) -> Design:
+    def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")
+        model = for_design(look.diagnosis, question)
         return design(
             model,
             question,
@@ -232,6 +238,21 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def for_design(found: Diagnosis, question: Question) -> Model:
+    """Return the model with all that unseen motion confirms, also what no error falls by yet.
+
+    What is missing is noise that hides the rest. What is asked for is left out.
+    """
+    model, wanted = apply(found), {(one.effect, one.joint) for one in question.suspects}
+    for one in found.findings:
+        if (one.effect.name, one.joint) in wanted or one.doubt is None or one.rivals:
+            continue
+        if one.doubt.reason is Reason.NO_HELP:
+            with suppress(ModelError):  # the model has it by another name
+                model = extend(model, one.effect, one.joint, one.shape).model
+    return model
 
 
 def first_motion(

@@ -56,6 +56,18 @@ def test_rivals_are_told_apart_the_usual_one_of_the_gear_first() -> None:
     assert usual["harmonic"][0] != "backlash" == usual["planetary"][0]
 
 
+def test_what_no_motion_shows_is_no_question() -> None:
+    """A touch happens or does not: no motion tells an effect from it."""
+    both = diagnosis(findings=(finding("spring", rivals=("contact", "ripple")),))
+    between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
+    assert asked(both) == between
+    assert asked(both, SEEN, (between,) * TWICE) is None
+    alone = diagnosis(findings=(finding("spring", rivals=("contact",), doubt=doubt()),))
+    assert asked(alone) == For(Suspect("spring", "elbow"))
+    touch = Ranked("contact", "elbow", 50.0, named=True, stands_out=True)
+    assert asked(diagnosis(waiting=(touch,))) is None
+
+
 def test_one_question_is_asked_twice_at_most() -> None:
     found = diagnosis(findings=(finding(doubt=doubt()),))
     assert asked(found, SEEN, (STRIBECK,)) == STRIBECK

@@ -167,14 +167,10 @@ def joints_of(question: Question, model: Model) -> Sequence[str]:
     """
     if isinstance(question, Everything):
         return model.joints
-    if isinstance(question, For):
-        suspects = [question.suspect]
-    else:
-        suspects = [question.first, question.second]
-    for one in suspects:
+    for one in question.suspects:
         if one.joint not in model.joints:
             raise ModelError(f"there is no joint {one.joint}; there are {', '.join(model.joints)}")
-    return list(dict.fromkeys(one.joint for one in suspects))
+    return list(dict.fromkeys(one.joint for one in question.suspects))
 
 
 def pose_for(question: Question, model: Model, limits: Limits) -> Floats:

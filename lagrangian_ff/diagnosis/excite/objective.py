@@ -9,6 +9,7 @@ the slope by all states.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import lapack, solve_triangular
@@ -18,6 +19,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, refitted, typical
 from lagrangian_ff.diagnosis.excite.path import Reference
 from lagrangian_ff.diagnosis.excite.questions import Case
+from lagrangian_ff.diagnosis.excite.reading import Reading
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
@@ -133,7 +135,7 @@ class Objective:
 
     def _whitened(self, control: Floats) -> Whitened:
         """Return the samples whitened; effects with a memory see the motion between them."""
-        x = self._inputs(control)
+        x = self._reading.of(control)
         whole = x.whole or x
         tau = np.random.default_rng(0).normal(size=whole.q.shape)
         joints = self.assumed.model.joints
@@ -141,27 +143,11 @@ class Objective:
         index = np.arange(len(x)) if x.index is None else x.index
         return self.assumed.whitened_at(motion, index, whole, x)
 
-    def _inputs(self, control: Floats) -> Inputs:
-        return self._inputs_of(*(rate[self._rows] @ control for rate in self.splines.rates[:3]))
-
-    def _inputs_of(self, q: Floats, qd: Floats, qdd: Floats) -> Inputs:
-        x = self._read(States.of(q, qd, qdd), self.splines.time[self._rows])
-        return x.take(self.index) if self._remembers else x
-
-    @property
-    def _rows(self) -> Ints | slice:
-        """Return the samples that effects need: all of them where one has a memory."""
-        return slice(None) if self._remembers else self.index
-
-    def _read(self, x: States, time: Floats) -> Inputs:
-        """Return states as effects read them."""
+    @cached_property
+    def _reading(self) -> Reading:
         model = self.assumed.model
-        segment = np.zeros(len(x), dtype=np.int64)
-        if self._uses:
-            read = model.with_torque(model.inputs(x.q, x.qd, x.qdd, time=time, segment=segment))
-        else:
-            read = Inputs.of(x, time, segment)
-        return replace(read, sign_speed=self.assumed.problem.basis.sign_speed(x.joints))
+        width = self.assumed.problem.basis.sign_speed(len(model.joints))
+        return Reading(model, tuple(self._terms), self.splines, self.index, width)
 
     @property
     def _terms(self) -> Iterator[Term]:
@@ -169,14 +155,6 @@ class Objective:
         for case in (case for group in self.groups for case in group):
             yield case.true.term()
             yield from (one.term() for one in case.rivals if one is not None)
-
-    @property
-    def _remembers(self) -> bool:
-        return any(term.effect.remembers for term in self._terms)
-
-    @property
-    def _uses(self) -> bool:
-        return any(term.effect.uses for term in self._terms)
 
     def slope(self, look: Look, control: Floats, free: Sequence[int] | None = None) -> Floats:
         """Return (K, N) the slope of the value by the control points.
@@ -210,9 +188,8 @@ class Objective:
                     change += 2.0 * np.sum(precision * rows, axis=1) / self._cases
                 by_state[:, n] = change.reshape(-1, joints).sum(axis=1)
                 seen = replace(still, **moved)
-                if self._uses:
-                    read = self._read(other, x.time)
-                    seen = replace(seen, load=read.load, torque=read.torque)
+                if self._reading.uses:
+                    seen = self._reading.loaded(seen)
                 by_state[:, n] += _sums(here, seen) - before
             out += self.splines.rates[order][self.index].T @ (by_state / step)
         return out + self._slope_of_memory(look, control, free)
@@ -232,7 +209,7 @@ class Objective:
             for joint in causes.intersection(free)
         }
         before = {joint: _sums(here, look.whitened.x) for joint, here in of.items()}
-        rates = [rate[self._rows] for rate in self.splines.rates[:3]]
+        rates = self._reading.rates
         ways = [rate @ control for rate in rates] if of else []
         for colour in range(COLOURS if of else 0):
             every = np.arange(len(control))[colour::COLOURS]
@@ -240,8 +217,9 @@ class Objective:
             whose = every[np.abs(nearest[:, None] - every).argmin(axis=1)]
             for joint, here in of.items():
                 column = np.arange(control.shape[1]) == joint
-                moved = (w + np.outer(s, column) for w, s in zip(ways, steps, strict=True))
-                change = (_sums(here, self._inputs_of(*moved)) - before[joint]) / STEP
+                moved = [w + np.outer(s, column) for w, s in zip(ways, steps, strict=True)]
+                x = self._reading.of_ways(moved, [pull.term for pull in here])
+                change = (_sums(here, x) - before[joint]) / STEP
                 np.add.at(out[:, joint], whose, change)
         return out
 

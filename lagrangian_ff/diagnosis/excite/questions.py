@@ -52,6 +52,11 @@ class For:
 
     suspect: Suspect
 
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Return the effects asked about."""
+        return (self.suspect,)
+
 
 @dataclass(frozen=True)
 class Between:
@@ -60,10 +65,20 @@ class Between:
     first: Suspect
     second: Suspect
 
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Return the effects asked about."""
+        return self.first, self.second
+
 
 @dataclass(frozen=True)
 class Everything:
     """What is there, of all that the model's own data do not show, and how much of it?"""
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Return the effects asked about."""
+        return ()
 
 
 Question = For | Between | Everything

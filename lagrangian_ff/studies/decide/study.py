@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
-from lagrangian_ff.diagnosis import apply, diagnose, with_consequences
+from lagrangian_ff.diagnosis import diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
     For,
@@ -25,7 +25,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import learned_and_unseen
+from lagrangian_ff.investigation.investigate import for_design, learned_and_unseen
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording import Recording, condition_alike
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
@@ -104,7 +104,7 @@ class Decision:
         clock.lap("usual")
         made: dict[str, Any] = {"before": self._judged(before.findings).record()}
         question = _question(before, suspect)
-        model = apply(before)  # as a user does before the next motion
+        model = for_design(before, question)
         limits, start = limits_of(model), seen_pose(model, hidden.joint, limits_of(model))
         found = design(
             model,
