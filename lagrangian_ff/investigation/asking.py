@@ -1,6 +1,6 @@
 """The next question: what a diagnosis leaves open, the most promising first."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -19,7 +19,7 @@ HOPE = 8.0
 
 def next_question(
     found: Diagnosis,
-    shown: Observability,
+    shown: Callable[[], Observability],
     asked: Sequence[Question],
     size: float,
     gears: Mapping[str, str] | None = None,
@@ -28,7 +28,7 @@ def next_question(
 
     Args:
         found: of all motions so far.
-        shown: what these motions could show.
+        shown: returns what these motions could show; called if nothing else is open.
         asked: so far.
         size: share of a joint's torque from which on an effect should be seen.
         gears: by joint, the kind of its gear; what is usual in it is asked for first.
@@ -37,7 +37,7 @@ def next_question(
         if asked.count(question) < TWICE:
             return question
     everything = Everything()
-    if _unseen(shown, size) and asked.count(everything) < MOST_EVERYTHING:
+    if asked.count(everything) < MOST_EVERYTHING and _unseen(shown(), size):
         return everything
     return None
 

@@ -18,7 +18,7 @@ from lagrangian_ff.diagnosis.excite import (
     limits_of,
 )
 from lagrangian_ff.diagnosis.excite.keeping import Clear
-from lagrangian_ff.diagnosis.observable import observability
+from lagrangian_ff.diagnosis.observable import Observability, observability
 from lagrangian_ff.diagnosis.results import Diagnosis, Reason
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, extend, identify
@@ -213,9 +213,10 @@ class _Story:
         return look
 
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
-        learned, _ = self._parts()
-        with one_blas_thread():
-            shown = observability(learned)
+        def shown() -> Observability:
+            with one_blas_thread():
+                return observability(self._parts()[0])
+
         return next_question(look.diagnosis, shown, asked_before, self._plan.size, self._plan.gears)
 
     def _designed(self, look: _Look, question: Question, seconds: float) -> Design:

@@ -18,7 +18,7 @@ STRIBECK = For(Suspect("stribeck", "elbow"))
 
 
 def asked(found: Diagnosis, shown: Observability = SEEN, before: tuple[object, ...] = ()) -> object:
-    return next_question(found, shown, before, SIZE)  # type: ignore[arg-type]
+    return next_question(found, lambda: shown, before, SIZE)  # type: ignore[arg-type]
 
 
 def test_a_confirmed_effect_leaves_nothing_open() -> None:
@@ -46,7 +46,8 @@ def test_rivals_are_told_apart_the_usual_one_of_the_gear_first() -> None:
     usual: dict[str, list[str]] = {}
     for gear in ("harmonic", "planetary"):
         before: list[Between] = []
-        while (question := next_question(found, SEEN, before, SIZE, {"elbow": gear})) is not None:
+        gears = {"elbow": gear}
+        while (question := next_question(found, lambda: SEEN, before, SIZE, gears)) is not None:
             assert isinstance(question, Between)
             assert question.first == Suspect("spring", "elbow")
             before.append(question)
