@@ -19,7 +19,7 @@ class Consequence:
 
     Attributes:
         model: with the finding.
-        time: (B,) s since the beginning, start of each block.
+        time: (B,) s since the beginning, start of each block in which the joint moves.
         before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
         whole_before, whole_after: N·m, over the whole motion.
         every_before, every_after: N·m, over the whole motion and all joints.
@@ -68,36 +68,43 @@ class Consequence:
 
 
 def errors_of(model: Model, motion: Motion) -> Floats:
-    """Return (M, N) N·m that a model misses."""
-    return compare(model, motion).residual
+    """Return (M, N) N·m that a model misses; NaN where a joint rests that moves elsewhere.
+
+    There its torque is anywhere within static friction, and no model is better than another.
+    """
+    rests = motion.select(model.joints).rest
+    return np.where(rests & ~rests.all(axis=0), np.nan, compare(model, motion).residual)
+
+
+def rms(error: Floats) -> float:
+    """Return the root mean square of errors, those left out that are NaN."""
+    return float(np.sqrt(np.nanmean(error**2)))
 
 
 def consequence_of(
     model: Model, motion: Motion, joint: str, before: Floats, after: Floats
 ) -> Consequence:
-    """Return the consequence with a larger model, of residuals (M, N) before and after."""
+    """Return the consequence with a larger model, of `errors_of` (M, N) before and after."""
     column = model.joints.index(joint)
-    block = motion.blocks(BLOCK_SECONDS)
-    starts = np.flatnonzero(np.diff(block, prepend=-1))
-    counts = np.diff([*starts, len(block)])
+    starts = np.flatnonzero(np.diff(motion.blocks(BLOCK_SECONDS), prepend=-1))
+    moves = np.add.reduceat(np.isfinite(before[:, column]).astype(np.int64), starts)
+    kept = moves > 0
+    counts = moves[kept]
 
     def by_block(error: Floats) -> Floats:
-        sums = np.add.reduceat(error[:, column] ** 2, starts)
+        sums = np.add.reduceat(np.nan_to_num(error[:, column]) ** 2, starts)[kept]
         return np.asarray(np.sqrt(sums / counts))
-
-    def rms(error: Floats) -> float:
-        return float(np.sqrt(np.mean(error**2)))
 
     blocks = by_block(before), by_block(after)
     whole = rms(before[:, column]), rms(after[:, column])
     falls = (blocks[0] ** 2 - blocks[1] ** 2) * counts
     scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
     scatter *= len(counts) / max(1, len(counts) - 1)
-    squares = float(np.sum(before[:, column] ** 2))
+    squares = float(np.nansum(before[:, column] ** 2))
     each = [dict(zip(model.joints, map(rms, one.T), strict=True)) for one in (before, after)]
     return Consequence(
         model,
-        motion.elapsed[starts],
+        motion.elapsed[starts[kept]],
         *blocks,
         *whole,
         rms(before),

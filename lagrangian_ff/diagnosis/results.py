@@ -308,7 +308,7 @@ class NotObservable:
 
 @dataclass(frozen=True)
 class Ranked:
-    """A candidate before anything was found.
+    """A candidate, before anything was found or beside all that was.
 
     Attributes:
         name: of the effect, or of a curve.  joint: its name.

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite import Between, Everything, For, Question, Suspect
 from lagrangian_ff.diagnosis.observable import Observability
 from lagrangian_ff.diagnosis.results import Diagnosis
@@ -14,7 +15,8 @@ TWICE = 2
 """How often one question is asked, at most: a second motion of its kind doubles the evidence."""
 MOST_EVERYTHING = 3
 HOPE = 8.0
-"""Nats from which on the best candidate of a joint, beside what was found, is worth a motion."""
+"""Nats from which on the best candidate of a joint, beside what was found, is worth a motion. One
+that stood out was judged already: what it gains is another's."""
 
 
 def next_question(
@@ -58,7 +60,8 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
     looked: set[str] = set()
     for ranked in found.waiting:
         new = ranked.named and _moved(ranked.name) and (ranked.name, ranked.joint) not in known
-        if new and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
+        judged = ranked.stands_out and ranked.log_bayes_factor > thresholds.USED.floor
+        if new and not judged and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
 

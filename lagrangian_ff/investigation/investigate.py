@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis import apply, compare, diagnose, verdict, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, verdict, with_consequences
+from lagrangian_ff.diagnosis.consequence import errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Limits,
@@ -308,8 +309,8 @@ def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
 
 
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:
-    score = compare(model, concatenate(unseen)).score
-    return dict(zip(model.joints, map(float, score.rmse), strict=True)), float(score.total)
+    left = errors_of(model, concatenate(unseen))
+    return dict(zip(model.joints, map(rms, left.T), strict=True)), rms(left)
 
 
 def learned_and_unseen(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:

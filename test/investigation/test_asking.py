@@ -84,6 +84,8 @@ def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
     assert asked(diagnosis(waiting=(curve, ranked))) == question
     other = Ranked("ripple", "elbow", nats - 1.0, named=True, stands_out=False)
     assert asked(diagnosis(waiting=(ranked, other)), SEEN, (STRIBECK,) * TWICE) is None
+    judged = Ranked("stribeck", "elbow", 50.0, named=True, stands_out=True)
+    assert asked(diagnosis(waiting=(judged,))) is None
     beside = diagnosis(waiting=(ranked,), findings=(finding("spring"),))
     assert asked(beside) == question
     found = diagnosis(waiting=(ranked,), findings=(finding("stribeck"),))

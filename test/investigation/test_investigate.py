@@ -139,7 +139,6 @@ def test_a_first_motion_takes_less_of_the_range_until_it_is_clear() -> None:
         investigate(PendulumRig(), plan(12.0, clear=lambda path: "the wall"), lambda p: True)
 
 
-@pytest.mark.usefixtures("catalogue_kept")
 def test_a_question_without_a_motion_gives_way_to_the_next() -> None:
     """Here from the second motion on everything touches, so that no design is clear."""
     rig = PendulumRig(DRAG)
@@ -152,6 +151,7 @@ def test_a_question_without_a_motion_gives_way_to_the_next() -> None:
     assert len(story.turns) == len(rig.moved) == 1
 
 
+@pytest.mark.usefixtures("catalogue_kept")
 def test_what_nobody_listed_becomes_a_curve_and_formulas(tmp_path: Path) -> None:
     story = investigate(PendulumRig(rough=0.3), plan(24.0), lambda proposal: True)
     assert story.unlisted is not None

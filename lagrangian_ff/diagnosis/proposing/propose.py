@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of
+from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of, rms
 from lagrangian_ff.diagnosis.diagnose import findings_of, searched_and_unseen
 from lagrangian_ff.diagnosis.proposing.grammar import Form, forms
 from lagrangian_ff.diagnosis.results import Doubt, Finding, Reason, sorted_findings
@@ -159,7 +159,7 @@ def propose(
         judged.append(_with_consequence(finding, base, unseen, before))
     progress(1.0, "proposing")
     words = {name: form.words for name, form in found.items()}
-    error = float(np.sqrt(np.mean(errors_of(model, unseen)[:, place] ** 2))) if replaced else None
+    error = rms(errors_of(model, unseen)[:, place]) if replaced else None
     return Proposals(
         where,
         tuple(Proposal(one, words[one.effect.name](one.shape)) for one in sorted_findings(judged)),
