@@ -9,6 +9,7 @@ from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.recording import columns_of
 
 BLOCK_SECONDS = 3.0
 
@@ -72,13 +73,18 @@ def errors_of(model: Model, motion: Motion) -> Floats:
 
     There its torque is anywhere within static friction, and no model is better than another.
     """
-    rests = motion.select(model.joints).rest
+    rests = motion.rest[:, columns_of(model.joints, motion.joints, motion.source)]
     return np.where(rests & ~rests.all(axis=0), np.nan, compare(model, motion).residual)
 
 
 def rms(error: Floats) -> float:
     """Return the root mean square of errors, those left out that are NaN."""
     return float(np.sqrt(np.nanmean(error**2)))
+
+
+def by_joint(model: Model, error: Floats) -> dict[str, float]:
+    """Return the root mean square of errors (M, N) of each joint, by its name."""
+    return dict(zip(model.joints, map(rms, error.T), strict=True))
 
 
 def consequence_of(
@@ -101,7 +107,6 @@ def consequence_of(
     scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
     scatter *= len(counts) / max(1, len(counts) - 1)
     squares = float(np.nansum(before[:, column] ** 2))
-    each = [dict(zip(model.joints, map(rms, one.T), strict=True)) for one in (before, after)]
     return Consequence(
         model,
         motion.elapsed[starts[kept]],
@@ -110,6 +115,6 @@ def consequence_of(
         rms(before),
         rms(after),
         float(np.sqrt(scatter)) / squares if squares > 0.0 else 0.0,
-        each[0],
-        each[1],
+        by_joint(model, before),
+        by_joint(model, after),
     )

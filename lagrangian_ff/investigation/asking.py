@@ -6,6 +6,7 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite import Between, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
 from lagrangian_ff.diagnosis.observable import Observability
 from lagrangian_ff.diagnosis.results import Diagnosis
 from lagrangian_ff.effects import EFFECTS
@@ -46,30 +47,27 @@ def next_question(
 
 def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
     for one in found.findings:
-        if one.once:
-            continue
-        if not _moved(one.effect.name):
+        if not shown_by_motion(one.effect):
             continue
         suspect = Suspect(one.effect.name, one.joint)
         gear = gears.get(one.joint)
-        rivals = sorted(filter(_moved, one.rivals), key=lambda name: -weight(name, gear))
+        rivals = sorted(filter(_shown, one.rivals), key=lambda name: -weight(name, gear))
         yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
         if not rivals and not one.confirmed:
             yield For(suspect)
     known = {(one.effect.name, joint) for one in found.findings for joint in one.joints}
     looked: set[str] = set()
     for ranked in found.waiting:
-        new = ranked.named and _moved(ranked.name) and (ranked.name, ranked.joint) not in known
+        new = ranked.named and _shown(ranked.name) and (ranked.name, ranked.joint) not in known
         judged = ranked.stands_out and ranked.log_bayes_factor > thresholds.USED.floor
         if new and not judged and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
 
 
-def _moved(name: str) -> bool:
-    """Return whether a motion shows an effect: not an event, nor what no motion ever shows."""
-    effect = EFFECTS.get(name)
-    return effect is not None and effect.observable and effect.kind != "event"
+def _shown(name: str) -> bool:
+    """Return whether there is an effect of this name, and some motion shows it."""
+    return name in EFFECTS and shown_by_motion(EFFECTS[name])
 
 
 def _unseen(shown: Observability, size: float) -> bool:

@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import apply, diagnose, verdict, with_consequences
-from lagrangian_ff.diagnosis.consequence import errors_of, rms
+from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Limits,
@@ -310,7 +310,7 @@ def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
 
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:
     left = errors_of(model, concatenate(unseen))
-    return dict(zip(model.joints, map(rms, left.T), strict=True)), rms(left)
+    return by_joint(model, left), rms(left)
 
 
 def learned_and_unseen(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:

@@ -18,7 +18,7 @@ MOST = 2
 
 @dataclass(frozen=True, eq=False)
 class Unlisted:
-    """What an investigation leaves that no effect of the catalogue fits.
+    """The torques that no effect of the catalogue fits, at the end of an investigation.
 
     Attributes:
         left: each torque, with what its curve does to the error.

@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
-from lagrangian_ff.loops.library import loop
+from lagrangian_ff.loops.binding import loop
 from lagrangian_ff.recording.splines import LeastSquares
 
 ON_THE_TICK = 1e-3

@@ -1,4 +1,4 @@
-"""What an effect does to the error: where the joint moves, and on all joints."""
+"""An effect is judged by the error where its joint moves, and by that of all joints."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What effects read of a motion under design: as of a motion that was recorded."""
+"""Effects get the same inputs from a motion under design as from its recording."""
 
 import numpy as np
 import pytest

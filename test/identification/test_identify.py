@@ -176,7 +176,7 @@ def holding(joint: int, seconds: float, seed: int) -> Motion:
 
 @pytest.mark.parametrize("joint", [0, 1])
 def test_motion_in_which_a_joint_is_held_costs_the_others_nothing(joint: int) -> None:
-    """What a held joint does not show, the model must not take for noise, or for its absence."""
+    """Recordings in which one joint is held must not raise the error on other motion."""
     whole = pendulum.motion(20.0, noise=0.02, seed=1)
     unseen = pendulum.motion(20.0, noise=0.02, seed=5)
     settings = Settings("chain+fri", train=1.0)

@@ -8,7 +8,7 @@ import numpy as np
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import SHAPES, Assumed, spread
 from lagrangian_ff.diagnosis.search.candidates import Candidate
-from lagrangian_ff.effects import EFFECTS, look_alikes
+from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import ModelError
 
 RIVAL_SHAPES = 6
@@ -130,6 +130,11 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
     return [[Case(one, (None,)) for one in _hidden(assumed, size)]]
 
 
+def shown_by_motion(effect: Effect) -> bool:
+    """Return whether some motion shows an effect: not an event, nor what none ever shows."""
+    return effect.observable and effect.kind != "event"
+
+
 def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
     """Return the effects that the model's own data would not show, those shown least first."""
     seen = assumed.seen(size)
@@ -170,7 +175,7 @@ def _joint(suspect: Suspect, assumed: Assumed) -> int:
 def _shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
     """Return an effect in at most this many shapes; none if the model has it or no motion can."""
     effect, joint = EFFECTS[suspect.effect], _joint(suspect, assumed)
-    if not effect.observable or effect.kind == "event" or _had(suspect, assumed):
+    if not shown_by_motion(effect) or _had(suspect, assumed):
         return []
     shapes: Sequence[Mapping[str, float]] = effect.candidates(assumed.base.x, joint)
     every = [Candidate(effect, joint, {**shape, **suspect.shape}) for shape in shapes]
