@@ -201,7 +201,7 @@ def test_the_joint_in_question_is_also_moved_alone() -> None:
     splines = Splines(SECONDS, 45)
     index = np.arange(0, len(splines.time), 8)
     objective = Objective(assumed(), cases_of(For(STUCK), assumed(), SIZE), splines, SIZE, index)
-    both = Way(objective, keeper(), pose, TINY, (0, 1))
+    both = Way(objective, keeper(), pose, replace(TINY, first=6, starts=2), (0, 1))
     found = both.starts(["elbow"], 0, silent)
     assert both.alone([0, 1], found) is None
     made = both.alone([1], found)
@@ -209,9 +209,15 @@ def test_the_joint_in_question_is_also_moved_alone() -> None:
     way, starts = made
     assert 0 < len(starts) < len(found)
     *_, best = way.uphill(starts, 0)
-    assert not np.ptp(best.control[:, 0])
-    assert np.ptp(best.control[:, 1]) > 0.05
     assert best.value > starts[0].value
+    kept = way.kept(best)
+    assert kept is not None
+    assert not np.ptp(kept[1][:, 0])
+    assert np.ptp(kept[1][:, 1]) > 0.1
+    little = replace(best, control=pose + 0.01 * (best.control - pose))
+    small = way.kept(little)
+    assert small is not None
+    assert np.ptp(small[1][:, 1]) > 0
 
 
 def test_the_seed_decides() -> None:

@@ -194,8 +194,11 @@ class Way:
     def _held(self, control: Floats) -> Floats:
         """Return control points with joints held that hardly move, if the way is clear then.
 
-        Static friction of a joint that creeps by some mrad has no form that a model knows.
+        Static friction of a joint that creeps by some mrad has no form that a model knows. Where
+        only the joints in question move, little motion is what was found best for them.
         """
+        if len(self.free) < len(self.pose):
+            return control
         held = control.copy()
         hardly = np.ptp(control, axis=0) < LEAST
         held[:, hardly] = self.pose[hardly]
