@@ -1,6 +1,7 @@
 """The diagnosis: from a model and a recording to the physical effects that the model lacks."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,7 +33,7 @@ from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
 from lagrangian_ff.diagnosis.search.signs import unnatural
-from lagrangian_ff.diagnosis.whitening import Whitened, fit
+from lagrangian_ff.diagnosis.whitening import Whitened, fit, in_full, outweighed
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
@@ -74,10 +75,15 @@ def diagnose(
     )
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")
-    found, again = with_left_over(ended, lambda: without(ended, unseen, None))
+    weighed = ended.whitened.problem.samples.weight is not None
+    found, again = _left_over(ended, unseen)
+    del ended
     progress(0.9, "confirming on unseen motion")
     taken_up = _taken_up(found, unseen, model.joints, separate)
-    findings = findings_of(found, unseen, model, taken_up.again if taken_up else None)
+    lighter = outweighed(found.whitened) if weighed else None
+    judged = replace(found, whitened=lighter or found.whitened)
+    findings = findings_of(judged, unseen, model, taken_up.again if taken_up else None)
+    del judged, lighter
     misfit = misfit_of(model, first)
     contacts = [] if misfit.larger else _contacts(model, motion, taken_up)
     curves = [found.steps[number] for number in sorted(again)]
@@ -101,6 +107,12 @@ def diagnose(
         misfit=misfit,
         contacts=tuple(contacts),
     )
+
+
+def _left_over(ended: Search, unseen: Motion) -> tuple[Search, frozenset[int]]:
+    """Return what is left over, see `with_left_over`: of that, outliers are a part."""
+    whole = replace(ended, whitened=in_full(ended.whitened))
+    return with_left_over(whole, lambda: without(whole, unseen, None))
 
 
 def searched_and_unseen(

@@ -8,7 +8,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite import Between, Everything, For, Question, Suspect
 from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
 from lagrangian_ff.diagnosis.observable import Observability
-from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.effects.usual import weight
 
@@ -53,7 +53,7 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
         gear = gears.get(one.joint)
         rivals = sorted(filter(_shown, one.rivals), key=lambda name: -weight(name, gear))
         yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
-        if not rivals and not one.confirmed:
+        if not rivals and not one.confirmed and not _there(one):
             yield For(suspect)
     known = {(one.effect.name, joint) for one in found.findings for joint in one.joints}
     looked: set[str] = set()
@@ -63,6 +63,35 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
         if new and not judged and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
+    # Known to be there: more of it only sharpens its parameters, until the error falls.
+    there = [one for one in found.findings if _there(one) and not one.rivals]
+    yield from (For(Suspect(one.effect.name, one.joint)) for one in there)
+
+
+def promising(found: Diagnosis, question: Question, nats: float) -> bool:
+    """Return whether motions can settle a question, as often as it may be asked.
+
+    What stands out already is confirmed by any motion that shows it.
+
+    Args:
+        nats: that one of them is expected to give.
+    """
+    if isinstance(question, Everything):
+        return True
+    limits = thresholds.USED
+    if isinstance(question, Between):
+        return TWICE * nats >= limits.rival_nats
+    wanted = question.suspect.effect, question.suspect.joint
+    if wanted in [(one.effect.name, one.joint) for one in found.findings]:
+        return True
+    leads = [one for one in found.waiting if (one.name, one.joint) == wanted]
+    has = max((one.log_bayes_factor for one in leads), default=0.0)
+    return TWICE * nats >= max(HOPE, limits.floor - has)
+
+
+def _there(one: Finding) -> bool:
+    """Return whether an effect is there, though no error falls by it yet."""
+    return one.doubt is not None and one.doubt.reason is Reason.NO_HELP
 
 
 def _shown(name: str) -> bool:

@@ -18,13 +18,13 @@ from lagrangian_ff.diagnosis.excite import (
     excite,
     limits_of,
 )
-from lagrangian_ff.diagnosis.excite.keeping import Clear
+from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
 from lagrangian_ff.diagnosis.observable import Observability, observability
 from lagrangian_ff.diagnosis.results import Diagnosis, Reason
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.identification.settings import usual_model
-from lagrangian_ff.investigation.asking import next_question
+from lagrangian_ff.investigation.asking import TWICE, next_question, promising
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
 from lagrangian_ff.investigation.unlisted import take_in
@@ -38,6 +38,8 @@ SMALLER = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
 """Shares of the permitted range that a first motion tries, until it touches nothing."""
 SHORTEST = 8.0
 """s of motion that are worth beginning."""
+INSIDE = 0.98
+"""Share of the tempo at which a first motion would just keep its jerk."""
 MOST = 0.9
 """Share of the time that is left, for which a motion is designed: limits may make it longer."""
 
@@ -136,6 +138,10 @@ class _Story:
                 made = self._designed(look, question, min(seconds, MOST * self._left))
             except ModelError as error:  # no motion within the limits answers it: the next one
                 self._say(str(error))
+                continue
+            if not promising(look.diagnosis, question, made.nats):
+                self._say(f"no motion settles it: {made.nats:.1f} nats expected")
+                questions += [question] * TWICE
                 continue
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
@@ -277,7 +283,14 @@ def first_motion(
     """
 
     def exciting(within: Limits, lasts: float) -> Reference:
-        return excite("exciting", joints, within, start=start, duration=lasts, seed=seed)
+        while True:
+            motion = excite("exciting", joints, within, start=start, duration=lasts, seed=seed)
+            if limits.jerk_max is None:
+                return motion
+            over = float(np.max(np.abs(jerk_of(motion)).max(axis=0) / limits.jerk_max))
+            if over <= 1.0:
+                return motion
+            within = within.gentler(INSIDE * over ** (-1.0 / 3.0))
 
     for share in SMALLER:
         within = limits.around(start, share)
@@ -296,6 +309,9 @@ def first_motion(
 def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
     """Return the limits within both: what was permitted, and what the model has seen.
 
+    Where jerk and torque were permitted, that counts alone: of states inside, a model predicts the
+    torque, and no model of ours knows of jerk.
+
     Args:
         start: (N,) rad, where all motions begin: it is inside, also at the end of a range.
     """
@@ -305,6 +321,8 @@ def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
         q_high=np.maximum(np.minimum(permitted.q_high, seen.q_high), start),
         qd_max=np.minimum(permitted.qd_max, seen.qd_max),
         qdd_max=np.minimum(permitted.qdd_max, seen.qdd_max),
+        jerk_max=seen.jerk_max if permitted.jerk_max is None else permitted.jerk_max,
+        tau_max=seen.tau_max if permitted.tau_max is None else permitted.tau_max,
     )
 
 

@@ -1,14 +1,16 @@
 """The next question: what is open, what is usual first, and never without end."""
 
+from dataclasses import replace
+
 import pytest
 from diagnosis_examples import JOINTS, diagnosis, doubt, finding
 
 from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
 from lagrangian_ff.diagnosis.observable import Observability
-from lagrangian_ff.diagnosis.results import Diagnosis, Ranked
+from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
-from lagrangian_ff.investigation.asking import MOST_EVERYTHING, TWICE
+from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, promising
 
 SIZE = 0.03
 SEEN = Observability(JOINTS, {"stribeck": (0.01, 0.02)}, (), SIZE)
@@ -29,6 +31,16 @@ def test_a_confirmed_effect_leaves_nothing_open() -> None:
 def test_a_suggested_effect_is_asked_for() -> None:
     found = diagnosis(findings=(finding(doubt=doubt()),))
     assert asked(found) == STRIBECK
+
+
+def test_what_is_there_but_lowers_no_error_is_asked_for_last() -> None:
+    there = finding(doubt=Doubt(Reason.NO_HELP, "it does not lower the error"))
+    lead = Ranked("ripple", "shoulder", 15.0, named=True, stands_out=False)
+    both = diagnosis(findings=(there,), waiting=(lead,))
+    first = For(Suspect("ripple", "shoulder"))
+    assert asked(both) == first
+    assert asked(both, SEEN, (first,) * TWICE) == STRIBECK
+    assert asked(both, SEEN, (first, STRIBECK) * TWICE) is None
 
 
 def test_what_happens_once_is_no_question() -> None:
@@ -99,3 +111,18 @@ def test_what_could_be_there_unseen_is_asked_for_last_and_not_for_ever() -> None
     assert asked(diagnosis(), UNSEEN, (everything,) * (MOST_EVERYTHING - 1)) == everything
     assert asked(diagnosis(), UNSEEN, (everything,) * MOST_EVERYTHING) is None
     assert asked(diagnosis(), NEVER) is None  # no motion shows it
+
+
+def test_motions_that_promise_too_little_are_not_worth_moving_for() -> None:
+    lead = Ranked("stribeck", "elbow", 12.0, named=True, stands_out=False)
+    found = diagnosis(waiting=(lead,))
+    assert promising(found, STRIBECK, 4.1)  # 12 + 2 × 4.1 > 20
+    assert not promising(found, STRIBECK, 3.9)
+    large = diagnosis(waiting=(replace(lead, log_bayes_factor=50.0),))
+    assert promising(large, STRIBECK, 0.51 * HOPE)
+    assert not promising(large, STRIBECK, 0.49 * HOPE)
+    assert promising(diagnosis(findings=(finding(doubt=doubt()),)), STRIBECK, 0.0)
+    between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
+    assert promising(found, between, 3.0)
+    assert not promising(found, between, 1.0)
+    assert promising(found, Everything(), 0.3)

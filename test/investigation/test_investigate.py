@@ -9,6 +9,7 @@ import pytest
 from pendulum_rig import START, PendulumRig, limits, plan
 
 from lagrangian_ff.diagnosis.excite import For
+from lagrangian_ff.diagnosis.excite.keeping import jerk_of
 from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.investigation import (
@@ -124,6 +125,18 @@ def test_a_stop_keeps_what_is_known() -> None:
 def test_a_stop_before_anything_is_known_is_told_too() -> None:
     story = investigate(PendulumRig(last=1), plan(36.0), lambda proposal: True)
     assert (story.ended, story.turns, story.before) == (Ended.STOPPED, (), {})
+
+
+def test_every_motion_keeps_the_jerk_and_the_torque_that_were_permitted() -> None:
+    jerk, torque = np.array([20.0, 30.0]), np.array([60.0, 30.0])
+    allowed = replace(limits(), jerk_max=jerk, tau_max=torque)
+    rig = PendulumRig(DRAG)
+    story = investigate(rig, replace(plan(36.0), limits=allowed), lambda proposal: True)
+    assert len(story.turns) > 1
+    for one in rig.moved:
+        assert np.all(np.abs(jerk_of(one)) <= jerk * (1.0 + 1e-6))
+    for turn in story.turns[1:]:
+        assert np.all(np.abs(turn.model.predict(*turn.motion[1:])) <= torque)
 
 
 def test_a_first_motion_takes_less_of_the_range_until_it_is_clear() -> None:

@@ -25,7 +25,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
     expected_log_bf,
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named
-from lagrangian_ff.diagnosis.whitening import Whitened, fit, whiten
+from lagrangian_ff.diagnosis.whitening import Whitened, fit, outweighed, whiten
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification import Model
@@ -97,6 +97,7 @@ class Assumed:
         data = model.data
         sliding = sliding_of(model.kernel, len(model.joints))
         base = fit(data, model.inputs_of(data), model.basis, progress, sliding)
+        base = outweighed(base) or base
         scores = bayes_factors(base, representative(base), coarse=True)
         base.forget()
         density = _density(base.motion, len(base.index))

@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import SHAPES, Assumed, spread
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.samples import evenly
 
 RIVAL_SHAPES = 6
 """Shapes of a rival that are tried; it may take the best of them."""
@@ -136,13 +135,20 @@ def shown_by_motion(effect: Effect) -> bool:
 
 
 def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
-    """Return the effects that the model's own data would not show, those shown least first."""
+    """Return effects that the model's own data would not show, from the least shown to the most.
+
+    They stand for all of these: of those shown least alone, many are shown by no motion.
+    """
     seen = assumed.seen(size)
     least = sorted(seen, key=lambda key: seen[key])
-    hidden = sum(nats < thresholds.USED.floor for nats in seen.values())
-    some = least[: int(np.clip(hidden, FEWEST, MOST))]
+    count = sum(nats < thresholds.USED.floor for nats in seen.values())
+    hidden = least[: max(count, FEWEST)]
     joints = assumed.model.joints
-    return [one for name, n in some for one in _shapes(Suspect(name, joints[n]), assumed, 1)]
+    return [
+        one
+        for name, n in (hidden[place] for place in evenly(len(hidden), MOST))
+        for one in _shapes(Suspect(name, joints[n]), assumed, 1)
+    ]
 
 
 def _checked(suspect: Suspect, assumed: Assumed) -> Suspect:

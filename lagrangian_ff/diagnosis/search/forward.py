@@ -26,7 +26,7 @@ from lagrangian_ff.diagnosis.search.judging import (
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
-from lagrangian_ff.diagnosis.whitening import Whitened, refit
+from lagrangian_ff.diagnosis.whitening import Whitened, outweighed, refit
 from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
@@ -92,6 +92,7 @@ def search(
     may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
     rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
     stands = still(whitened.motion)
+    weighed = False
     while True:
         share = 1.0 - 0.75 ** len(rounds)
         progress(share, f"looking at every effect, step {len(rounds) + 1}")
@@ -122,8 +123,9 @@ def search(
                 whitened = whitened.assuming(problem)
                 continue
             change = None
-        if not eligible or len(taken) >= steps:
+        if len(taken) >= steps:
             break
+        step = None
         for first in _of_each_joint(eligible, rejected):
             name = first.candidate.source.name
             progress(share + 0.125 * 0.75 ** (len(rounds) - 1), f"looking closer at {name}")
@@ -131,8 +133,13 @@ def search(
             if step is not None:
                 break
             rejected[first.candidate.joint] = first.log_bf
-        else:
-            break
+        if step is None:
+            # Outliers may hide the rest: look once more where they count less.
+            if weighed or (lighter := outweighed(whitened)) is None:
+                break
+            whitened, weighed = lighter, True
+            rejected.clear()
+            continue
         taken.append(step)
         whitened = refitted.explaining(*explained_with(whitened, step.score.candidate))
         if step.named and len(taken) < steps:

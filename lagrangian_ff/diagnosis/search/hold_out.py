@@ -12,7 +12,7 @@ from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import Search
-from lagrangian_ff.diagnosis.whitening import Whitened, whiten
+from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
 from lagrangian_ff.effects.reversals import travelled
@@ -82,6 +82,8 @@ class HoldOutMotion:
         assumed = replace(assumed.having(basis=model), nuisance=tuple(nuisance))
         left = replace(motion, tau=tau)
         whitened = whiten(left, index, seconds, inputs, assumed, x, system)
+        if found.problem.samples.weight is not None:
+            whitened = counting_less(whitened)
         return cls(replace(whitened, seconds=shortest_seconds(whitened)), tuple(torques))
 
     def judged(

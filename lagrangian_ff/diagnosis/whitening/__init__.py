@@ -2,6 +2,16 @@
 
 from lagrangian_ff.diagnosis.whitening.changing import Changing
 from lagrangian_ff.diagnosis.whitening.hyperparameters import fit, refit
+from lagrangian_ff.diagnosis.whitening.outliers import counting_less, in_full, outweighed
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten
 
-__all__ = ["Changing", "Whitened", "fit", "refit", "whiten"]
+__all__ = [
+    "Changing",
+    "Whitened",
+    "counting_less",
+    "fit",
+    "in_full",
+    "outweighed",
+    "refit",
+    "whiten",
+]

@@ -207,7 +207,7 @@ def with_sign_speeds(whitened: Whitened) -> Whitened:
         x = replace(x, whole=replace(x.whole, sign_speed=speed))
     problem = replace(problem.of(whitened.problem.samples), nuisance=whitened.problem.nuisance)
     parts = whitened.motion, whitened.index, whitened.seconds, inputs
-    return whiten(*parts, problem, x, whitened.system)
+    return whiten(*parts, problem, x, whitened.system, whitened.problem.samples.weight)
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:

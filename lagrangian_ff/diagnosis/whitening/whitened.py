@@ -146,7 +146,7 @@ class Whitened:
 
     def _again(self, problem: Problem, like: System | None) -> "Whitened":
         parts = self.motion, self.index, self.seconds, self.inputs
-        return whiten(*parts, problem, self.x, like)
+        return whiten(*parts, problem, self.x, like, problem.samples.weight)
 
     def whitened(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
         """Return columns of one joint's torque whitened, (S N, K), without projection.
@@ -254,6 +254,7 @@ def whiten(
     assumed: Problem,
     x: Inputs | None = None,
     like: System | None = None,
+    weight: Floats | None = None,
 ) -> Whitened:
     """Return a motion factored and whitened, with the tangents of the basis' shapes explained too.
 
@@ -261,13 +262,14 @@ def whiten(
         motion, index, seconds, inputs: see `Whitened`.
         assumed: the problem; its samples are replaced.
         x: the samples used; None takes them from the inputs.
-        like: a system of the same samples, kernel and noise, whose factor is reused.
+        like: a system of the same samples, kernel, noise and weights, whose factor is reused.
+        weight: (S, N) by how much the noise of each torque is divided; None is 1.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
     """
     x = x or inputs.take(index, window_of(index, motion))
-    problem = assumed.of(Samples(x, x.mean(motion.tau)))
+    problem = assumed.of(Samples(x, x.mean(motion.tau), weight=weight))
     tangents = (*problem.nuisance, *_tangents(problem.basis, x))
     system = exact(replace(problem, nuisance=tangents), like=like).system
     explained, triangle = np.linalg.qr(system.white_design)
