@@ -20,7 +20,7 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
 from lagrangian_ff.diagnosis.observable import Observability, observability
-from lagrangian_ff.diagnosis.results import Diagnosis, Reason
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, sorted_findings
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.identification.settings import usual_model
@@ -212,7 +212,10 @@ class _Story:
         base = identify(learned, Settings(model=name, train=1.0)).model
         self._say("looking for what is missing")
         with one_blas_thread():
-            found = with_consequences(diagnose(base, learned, unseen), confirmed_only=True)
+            found = diagnose(base, learned, unseen)
+            if self._looks:
+                found = standing(found, self._looks[-1].diagnosis)
+            found = with_consequences(found, confirmed_only=True)
         look = _Look(base, found, apply(found))
         self._looks.append(look)
         names = tuple(one.name for one, _ in found.tried)
@@ -232,7 +235,7 @@ class _Story:
         return design(
             model,
             question,
-            _both(self._limits, limits_of(model), self._start),
+            both(self._limits, limits_of(model), self._start),
             start=self._start,
             seconds=seconds,
             clear=self._plan.clear,
@@ -246,6 +249,24 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:
+    """Return a diagnosis in which what was confirmed stays so, unless motion speaks against it.
+
+    Of motion in which its joint is held, or another joint's friction is larger, less is to be seen
+    of an effect; that takes nothing back. What has rivals now is open again.
+    """
+    known = {(one.effect.name, one.joint) for one, _ in before.tried}
+
+    def judged(one: Finding) -> Finding:
+        stands = (one.effect.name, one.joint) in known and not one.rivals
+        against = one.hold_out.gained.sum() <= 0.0 or (
+            one.doubt is not None and one.doubt.reason is Reason.OTHER_SIZE
+        )
+        return replace(one, doubt=None) if stands and not against else one
+
+    return replace(found, findings=sorted_findings([judged(one) for one in found.findings]))
 
 
 def for_design(found: Diagnosis, question: Question) -> Model:
@@ -306,7 +327,7 @@ def first_motion(
     )
 
 
-def _both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
+def both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
     """Return the limits within both: what was permitted, and what the model has seen.
 
     Where jerk and torque were permitted, that counts alone: of states inside, a model predicts the

@@ -70,6 +70,7 @@ class Investigated:
         moved: s of motion.  when: s after which the truth was named for good; None for never.
         left: samples in which a motion left its limits or the motors saturated.
         error: N·m rms before and after; the latter None without a turn.
+        promised: nats that 30 s more would give, designed for what stayed hidden; None for nothing.
     """
 
     case: str
@@ -79,6 +80,7 @@ class Investigated:
     when: float | None
     left: int
     error: tuple[float, float | None]
+    promised: float | None = None
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,7 @@ class DecideResults(Results):
                         line["when"],
                         line["left"],
                         (line["error"][0], line["error"][1]),
+                        line.get("promised"),
                     )
                 )
         taken = [Taken.of(line) for line in sound if line["group"] == "outside"]
@@ -184,6 +187,7 @@ class DecideResults(Results):
                         "when": one.when,
                         "left": one.left,
                         "error": one.error,
+                        "promised": one.promised,
                     }
                     for one in some
                 ]
@@ -302,11 +306,14 @@ def _of_investigations(groups: Mapping[str, Sequence[Investigated]]) -> dict[str
         some = groups[group]
         if len(some) >= FEWEST:
             share = sum(one.judgement.outcome is Outcome.RIGHT for one in some) / len(some)
+            hidden = [one for one in some if one.judgement.outcome is not Outcome.RIGHT]
+            little = sum((one.promised or 0.0) < thresholds.USED.floor for one in hidden)
             found[group] = Finding(
                 share >= wanted,
                 f"investigations find and add {share:.2f} of effects of {WORDS[group]} "
-                f"(wanted {wanted:g})",
-                {"share": share},
+                f"(wanted {wanted:g}); of the {len(hidden)} others, 30 s designed for the effect "
+                f"promise less than {thresholds.USED.floor:g} nats for {little}",
+                {"share": share, "hidden": len(hidden), "too little": little},
             )
     if len(groups["clean"]) >= FEWEST:
         wrong_names = sum(bool(one.judgement.false) for one in groups["clean"])

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lagrangian_ff.arm import JOINTS, Trajectory, working_motion
+from lagrangian_ff.arm import HOME, JOINTS, Trajectory, working_motion
 from lagrangian_ff.diagnosis import diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
@@ -22,10 +22,10 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.results import Diagnosis, Found
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.errors import UserError
+from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import for_design, learned_and_unseen
+from lagrangian_ff.investigation.investigate import both, for_design, learned_and_unseen
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording import Recording, condition_alike
 from lagrangian_ff.studies.decide.cases import DecideCase, cases
@@ -133,7 +133,11 @@ class Decision:
             except UserError as error:
                 made[name] = {"failed": str(error)}
                 continue
-            gains = {(one.effect.name, one.joint): one.log_bayes_factor for one in after.findings}
+            gains = {
+                (name, one.joint): one.log_bayes_factor
+                for one in after.findings
+                for name in (*one.rivals, one.effect.name)
+            }
             ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.waiting}
             key = suspect.effect, suspect.joint
             made[name] = {
@@ -161,13 +165,38 @@ class Decision:
         story = investigate(rig, plan, lambda proposal: True)
         clock.lap("investigating")
         judgement = self._judged([one for one, _ in _tried(story)])
+        promised = None
+        if self.case.hidden is not None and judgement.outcome is not Outcome.RIGHT:
+            promised = self._promised(story)
+            clock.lap("designing")
         return {
+            "promised": promised,
             "story": story.record(),
             "judgement": judgement.record(),
             "moved": story.seconds,
             "when": self._when(story),
             "error": [story.before_total, story.turns[-1].total if story.turns else None],
         }
+
+    def _promised(self, story: Investigation) -> float | None:
+        """Return the nats that a motion would give that is designed for what stayed hidden."""
+        hidden = self.case.hidden
+        assert hidden is not None
+        question = For(Suspect(hidden.effect, hidden.joint))
+        model = for_design(story.turns[-1].diagnosis, question)
+        try:
+            return design(
+                model,
+                question,
+                both(arm_limits(), limits_of(model), np.array(HOME)),
+                start=np.array(HOME),
+                seconds=USUAL,
+                size=hidden.size,
+                clear=Clearance(),
+                seed=self.case.seed,
+            ).nats
+        except ModelError:
+            return None
 
     def _when(self, story: Investigation) -> float | None:
         """Return the s of motion after which the truth was named for good; None if never."""

@@ -65,6 +65,7 @@ def test_a_wrong_name_or_a_missed_effect_is_no_success() -> None:
     assert found.findings is not None
     assert not found.findings["five"].holds
     assert found.findings["five"].figures["share"] == pytest.approx(0.8)
+    assert found.findings["five"].figures["too little"] == 1
     assert found.findings["clean"].holds
     assert found.findings["limits"].holds
     assert "two" not in found.findings
