@@ -205,13 +205,24 @@ def findings_of(
 ) -> tuple[Finding, ...]:
     """Return the findings of a search, each with its verdict, best first.
 
+    What shows only where outliers count less, and not on unseen motion, is none: what a form that
+    is not quite the true one leaves shows as well between them.
+
     Args:
         found, motion: the search and the hold-out motion.
         change: where the hold-out motion takes up a load, if the first one did.
     """
     views, parameters = judge_hold_out(found, motion, change), frozen(found)
     named = [number for number, step in enumerate(found.steps) if step.named]
-    return sorted_findings([_finding(found, model, n, *views[n], parameters[n]) for n in named])
+    findings = [_finding(found, model, n, *views[n], parameters[n]) for n in named]
+    pairs = zip(findings, named, strict=True)
+    return sorted_findings([one for one, n in pairs if not found.steps[n].late or _may_be(one)])
+
+
+def _may_be(one: Finding) -> bool:
+    """Return whether unseen motion does not contradict a finding."""
+    doubt = one.hold_out.doubt
+    return doubt is None or doubt.reason not in (Reason.NOT_HELD_OUT, Reason.OTHER_SIZE)
 
 
 def _finding(

@@ -86,81 +86,125 @@ def search(
         progress: receives the share done, 0 to 1.
     """
     own = len(whitened.basis.terms)
-    taken: list[Step] = []
-    rejected: dict[int, float] = {}
-    change: Change | None = None
-    may_change = any(one.arm_event == "lasting" for one in (effects or EFFECTS).values())
-    rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
-    stands = still(whitened.motion)
-    weighed = False
-    while True:
-        share = 1.0 - 0.75 ** len(rounds)
-        progress(share, f"looking at every effect, step {len(rounds) + 1}")
-        candidates = candidates_of(whitened, range(whitened.joints), effects)
+    way = _Forward(effects, steps, own, progress)
+    whitened = way.go(whitened)
+    way.taken, whitened = _backward(way.taken, whitened, own)
+    way.taken, whitened = _reconsidered(way.taken, whitened, own, effects)
+    lighter = None if way.wanting or len(way.taken) >= steps else outweighed(whitened)
+    if lighter is not None:
+        way.late = True
+        known = len(way.taken)
+        lighter = way.go(lighter)
+        if len(way.taken) > known:
+            way.taken, lighter = _backward(way.taken, lighter, own, known)
+            way.taken, whitened = _reconsidered(way.taken, lighter, own, effects, known)
+    (every, ranking, null), (_, last, _) = way.rounds[0], way.rounds[-1]
+    return Search(
+        tuple(way.taken),
+        tuple(every),
+        tuple(ranking),
+        tuple(last),
+        null,
+        way.change,
+        whitened,
+        own,
+        way.wanting,
+    )
+
+
+class _Forward:
+    """The way forward, step by step.
+
+    Attributes:
+        taken: the steps so far.
+        change: a load that was taken up on the way, if any.
+        rounds: of each look all candidates, each at its best shape, and the null.
+        wanting: see `Search`.
+        late: whether outliers count less by now.
+    """
+
+    def __init__(
+        self, effects: Mapping[str, Effect] | None, steps: int, own: int, progress: Progress
+    ) -> None:
+        self.taken: list[Step] = []
+        self.change: Change | None = None
+        self.rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
+        self.wanting = 0.0
+        self.late = False
+        self._effects, self._steps, self._own, self._progress = effects, steps, own, progress
+
+    def go(self, whitened: Whitened) -> Whitened:
+        """Take steps until nothing stands out; return the motion with all of them explained."""
+        effects, steps = self._effects, self._steps
+        rejected: dict[int, float] = {}
+        stands = still(whitened.motion)
+        while True:
+            whitened, found = self._scores(whitened)
+            causes = causes_of(whitened.basis)
+            # Static friction of a joint at rest has any form.
+            moving = [one for one in found if not stands[one.candidate.joint]]
+            best = best_of_each(moving, causes)
+            null = MaximumNull.of([score for score in moving if not score.once])
+            self.rounds.append((found, best, null))
+            strong = [score for score in best if _stands_out(score, null, whitened)]
+            eligible = [score for score in strong if possible(score, causes, whitened.x)]
+            self.wanting = _wanting(whitened)
+            if self.wanting:
+                return whitened
+            if (changed := self._changed(whitened, eligible)) is not None:
+                whitened = changed
+                continue
+            if len(self.taken) >= steps:
+                return whitened
+            step = None
+            for first in _of_each_joint(eligible, rejected):
+                name = first.candidate.source.name
+                self._say(f"looking closer at {name}", 0.5)
+                step, refitted = judge(whitened, first, best, null, effects)
+                if step is not None:
+                    break
+                rejected[first.candidate.joint] = first.log_bf
+            if step is None:
+                return whitened
+            self.taken.append(replace(step, late=self.late))
+            whitened = refitted.explaining(*explained_with(whitened, step.score.candidate))
+            if step.named and len(self.taken) < steps:
+                alike, whitened = judge_alike(whitened, step, eligible, null, effects)
+                self.taken += [replace(one, late=self.late) for one in alike]
+                if step.score.candidate.effect.kind == "friction":
+                    whitened = with_sign_speeds(whitened)
+
+    def _scores(self, whitened: Whitened) -> tuple[Whitened, list[BayesFactor]]:
+        """Return the motion, its blocks as short as may be, and all candidates scored."""
+        self._say(f"looking at every effect, step {len(self.rounds) + 1}", 0.0, more=1)
+        candidates = candidates_of(whitened, range(whitened.joints), self._effects)
         found = bayes_factors(whitened, candidates, coarse=True)
         whitened.forget()
-        if not rounds and found and len(np.unique(whitened.block)) < MANY:
+        if not self.rounds and found and len(np.unique(whitened.block)) < MANY:
             shorter = _with_blocks(whitened, max(found, key=lambda score: score.log_bf))
             if shorter.seconds < SHORTER * whitened.seconds:
                 whitened = shorter
                 found = bayes_factors(whitened, candidates, coarse=True)
                 whitened.forget()
-        causes = causes_of(whitened.basis)
-        # Static friction of a joint at rest has any form.
-        moving = [one for one in found if not stands[one.candidate.joint]]
-        best = best_of_each(moving, causes)
-        null = MaximumNull.of([score for score in moving if not score.once])
-        rounds.append((found, best, null))
-        strong = [score for score in best if _stands_out(score, null, whitened)]
-        eligible = [score for score in strong if possible(score, causes, whitened.x)]
-        if wanting := _wanting(whitened):
-            break
-        if change is None and may_change and (not taken or not eligible):
-            change = change_of(whitened)
-            if change is not None and change.log_bayes_factor > _to_beat(whitened, eligible):
-                nuisance = whitened.problem.nuisance
-                problem = refit(whitened, whitened.basis, nuisance, change.prior)
-                whitened = whitened.assuming(problem)
-                continue
-            change = None
-        if len(taken) >= steps:
-            break
-        step = None
-        for first in _of_each_joint(eligible, rejected):
-            name = first.candidate.source.name
-            progress(share + 0.125 * 0.75 ** (len(rounds) - 1), f"looking closer at {name}")
-            step, refitted = judge(whitened, first, best, null, effects)
-            if step is not None:
-                break
-            rejected[first.candidate.joint] = first.log_bf
-        if step is None:
-            # Outliers may hide the rest: look once more where they count less.
-            if weighed or (lighter := outweighed(whitened)) is None:
-                break
-            whitened, weighed = lighter, True
-            rejected.clear()
-            continue
-        taken.append(step)
-        whitened = refitted.explaining(*explained_with(whitened, step.score.candidate))
-        if step.named and len(taken) < steps:
-            alike, whitened = judge_alike(whitened, step, eligible, null, effects)
-            taken += alike
-            if step.score.candidate.effect.kind == "friction":
-                whitened = with_sign_speeds(whitened)
-    taken, whitened = _backward(taken, whitened, own)
-    taken, whitened = _reconsidered(taken, whitened, own, effects)
-    (every, ranking, null), (_, last, _) = rounds[0], rounds[-1]
-    return Search(
-        tuple(taken),
-        tuple(every),
-        tuple(ranking),
-        tuple(last),
-        null,
-        change,
-        whitened,
-        own,
-        wanting,
-    )
+        return whitened, found
+
+    def _changed(self, whitened: Whitened, eligible: Sequence[BayesFactor]) -> Whitened | None:
+        """Return the motion with a load that is taken up on the way; None if there is none."""
+        every = (self._effects or EFFECTS).values()
+        may = self.change is None and any(one.arm_event == "lasting" for one in every)
+        if not may or (self.taken and eligible):
+            return None
+        change = change_of(whitened)
+        if change is None or change.log_bayes_factor <= _to_beat(whitened, eligible):
+            return None
+        self.change = change
+        nuisance = whitened.problem.nuisance
+        return whitened.assuming(refit(whitened, whitened.basis, nuisance, change.prior))
+
+    def _say(self, what: str, share: float, more: int = 0) -> None:
+        """Tell the progress: each look takes a quarter of what is left."""
+        looks = len(self.rounds) - 1 + more
+        self._progress(1.0 - 0.75**looks + share * 0.25 * 0.75**looks, what)
 
 
 def _of_each_joint(
@@ -196,8 +240,14 @@ def _wanting(whitened: Whitened) -> float:
     return max(0.0, (thresholds.USED.fewest_blocks / blocks - 1.0) * lasts)
 
 
-def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Step], Whitened]:
-    """Return the steps without those that later ones made superfluous, and the motion with them."""
+def _backward(
+    taken: list[Step], whitened: Whitened, own: int, known: int = 0
+) -> tuple[list[Step], Whitened]:
+    """Return the steps without those that later ones made superfluous, and the motion with them.
+
+    Args:
+        known: the number of steps, from the first on, that stay.
+    """
     while sum(step.named for step in taken) > 1:
         needed: list[Needed] = []
         for number, step in enumerate(taken):
@@ -206,7 +256,7 @@ def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Ste
                 less = whitened.explaining(basis, whitened.problem.nuisance)
                 (score,) = bayes_factors(less, [step.score.candidate])
                 needed.append(Needed(number, score.candidate.joint, score.log_bf))
-        last = superfluous(needed)
+        last = superfluous(needed, known)
         if last is None:
             break
         basis = _without(whitened.basis, own, taken[last])
@@ -216,16 +266,27 @@ def _backward(taken: list[Step], whitened: Whitened, own: int) -> tuple[list[Ste
 
 
 def _reconsidered(
-    taken: list[Step], whitened: Whitened, own: int, effects: Mapping[str, Effect] | None
+    taken: list[Step],
+    whitened: Whitened,
+    own: int,
+    effects: Mapping[str, Effect] | None,
+    known: int = 0,
 ) -> tuple[list[Step], Whitened]:
-    """Return the steps, each judged again beside all others, and the motion with them."""
+    """Return the steps, each judged again beside all others, and the motion with them.
+
+    Args:
+        known: the number of steps, from the first on, that stay.
+    """
     if len(taken) < 2:
         return taken, whitened
     nuisance = whitened.problem.nuisance
     for number, step in enumerate(taken):
-        if step.named and not step.score.candidate.effect.plain and not step.score.once:
+        if number < known or not step.named:
+            continue
+        if not step.score.candidate.effect.plain and not step.score.once:
             less = whitened.explaining(_without(whitened.basis, own, step), nuisance)
-            taken[number], whitened = reconsider(less, step, effects)
+            found, whitened = reconsider(less, step, effects)
+            taken[number] = replace(found, late=step.late)
     terms = [step.score.candidate.term() for step in taken if step.named]
     basis = Basis((*whitened.basis.terms[:own], *terms))  # in the order of the steps
     return taken, whitened.explaining(basis, nuisance)
@@ -239,19 +300,22 @@ class Needed(NamedTuple):
     log_bf: float
 
 
-def superfluous(needed: Sequence[Needed]) -> int | None:
+def superfluous(needed: Sequence[Needed], known: int = 0) -> int | None:
     """Return the number of the step needed least, if it is needed too little; else None.
 
     A step is needed too little below the floor, or if it gains little beside another effect on the
     same joint: a slightly wrong form of that effect leaves as much.
+
+    Args:
+        known: the number of steps, from the first on, that stay.
     """
 
     def share(one: Needed) -> float:
         largest = max(other.log_bf for other in needed if other.joint == one.joint)
         return one.log_bf / max(thresholds.USED.floor, thresholds.USED.remainder * largest)
 
-    least = min(needed, key=share)
-    return least.number if share(least) <= 1.0 else None
+    least = min((one for one in needed if one.number >= known), key=share, default=None)
+    return least.number if least is not None and share(least) <= 1.0 else None
 
 
 def _without(basis: Basis, own: int, step: Step) -> Basis:

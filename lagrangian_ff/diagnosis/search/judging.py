@@ -42,6 +42,7 @@ class Step:
         first_log_bf: its log Bayes factor before the refit.
         p_value: how often the null reaches that, over all candidates.
         free: the best nonparametric alternative on the same joint, if any helped.
+        late: whether it was found only once outliers counted less.
     """
 
     score: BayesFactor
@@ -49,6 +50,7 @@ class Step:
     first_log_bf: float
     p_value: float
     free: BayesFactor | None
+    late: bool = False
 
     @property
     def named(self) -> bool:
