@@ -142,11 +142,32 @@ def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, pa
     page.get_by_role("button", name="quadratic drag").click()
 
 
+def test_news_do_not_break_a_drag(found: Served, page: Any, browser: Any) -> None:
+    page.goto(found.address + "#compare")
+    curves = page.locator("canvas").first
+    curves.wait_for()
+    idle(page)
+    dragged = curves.element_handle()
+    box = curves.bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 40)
+    page.mouse.down()
+    for other in opened(browser):
+        other.goto(found.address + "#history")
+        other.get_by_role("button", name="learned").click()
+        playwright.expect(other.locator("#view table").first.locator("tbody tr")).to_have_count(1)
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 40)
+        assert dragged.evaluate("canvas => canvas.isConnected")
+        page.mouse.up()
+        page.wait_for_function("canvas => !canvas.isConnected", arg=dragged)
+        other.get_by_role("button", name="quadratic drag").click()
+        idle(other)
+
+
 def test_a_stretch_of_time_is_marked_by_mouse_and_keys(found: Served, page: Any) -> None:
     page.goto(found.address + "#compare")
     curves = page.locator("canvas").first
     curves.wait_for()
-    page.wait_for_timeout(300)
+    idle(page)
     page.get_by_role("button", name="mark", exact=True).click()
     map_ = page.locator("canvas").last
     dark = map_.screenshot()

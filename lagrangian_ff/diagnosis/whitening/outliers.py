@@ -62,13 +62,12 @@ def weights(whitened: Whitened) -> Floats | None:
     """
     x = whitened.x
     left = whitened.system.residual.reshape(len(x), -1)
-    left = np.where(x.rest, np.nan, left)
-    with np.errstate(all="ignore"):
-        deviation = DEVIATION * np.nanmedian(np.abs(left), axis=0)
-    squares = np.nan_to_num(left) ** 2
+    left = np.ma.masked_array(left, x.rest)
+    deviation = DEVIATION * np.ma.median(np.abs(left), axis=0).filled(0.0)
+    squares = left.filled(0.0) ** 2
     far = np.sum(squares * (squares > (FAR * deviation) ** 2), axis=0)
     heavy = far > MUCH * squares.sum(axis=0)
     if not heavy.any():
         return None
     near = np.maximum(NEAR * deviation, np.finfo(float).tiny)
-    return np.where(heavy, heavy_tailed(weights_of(np.nan_to_num(left), near)), 1.0)
+    return np.where(heavy, heavy_tailed(weights_of(left.filled(0.0), near)), 1.0)

@@ -80,8 +80,12 @@ function draw(state) {
   if (key === drawn) {
     return;
   }
-  drawn = key;
   const place = document.getElementById("view");
+  // What is being dragged stays until it is let go.
+  if (place.querySelector("canvas:active")) {
+    return;
+  }
+  drawn = key;
   const fresh = shown !== chosen(state);
   shown = chosen(state);
   const id = place.contains(document.activeElement) ? document.activeElement.dataset.key : null;
@@ -105,6 +109,7 @@ follow((state) => {
   latest = state;
   draw(state);
 });
+window.addEventListener("pointerup", () => setTimeout(() => latest && draw(latest)));
 window.addEventListener("hashchange", () => {
   if (latest) {
     draw(latest);
