@@ -7,7 +7,8 @@ enum { WIDTH = 255, BINS = 4 };
 static int bin_of(double delay, int reach)
 {
     double bin = BINS * (delay + reach) + 0.5;
-    return bin < 0.0 ? 0 : bin > 2.0 * BINS * reach ? 2 * BINS * reach : (int)bin;
+    /* What is not a number must not become an index. */
+    return !(bin > 0.0) ? 0 : bin > 2.0 * BINS * reach ? 2 * BINS * reach : (int)bin;
 }
 
 /* Write the number of the tick at which each sample was taken to out.

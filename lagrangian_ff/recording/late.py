@@ -38,6 +38,7 @@ _ALONG = 32  # samples of a block in which delays are alike
 _BINS = 4  # to a period, as in the C loop
 _OUTLYING = 5.0  # log likelihood of the least likely delay
 _PASSES = 6  # most times that ticks are counted again
+_WIDER = 1.5  # times the departures of one count are those of the next, if it goes astray
 _BLOCK = 1.0  # s, of which the clock is found
 _BLOCKS = 10  # at least, of
 _IN_BLOCK = 20  # samples at least
@@ -101,7 +102,12 @@ def ticks_of_motion(
     ticks = motion.ticks()
     for _ in range(0 if motion.plain and ask else _PASSES):
         time = _clock(stamp, ticks, joints)
+        spread = motion.spread
         motion.refine(time)
+        if ask and not (motion.counts() and motion.spread < _WIDER * spread):
+            # It goes astray: motion with edges counts worse than stamps that count by themselves.
+            alone = motion.regular
+            return ticks_of_motion(stamp, position, held, joints, ask=False) if alone else None
         ticks, before = motion.ticks(), ticks
         if np.array_equal(ticks, before):
             break
@@ -213,7 +219,7 @@ class _Moved:
         if self.regular or known.sum() < FEWEST:
             return
         middle = float(np.median(moved[known]))
-        if abs(middle / self.period - 1) > _ALIKE:
+        if middle > 0 and abs(middle / self.period - 1) > _ALIKE:
             self.period = middle
         step = np.diff(self.stamp)
         for _ in range(3):
