@@ -4,11 +4,29 @@
 
 enum { WIDTH = 255, BINS = 4 };
 
-static int bin_of(double delay, int reach)
+/* Columns of a table of what delays cost: enough for every tick and every mean. */
+enum { COLUMNS = 3 * WIDTH + 2 };
+
+/* Write what delays cost so that ticks that follow each other find theirs side by side.
+
+In row r, column `last` - m holds that of bin BINS m + r, of the first or last bin where there is
+none. Return `last`. */
+static int tabled(const double *unlikely, int reach, double table[BINS][COLUMNS])
 {
-    double bin = BINS * (delay + reach) + 0.5;
-    /* What is not a number must not become an index. */
-    return !(bin > 0.0) ? 0 : bin > 2.0 * BINS * reach ? 2 * BINS * reach : (int)bin;
+    int width = 2 * reach + 1, last = width + 2 * reach, bins = 2 * BINS * reach;
+    for (int r = 0; r < BINS; ++r)
+        for (int k = 0; k < last + width + 1; ++k) {
+            int bin = BINS * (last - k) + r;
+            table[r][k] = unlikely[bin < 0 ? 0 : bin > bins ? bins : bin];
+        }
+    return last;
+}
+
+/* Return the bin of a delay in units of a period; of what is far away, or no number, an outer one. */
+static int bin_of(double delay, int reach, int last)
+{
+    double bin = floor(BINS * (delay + reach) + 0.5);
+    return !(bin > -BINS) ? -BINS : bin > BINS * last ? BINS * last : (int)bin;
 }
 
 /* Write the number of the tick at which each sample was taken to out.
@@ -30,8 +48,10 @@ EXPORT int clock_ticks(int samples, const double *stamp, const double *moved, co
         free(came);
         return 0;
     }
-    double cost[WIDTH], mean[WIDTH], next_cost[WIDTH], next_mean[WIDTH];
-    int alive[WIDTH];
+    double cost[WIDTH], mean[WIDTH], next_cost[WIDTH], next_mean[WIDTH], least[WIDTH];
+    double price[2 * WIDTH], table[BINS][COLUMNS];
+    int64_t from[WIDTH];
+    int alive[WIDTH], last = tabled(unlikely, reach, table);
     int64_t first = (int64_t)floor(stamp[0] + 0.5) - reach;
     for (int u = 0; u < width; ++u) {
         cost[u] = u == reach ? 0.0 : 1e300;
@@ -49,30 +69,34 @@ EXPORT int clock_ticks(int samples, const double *stamp, const double *moved, co
         int64_t low = (int64_t)floor(stamp[i] - mean[best] + 0.5) - reach;
         double gain = 1.0 / (i < MEMORY ? i + 1.0 : MEMORY);
         for (int u = 0; u < width; ++u) {
-            int from = -1;
-            double least = 1e300;
-            int64_t tick = low + u;
-            for (int k = 0; k < count; ++k) {
-                int v = alive[k];
-                int64_t step = tick - first - v;
-                if (step < 1 - held[i] || cost[v] >= least)
-                    continue;
-                double off = (double)step - moved[i];
-                double lost = step > 1 ? (double)(step - 1) : 0.0;
-                double by = cost[v] + fmin(0.5 * sure[i] * off * off, unlike)
-                            + (lost > 0.0 ? start + more * fmin(lost, far) : 0.0)
-                            + unlikely[bin_of(stamp[i] - (double)tick - mean[v], reach)];
-                if (by < least) {
-                    least = by;
-                    from = v;
-                }
+            least[u] = 1e300;
+            from[u] = -1;
+        }
+        /* What a step costs, from the last state to the first to the other way round. */
+        for (int k = 0; k < 2 * width - 1; ++k) {
+            int64_t step = low - first + k - (width - 1);
+            double off = (double)step - moved[i], lost = step > 1 ? (double)(step - 1) : 0.0;
+            price[k] = step < 1 - held[i] ? 1e300
+                                          : fmin(0.5 * sure[i] * off * off, unlike)
+                                                + (lost > 0.0 ? start + more * fmin(lost, far) : 0.0);
+        }
+        for (int k = 0; k < count; ++k) {
+            int v = alive[k];
+            int bin = bin_of(stamp[i] - (double)low - mean[v], reach, last) + BINS;
+            const double *late = table[bin % BINS] + last - bin / BINS + 1;
+            const double *step = price + width - 1 - v;
+            for (int u = 0; u < width; ++u) {
+                double by = cost[v] + step[u] + late[u];
+                from[u] = by < least[u] ? v : from[u];
+                least[u] = by < least[u] ? by : least[u];
             }
-            came[(int64_t)i * width + u] = (uint8_t)(from < 0 ? 0 : from);
-            next_cost[u] = least;
-            if (from >= 0)
-                next_mean[u] = mean[from] + gain * (stamp[i] - (double)tick - mean[from]);
-            else
-                next_mean[u] = 0.0;
+        }
+        for (int u = 0; u < width; ++u) {
+            came[(int64_t)i * width + u] = (uint8_t)(from[u] < 0 ? 0 : from[u]);
+            next_cost[u] = least[u];
+            double before = from[u] < 0 ? 0.0 : mean[from[u]];
+            double delay = stamp[i] - (double)(low + u) - before;
+            next_mean[u] = from[u] < 0 ? 0.0 : before + gain * delay;
         }
         double floor_cost = 1e300;
         for (int u = 0; u < width; ++u)

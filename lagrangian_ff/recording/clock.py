@@ -8,7 +8,7 @@ import numpy as np
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.recording.late import FEWEST, Ticks, ticks_of_motion
 from lagrangian_ff.recording.recording import Publisher, Recording, publishers
-from lagrangian_ff.recording.stamps import without_resets
+from lagrangian_ff.recording.stamps import resolution, without_resets
 from lagrangian_ff.recording.steps import without_steps
 from lagrangian_ff.words import counted
 
@@ -18,6 +18,8 @@ _WINDOW = 50  # samples by which the rate of a stretch is seen
 _REGULAR = 0.6  # of the steps must agree for a rate
 _AGREE = 0.1  # of a step: agreement
 _NEGLIGIBLE = 1e-6  # s
+_BESIDE = 10  # samples to each side, over which a joint's speed is seen
+_RESOLVED = 2.0  # steps of the encoder in a period, from which on a moving joint never repeats
 _STRAIGHTER = 0.9  # of the way that the joints go in order of stamps
 
 
@@ -180,8 +182,13 @@ def _order(time: Floats, position: Floats) -> Ints:
 
 
 def _repeats(recording: Recording, publisher: Publisher, order: Ints) -> Flags:
-    """Return (K - 1,) samples that say what the one before said."""
-    same = np.ones(len(order) - 1, dtype=bool)
+    """Return (K - 1,) samples that say what the one before said, while a joint moves on."""
+    positions = recording.position[np.ix_(order, publisher.joints)]
+    change = np.abs(np.diff(positions, axis=0))
+    wide = np.ones(2 * _BESIDE + 1) / (2 * _BESIDE + 1)
+    usual = np.stack([np.convolve(one, wide, mode="same") for one in change.T], axis=1)
+    # A joint slower than its encoder resolves repeats its position, and is sampled all the same.
+    same = np.any(usual > _RESOLVED * resolution(positions), axis=1)
     for table in (recording.position, recording.effort):
         for joint in publisher.joints:
             values = table[order, joint]

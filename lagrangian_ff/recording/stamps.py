@@ -11,6 +11,7 @@ RESET = 1.0
 """s, smaller falls are samples out of order; the pause put where a clock was set back."""
 
 _TOO_CLOSE = 0.1  # of a period: nearer stamps are one sample repeated
+_ROUNDING = 1e-9  # rad; smaller changes of a position are rounding
 
 
 @dataclass(frozen=True)
@@ -93,3 +94,12 @@ def without_resets(time: Floats) -> tuple[Floats, Ints]:
     for at in resets:
         time[at:] += time[:at].max() + RESET - time[at:].min()
     return time, resets
+
+
+def resolution(position: Floats) -> Floats:
+    """Return (N,) rad, the least distance of two positions (K, N); 0 for a joint that stands."""
+    found = np.zeros(position.shape[1])
+    for joint, values in enumerate(position.T):
+        apart = np.diff(np.unique(values))
+        found[joint] = min(apart[apart > _ROUNDING], default=0.0)
+    return found

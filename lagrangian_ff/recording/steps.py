@@ -3,7 +3,8 @@
 A clock that is set (NTP, a restarted simulation) moves all later stamps by the same amount. A pause
 in which samples were lost looks the same in the stamps, but not in the motion: the joints went on
 moving. Where position, velocity and acceleration go on as if only a few periods had passed, and
-would not if more had, the clock stepped.
+would not if more had, the clock stepped. Polynomials of several degrees follow the motion on both
+sides, and what they cost says how much time passed.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.recording.stamps import RESET
+from lagrangian_ff.recording.stamps import RESET, resolution
 
 _SMALLEST = 6e-3  # s; smaller steps are taken for late stamps
 _FEWEST = 10  # samples that must be on each side
@@ -22,6 +23,8 @@ _ROOM = 0.1  # s; over a longer pause motion cannot be extended
 _MOST = 10  # periods that may have passed unseen
 _CERTAIN = 15.0  # log likelihood by which other times must be worse
 _ALIKE = 2.0  # times the noise that may be left where the motion goes on
+_SIDE = 4  # degree of the polynomial that follows the motion on one side
+_DEGREES = (3, 5, 7, 9)  # of one that follows it on both
 _NOISE = 5.0  # times the jitter that a step must exceed
 
 
@@ -49,10 +52,11 @@ def without_steps(time: Floats, position: Floats) -> tuple[Floats, list[Step]]:
     """
     time = time.copy()
     found = []
+    coarse = resolution(position)
     pauses = np.diff(time)
     for at in _lasting(time):
         pause = float(pauses[at - 1])
-        passed = _passed(time, position, at)
+        passed = _passed(time, position, at, coarse)
         if passed is not None:
             found.append(Step(at, pause - passed, True))
             time[at:] -= pause - passed
@@ -106,9 +110,13 @@ def _lines(time: Floats, index: Ints, to: float) -> tuple[Floats, Floats, Floats
     return origin[:, 0] + level + slope * (to - middle), slope, noise
 
 
-def _passed(time: Floats, position: Floats, at: int) -> float | None:
+def _passed(time: Floats, position: Floats, at: int, coarse: Floats) -> float | None:
     """Return the time that passed before a sample by its motion, s; None if it agrees with the
-    stamps or does not show."""
+    stamps or does not show.
+
+    Args:
+        coarse: (N,) rad, the resolution of the positions.
+    """
     sides = []
     for rows in (np.arange(at - 1, -1, -1), np.arange(at, len(time))):
         rows = rows[:_LONGEST]
@@ -124,14 +132,23 @@ def _passed(time: Floats, position: Floats, at: int) -> float | None:
     values = [position[rows] - position[at - 1] for rows in sides]
     both = np.concatenate(values)
     period = float(np.median(np.abs(np.concatenate([np.diff(before), np.diff(after)]))))
-    apart = sum(_left(x, y, 2) for x, y in zip((before, after), values, strict=True))
-    freedom = len(both) - 6
-    noise = apart / freedom + 1e-24
+    apart = sum(_left(x, y, _SIDE) for x, y in zip((before, after), values, strict=True))
+    # A slow joint stays on a step of its encoder for some samples, which err alike.
+    change = np.mean(np.abs(np.concatenate([np.diff(one, axis=0) for one in values])), axis=0)
+    alike = np.minimum(coarse / np.maximum(change, 1e-12), len(both))
+    least = coarse**2 / 12.0 * (1.0 + alike) + 1e-24
+    noise = np.maximum(apart / (len(both) - 2 * (_SIDE + 1)), least)
     scale = max(abs(before[-1]), after[-1])
+    moving = np.count_nonzero(np.ptp(both, axis=0) > 0)
 
     def cost(passed: float) -> float:
+        """Return the cost of the polynomial that pays best, its coefficients included."""
         x = np.concatenate([before, after + passed]) / scale
-        return float(np.sum(_left(x, both, 3) / noise)) / 2
+        return min(
+            float(np.sum(_left(x, both, degree) / noise)) / 2
+            + moving * degree * np.log(len(both)) / 2
+            for degree in _DEGREES
+        )
 
     if not period > 0:
         return None
@@ -139,8 +156,8 @@ def _passed(time: Floats, position: Floats, at: int) -> float | None:
     costs = np.array([cost(guess) for guess in guesses])
     best = int(np.argmin(costs))
     moved = costs[np.abs(np.arange(_MOST) - best) >= 3]
-    expected = (len(both) - 4) * np.count_nonzero(np.ptp(both, axis=0) > 0) / 2
-    if expected == 0 or costs[best] > _ALIKE * expected:
+    expected = moving * (len(both) + _DEGREES[0] * np.log(len(both))) / 2
+    if expected == 0 or costs[best] > _ALIKE * expected or best == _MOST - 1:
         return None
     unlike = _CERTAIN * max(1.0, costs[best] / expected)
     pause = float(time[at] - time[at - 1])

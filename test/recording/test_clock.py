@@ -206,6 +206,46 @@ def test_a_pause_while_the_arm_moves_is_no_step_of_the_clock(size: float) -> Non
     assert not said(motion, "moved")
 
 
+def coarsely(time: Floats, position: Floats, step: float) -> Recording:
+    """Return a log of an encoder's steps, of joints that need no torque."""
+    position = step * np.round(position / step)
+    unknown, nothing = np.full_like(position, np.nan), np.zeros_like(position)
+    return Recording(("a", "b", "c")[: position.shape[1]], time, position, unknown, nothing)
+
+
+@pytest.mark.parametrize("first", range(4))
+@pytest.mark.parametrize("hertz", [2.0, 7.7])
+def test_a_pause_in_a_fast_motion_is_no_step_of_the_clock(hertz: float, first: int) -> None:
+    time = np.arange(1500) / 126.0
+    kept = np.ones(len(time), dtype=np.bool_)
+    for begin in range(50 + first, 1450, 51):
+        kept[begin : begin + 3] = False
+    time = time[kept]
+    angle = 2.0 * np.pi * hertz * np.outer(time, [1.0, 0.87]) + np.array([0.0, 1.0])
+    notes: list[str] = []
+    recording = coarsely(time, 0.04 * np.sin(angle), 2e-4)
+    assert np.array_equal(retime(recording, "auto", notes), time)
+    assert not notes
+
+
+@pytest.mark.parametrize("lost", [11, 13])
+def test_a_pause_in_an_even_motion_is_no_step_of_the_clock(lost: int) -> None:
+    time = np.arange(1500) / 120.0
+    time = np.concatenate([time[:700], time[700 + lost :]])
+    position = np.outer(time, [5e-3, 1e-3, 5e-4])
+    notes: list[str] = []
+    assert np.array_equal(retime(coarsely(time, position, 3e-5), "auto", notes), time)
+    assert not notes
+
+
+def test_a_joint_slower_than_its_encoder_resolves_is_sampled_all_the_same() -> None:
+    time = np.arange(1000) / 50.0
+    stamped = time + np.random.default_rng(17).exponential(2e-3, len(time))
+    recording = coarsely(stamped, np.outer(time, [2e-3]), 1.2e-4)
+    found = retime(recording, "auto", [])
+    assert np.std(found - time) < 1.1 * np.std(stamped - time)
+
+
 def test_a_clock_that_was_set_back_at_rest_keeps_the_pieces_apart() -> None:
     truth = Truth(11)
     moving = np.where(EVEN < 4.0, EVEN, np.maximum(4.0, EVEN - 0.5))  # half a second of rest
@@ -271,6 +311,23 @@ def test_at_rest_nothing_shows_and_stamps_are_kept() -> None:
     found, notes = moved_times(Log(np.zeros(len(EVEN)), stamped), Truth(12))
     assert np.array_equal(found, stamped)
     assert not notes
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.3])
+def test_where_a_slow_motion_has_edges_the_stamps_count_the_ticks(rest: float) -> None:
+    time = PERIOD * np.arange(8000)
+    part = (time / 3.0) % 1.0  # to and fro at one speed, with rests
+    speed = np.where(part < 0.5, 0.02, -0.02) * (part % 0.5 >= 0.5 * rest)
+    position = np.zeros((len(time), 3))
+    position[:, 1] = STEP * np.round(np.cumsum(speed) * PERIOD / STEP)
+    generator = np.random.default_rng(16)
+    order = 1e-6 * np.arange(len(time))
+    late = time + 0.1 * PERIOD * generator.exponential(size=len(time)) - order
+    stamped = np.maximum.accumulate(late) + order
+    unknown, effort = np.full_like(position, np.nan), generator.normal(size=position.shape)
+    recording = Recording(("a", "b", "c"), stamped, position, unknown, effort)
+    found = retime(recording, "auto", [])
+    assert np.std(found - time) < 0.01 * np.std(stamped - time)
 
 
 def test_a_steady_clock_can_be_asked_for() -> None:
