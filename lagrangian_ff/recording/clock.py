@@ -8,7 +8,7 @@ import numpy as np
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.recording.late import FEWEST, Ticks, ticks_of_motion
 from lagrangian_ff.recording.recording import Publisher, Recording, publishers
-from lagrangian_ff.recording.stamps import resolution, without_resets
+from lagrangian_ff.recording.stamps import least_distance, without_resets
 from lagrangian_ff.recording.steps import without_steps
 from lagrangian_ff.words import counted
 
@@ -188,7 +188,7 @@ def _repeats(recording: Recording, publisher: Publisher, order: Ints) -> Flags:
     wide = np.ones(2 * _BESIDE + 1) / (2 * _BESIDE + 1)
     usual = np.stack([np.convolve(one, wide, mode="same") for one in change.T], axis=1)
     # A joint slower than its encoder resolves repeats its position, and is sampled all the same.
-    same = np.any(usual > _RESOLVED * resolution(positions), axis=1)
+    same = np.any(usual > _RESOLVED * least_distance(positions), axis=1)
     for table in (recording.position, recording.effort):
         for joint in publisher.joints:
             values = table[order, joint]

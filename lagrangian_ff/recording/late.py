@@ -106,8 +106,9 @@ def ticks_of_motion(
         motion.refine(time)
         if ask and not (motion.counts() and motion.spread < _WIDER * spread):
             # It goes astray: motion with edges counts worse than stamps that count by themselves.
-            alone = motion.regular
-            return ticks_of_motion(stamp, position, held, joints, ask=False) if alone else None
+            if not motion.regular:
+                return None
+            return ticks_of_motion(stamp, position, held, joints, ask=False)
         ticks, before = motion.ticks(), ticks
         if np.array_equal(ticks, before):
             break

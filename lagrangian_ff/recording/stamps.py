@@ -96,7 +96,7 @@ def without_resets(time: Floats) -> tuple[Floats, Ints]:
     return time, resets
 
 
-def resolution(position: Floats) -> Floats:
+def least_distance(position: Floats) -> Floats:
     """Return (N,) rad, the least distance of two positions (K, N); 0 for a joint that stands."""
     found = np.zeros(position.shape[1])
     for joint, values in enumerate(position.T):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.recording.stamps import RESET, resolution
+from lagrangian_ff.recording.stamps import RESET, least_distance
 
 _SMALLEST = 6e-3  # s; smaller steps are taken for late stamps
 _FEWEST = 10  # samples that must be on each side
@@ -52,9 +52,10 @@ def without_steps(time: Floats, position: Floats) -> tuple[Floats, list[Step]]:
     """
     time = time.copy()
     found = []
-    coarse = resolution(position)
+    lasting = _lasting(time)
+    coarse = least_distance(position) if lasting else np.zeros(position.shape[1])
     pauses = np.diff(time)
-    for at in _lasting(time):
+    for at in lasting:
         pause = float(pauses[at - 1])
         passed = _passed(time, position, at, coarse)
         if passed is not None:
@@ -115,7 +116,7 @@ def _passed(time: Floats, position: Floats, at: int, coarse: Floats) -> float | 
     stamps or does not show.
 
     Args:
-        coarse: (N,) rad, the resolution of the positions.
+        coarse: (N,) rad, the least distance of two positions of a joint.
     """
     sides = []
     for rows in (np.arange(at - 1, -1, -1), np.arange(at, len(time))):
