@@ -150,6 +150,7 @@ class World:
         self._topics.append("/watchdog/commands")
         self._records = torque_watch.Records(folder / "torques")
         self._watched: dict[str, list[NDArray[np.float64]]] = {topic: [] for topic in self._topics}
+        self._pauses: list[tuple[float, float]] = []
         self.sizes: set[float] = set()
         self._watch = subprocess.Popen(
             [sys.executable, torque_watch.__file__, str(self._records.path), *self._topics],
@@ -206,11 +207,18 @@ class World:
     def look(self) -> None:
         """Read what was watched since the last call."""
         new = self._records.read()
-        self.sizes.update(new[:, 2].tolist())
+        paused = new[:, 1] == torque_watch.PAUSED
+        self._pauses.extend((float(row[0]), float(row[2])) for row in new[paused])
+        self.sizes.update(new[~paused, 2].tolist())
         for index, topic in enumerate(self._topics):
             part = new[new[:, 1] == index][:, [0, 3, 4]]
             if len(part):
                 self._watched[topic].append(part)
+
+    def pause(self, since: float) -> float:
+        """Return how long the process that watches stood still at most since then, s."""
+        self.look()
+        return max((lasted for ended, lasted in self._pauses if ended > since), default=0.0)
 
     def tau(self, topic: str) -> NDArray[np.float64]:
         """Return the last torques that came, zeros without any."""

@@ -3,7 +3,8 @@
 python torque_watch.py FILE TOPIC...
 
 Each message is a record of `RECORD` doubles: when it came (s, monotonic: one clock for all
-processes), the index of its topic, how many torques it has, and the first two of them.
+processes), the index of its topic, how many torques it has, and the first two of them. A pause of
+this process is one, too: when it ended, `PAUSED`, and the s it lasted.
 """
 
 import sys
@@ -20,6 +21,9 @@ from lagrangian_ff.nodes.common.topics import PolledSubscription
 
 RECORD = 5
 PERIOD = 0.001
+PAUSED = -1.0
+PAUSE = 0.05
+"""s that this process stands still; the machine is too busy then to judge others by times."""
 DEEP = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
 
 
@@ -28,9 +32,14 @@ def watch(path: Path, topics: list[str]) -> None:
     rclpy.init()
     node = rclpy.create_node("torque_watch")
     subscriptions = [PolledSubscription(node, Float64MultiArray, topic, DEEP) for topic in topics]
+    last = time.monotonic()
     with path.open("ab", buffering=0) as file:
         while True:
             came = time.monotonic()
+            if came - last > PAUSE:
+                pause = [came, PAUSED, came - last, np.nan, np.nan]
+                file.write(np.array(pause, dtype=np.float64).tobytes())
+            last = came
             for index, subscription in enumerate(subscriptions):
                 for message, _ in subscription.take():
                     first = [*message.data, np.nan, np.nan][:2]
