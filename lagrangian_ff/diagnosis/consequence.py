@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis.compare import compare
 from lagrangian_ff.identification import Model
 from lagrangian_ff.recording.motion import Motion
@@ -26,6 +26,8 @@ class Consequence:
         every_before, every_after: N·m, over the whole motion and all joints.
         deviation: of the fall of the joint's squared error, relative to that error before, over
             blocks.
+        rises: whether the error over all joints surely rises, in N·m or in the mean of its relative
+            changes: by more than its deviation over blocks.
         joints_before, joints_after: N·m, over the whole motion, by joint name.
         beside: the consequence of adding it to all others, those after it too, where that decides
             whether it is worth it; else None.
@@ -40,25 +42,23 @@ class Consequence:
     every_before: float
     every_after: float
     deviation: float = 0.0
+    rises: bool = False
     joints_before: Mapping[str, float] = field(default_factory=dict)
     joints_after: Mapping[str, float] = field(default_factory=dict)
     beside: "Consequence | None" = None
 
     @property
     def worth(self) -> bool:
-        """Return whether the error falls: surely on its joint, and over all of them.
+        """Return whether the error surely falls on its joint, and does not rise over all of them.
 
-        Over all joints it must not rise in N·m, nor in the mean of its relative changes: a small
-        joint counts as much as a large one.
+        A small joint counts as much there as a large one.
         """
         if self.beside is not None:
             return self.beside.worth
         if not self.whole_before > 0.0:
             return False
         fall = 1.0 - (self.whole_after / self.whole_before) ** 2
-        pairs = [(b, self.joints_after[name]) for name, b in self.joints_before.items()]
-        each = [float(np.log(after / before)) for before, after in pairs if before > 0.0 < after]
-        return fall > self.deviation and self.every_after < self.every_before and sum(each) <= 0.0
+        return fall > self.deviation and not self.rises
 
     @property
     def raised(self) -> str:
@@ -93,28 +93,35 @@ def consequence_of(
     """Return the consequence with a larger model, of `errors_of` (M, N) before and after."""
     column = model.joints.index(joint)
     starts = np.flatnonzero(np.diff(motion.blocks(BLOCK_SECONDS), prepend=-1))
-    moves = np.add.reduceat(np.isfinite(before[:, column]).astype(np.int64), starts)
-    kept = moves > 0
-    counts = moves[kept]
-
-    def by_block(error: Floats) -> Floats:
-        sums = np.add.reduceat(np.nan_to_num(error[:, column]) ** 2, starts)[kept]
-        return np.asarray(np.sqrt(sums / counts))
-
-    blocks = by_block(before), by_block(after)
-    whole = rms(before[:, column]), rms(after[:, column])
-    falls = (blocks[0] ** 2 - blocks[1] ** 2) * counts
-    scatter = float(np.sum((falls - counts * falls.sum() / counts.sum()) ** 2))
-    scatter *= len(counts) / max(1, len(counts) - 1)
-    squares = float(np.nansum(before[:, column] ** 2))
+    counts = np.add.reduceat(np.isfinite(before).astype(np.int64), starts)
+    squares = [np.add.reduceat(np.nan_to_num(error) ** 2, starts) for error in (before, after)]
+    whole = squares[0].sum(axis=0)
+    rise = squares[1] - squares[0]
+    relative = np.divide(rise, whole, out=np.zeros_like(rise), where=whole > 0.0)
+    rises = any(
+        one.sum() > _deviation(one, counts.sum(axis=1))
+        for one in (rise.sum(axis=1), relative.sum(axis=1))
+    )
+    kept = counts[:, column] > 0
+    moves = counts[kept, column]
+    old, new = (np.sqrt(one[kept, column] / moves) for one in squares)
     return Consequence(
         model,
         motion.elapsed[starts[kept]],
-        *blocks,
-        *whole,
+        old,
+        new,
+        rms(before[:, column]),
+        rms(after[:, column]),
         rms(before),
         rms(after),
-        float(np.sqrt(scatter)) / squares if squares > 0.0 else 0.0,
+        _deviation(relative[kept, column], moves),
+        rises,
         by_joint(model, before),
         by_joint(model, after),
     )
+
+
+def _deviation(parts: Floats, counts: Ints) -> float:
+    """Return the standard deviation of the sum of blocks' parts, for their numbers of samples."""
+    scatter = float(np.sum((parts - counts * parts.sum() / counts.sum()) ** 2))
+    return float(np.sqrt(scatter * len(parts) / max(1, len(parts) - 1)))

@@ -25,7 +25,7 @@ from lagrangian_ff.diagnosis.results import (
     sorted_findings,
 )
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
-from lagrangian_ff.diagnosis.search.candidates import Candidate, searched_for
+from lagrangian_ff.diagnosis.search.candidates import at_end, searched_for
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
@@ -294,32 +294,10 @@ def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
             "has this torque already: the effect may be there, but the model does not lack it"
         )
         return Doubt(Reason.ABSORBED, words)
-    if ends := _ends(found.whitened, candidate):
+    if ends := at_end(found.whitened.x, candidate):
         return Doubt(Reason.AT_END, ends)
     objection = unnatural(found.whitened, step.score)
     return Doubt(Reason.IMPOSSIBLE, objection) if objection else None
-
-
-def _ends(whitened: Whitened, candidate: Candidate) -> str:
-    """Return which shape ends where nature ends it; empty if none does.
-
-    The data then ask for what this effect cannot be, and another one may be meant.
-    """
-    shapes, found = candidate.effect.shapes, candidate.shape
-    of = [shape.name for shape in shapes if shape.joint]
-    every = candidate.effect.candidates(whitened.x, candidate.joint)
-    tried = [one for one in every if all(one.get(name) == found.get(name) for name in of)]
-    for shape in shapes:
-        values = {one[shape.name] for one in tried if shape.bounds and shape.name in one}
-        value = found.get(shape.name, 0.0)
-        inside = len(values) < 3 or 1.001 * min(values) < value < 0.999 * max(values)
-        if not inside:
-            unit = "" if shape.unit == "1" else f" {shape.unit}"
-            return (
-                f"its {shape.name} ({shape.meaning}) is {value:.3g}{unit}, an end of what is "
-                "possible: the data may mean another effect"
-            )
-    return ""
 
 
 def _curves(found: Search, joint: int) -> float:

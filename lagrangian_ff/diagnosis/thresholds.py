@@ -27,6 +27,8 @@ class Thresholds:
         remainder: share of the log BF of another effect on the joint that may be a flaw of its
             form.
         name_share: share of the log BF of the best curve that an effect must reach to be named.
+        possible_share: share of the best log BF that an effect must reach to come before one with a
+            shape at an end of what nature allows.
         plain_share, first_share: share of the best log BF that plain friction must reach, where
             the model has some on the joint and where it has none.
         bare_factor: ratio to the best log BF that a change of the arm must exceed where plain
@@ -91,6 +93,7 @@ class Thresholds:
     least_rest: float = 0.02
     remainder: float = 0.03
     name_share: float = 0.7
+    possible_share: float = 0.5
     plain_share: float = 0.6
     first_share: float = 0.1
     bare_factor: float = 3.0

@@ -175,7 +175,8 @@ class Curve(Effect):
     heights: ClassVar[Floats]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return from_stored, (self.stored(), ())
+        content = self.over, self.friction, self.odd, self.monotone
+        return _curve, (*content, self.axes, self.seen, self.heights)
 
     def stored(self) -> dict[str, Any]:
         """Return the curve as JSON holds it."""

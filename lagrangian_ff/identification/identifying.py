@@ -116,7 +116,7 @@ def identify(
     blueprint = replace(blueprint, prior=chosen.problem.prior, name=spec.basic, weight=weight)
     tried, known = chosen.tried, chosen.posterior if blueprint.exact else None
     del chosen  # a fit is as large as the next
-    sources = tuple(motion.source for motion in motions)
+    sources = tuple(dict.fromkeys(motion.source for motion in motions))
     found = build(blueprint, inputs, sources, part(progress, chosen_at, 1.0), known)
     del known
     first = Step.between("identified", None, found.model.identified)

@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -27,13 +28,12 @@ from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import TWICE, next_question, promising
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
+from lagrangian_ff.investigation.stretches import learned_and_unseen
 from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
 
-LEARNED = 0.6
-"""Share of each motion that is learned from and searched; the rest confirms and judges."""
 SMALLER = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
 """Shares of the permitted range that a first motion tries, until it touches nothing."""
 SHORTEST = 8.0
@@ -44,13 +44,24 @@ MOST = 0.9
 """Share of the time that is left, for which a motion is designed: limits may make it longer."""
 
 
+Named: TypeAlias = tuple[str, str]
+"""An effect and its joint."""
+
+
 @dataclass(frozen=True)
 class _Look:
-    """What is known after some motions: the model without and with what is confirmed."""
+    """A model of all motions so far, and what it lacks.
+
+    Attributes:
+        base: the model that was diagnosed.  diagnosis: of that model.
+        model: `base` with what is confirmed.
+        made: the models that motions were designed with; `for_design` fits none of them twice.
+    """
 
     base: Model
     diagnosis: Diagnosis
     model: Model
+    made: dict[tuple[Named, ...], Model] = field(default_factory=dict)
 
 
 def investigate(
@@ -63,9 +74,10 @@ def investigate(
     """Return the story of an arm that was moved until nothing was left to decide.
 
     Each round identifies a model of all motions so far, and diagnoses it: the first part of each
-    motion is learned from and searched, the rest confirms. What is left open is the next question,
-    and the motion that decides it is designed within what was permitted. What no effect fits in the
-    end is taken in as a curve if that lowers the error, and formulas are proposed for it.
+    stretch of a motion is learned from and searched, the rest confirms. What is left open is the
+    next question, and the motion that decides it is designed within what was permitted. What no
+    effect fits in the end is taken in as a curve if that lowers the error, and formulas are
+    proposed for it.
 
     Args:
         permit: is asked before the first motion and before each larger range.
@@ -231,7 +243,7 @@ class _Story:
 
     def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")
-        model = for_design(look.diagnosis, question)
+        model = for_design(look.diagnosis, question, look.made)
         return design(
             model,
             question,
@@ -269,19 +281,33 @@ def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:
     return replace(found, findings=sorted_findings([judged(one) for one in found.findings]))
 
 
-def for_design(found: Diagnosis, question: Question) -> Model:
+def for_design(
+    found: Diagnosis, question: Question, made: dict[tuple[Named, ...], Model] | None = None
+) -> Model:
     """Return the model with all that unseen motion confirms, also what no error falls by yet.
 
     What is missing is noise that hides the rest. What is asked for is left out.
+
+    Args:
+        made: models that were fitted for the same diagnosis, by the effects that were added.
+            One of them is returned if it fits; else the new one is put in.
     """
-    model, wanted = apply(found), {(one.effect, one.joint) for one in question.suspects}
-    for one in found.findings:
-        if (one.effect.name, one.joint) in wanted or one.doubt is None or one.rivals:
-            continue
-        if one.doubt.reason is Reason.NO_HELP:
+    made = {} if made is None else made
+    wanted = {(one.effect, one.joint) for one in question.suspects}
+    added = [
+        one
+        for one in found.findings
+        if one.doubt is not None and one.doubt.reason is Reason.NO_HELP and not one.rivals
+        if (one.effect.name, one.joint) not in wanted
+    ]
+    names = tuple((one.effect.name, one.joint) for one in added)
+    if names not in made:
+        model = apply(found)
+        for one in added:
             with suppress(ModelError):  # the model has it by another name
                 model = extend(model, one.effect, one.joint, one.shape).model
-    return model
+        made[names] = model
+    return made[names]
 
 
 def first_motion(
@@ -350,10 +376,3 @@ def both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:
     left = errors_of(model, concatenate(unseen))
     return by_joint(model, left), rms(left)
-
-
-def learned_and_unseen(motions: Sequence[Motion]) -> tuple[list[Motion], list[Motion]]:
-    """Return the first `LEARNED` of each motion, and the rest of each."""
-    cuts = [round(LEARNED * len(motion)) for motion in motions]
-    pairs = list(zip(motions, cuts, strict=True))
-    return [m.take(slice(0, k)) for m, k in pairs], [m.take(slice(k, None)) for m, k in pairs]

@@ -257,10 +257,10 @@ class Bench:
         if not sources:
             raise UserError("there is no recording to compare with")
         own = node.settings.get("scales", {}) if "learned" in node.settings else {}
-        learned = 0.0
-        if any(one in own for one in sources):  # it has seen the beginning of these
+        learned: tuple[float, ...] = ()
+        if any(one in own for one in sources):  # it has seen parts of these
             sources = tuple(one for one in sources if one in own)
-            learned = node.settings["learned"]
+            learned = node.settings["learned"], node.settings.get("stretch", float("inf"))
         file = str(self._place("traces") / f"{node.id}.npz")
 
         def take(found: Any) -> None:
@@ -268,7 +268,7 @@ class Bench:
             self.session.save()
 
         page, given = self._page("compare", node), (self._effects, self.session.reading)
-        job = jobs.Compare(file, page, node.file, sources, *given, learned)
+        job = jobs.Compare(file, page, node.file, sources, *given, *learned)
         self._begin("comparing it with unseen motion", job, take)
 
     def _diagnose(self, asked: Asked) -> None:

@@ -258,7 +258,7 @@ class Investigate:
             signal.signal(signal.SIGUSR1, signal.SIG_IGN)  # a late one must not end the process
 
     def _result(self, found: "Investigation") -> Record:
-        from lagrangian_ff.investigation.investigate import LEARNED
+        from lagrangian_ff.investigation.stretches import LEARNED, STRETCH
         from lagrangian_ff.report import investigation_page
 
         investigation_page(self.page, found)
@@ -269,6 +269,7 @@ class Investigate:
             "pictures": [_picture(turn) for turn in found.turns],
             "models": self._models(found),
             "learned": LEARNED,
+            "stretch": STRETCH,
             "model": last.name if last else "",
             "scale": {j: v for j, v in self.scale.items() if j in found.joints},
             "proposed": {

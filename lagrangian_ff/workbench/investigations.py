@@ -193,7 +193,8 @@ class Investigations:
         self._over()
         scales = {file: dict(now["scale"]) for file in now["bags"]}
         settings = {"model": "", "asked": "", "urdf": "", "effort": session.effort,
-                    "scales": scales, "learned": story.pop("learned")}  # fmt: skip
+                    "scales": scales, "learned": story.pop("learned"),
+                    "stretch": story.pop("stretch")}  # fmt: skip
         parent, made = "", []
         for one in models:
             added, why = one["added"], one["why"]

@@ -68,8 +68,9 @@ class Compare:
         sources: files of recordings, compared together.
         effects: the file of the user's formulas; empty for none.
         reading: how the recordings are read.
-        learned: share of each recording, from its beginning, that the model learned from; the rest
-            is compared.
+        learned: share of each stretch of each recording that the model learned from; the rest is
+            compared.
+        stretch: s, see `learned_and_unseen`.
     """
 
     output: str
@@ -79,6 +80,7 @@ class Compare:
     effects: str = ""
     reading: Reading = field(default_factory=Reading)
     learned: float = 0.0
+    stretch: float = float("inf")
 
     def work(self, progress: Progress) -> Record:
         """Write the arrays; return the errors per joint and where most of them lie."""
@@ -87,6 +89,7 @@ class Compare:
         from lagrangian_ff.diagnosis import compare
         from lagrangian_ff.diagnosis.preflight import preflight
         from lagrangian_ff.diagnosis.where import Compared, locate
+        from lagrangian_ff.investigation.stretches import learned_and_unseen
         from lagrangian_ff.kernels.threads import one_blas_thread
         from lagrangian_ff.recording import concatenate
         from lagrangian_ff.report import compare_page
@@ -95,8 +98,9 @@ class Compare:
         model = load_model(self.model, self.effects)
         reading = part(progress, 0.0, 0.2)
         motions = motions_for(self.model, model, self.sources, reading, self.reading)
-        parts = [one.take(slice(round(self.learned * len(one)), None)) for one in motions]
-        motion = concatenate(parts)
+        if self.learned:
+            _, motions = learned_and_unseen(motions, self.learned, self.stretch)
+        motion = concatenate(motions)
         with one_blas_thread():
             checks = preflight(model, motion, kind=False)
             found = compare(model, motion, part(progress, 0.2, 0.6), intervals=True)

@@ -75,7 +75,7 @@ class Node:
             of a proposed formula; empty for a model that was identified.
         why: the evidence for the effect that was added, as the model's history has it.
         settings: how it, or the model it came from, was learned, see `Session.chosen`; of one that
-            was investigated `learned`, too, the share of each recording that it learned from.
+            was investigated `learned` and `stretch`, too, see `learned_and_unseen`.
     """
 
     id: str

@@ -2,12 +2,14 @@
 
 import ast
 from collections.abc import Callable
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from arm_examples import bias
+from scipy.ndimage import uniform_filter1d
 
 import lagrangian_ff.arm.hidden
 from lagrangian_ff.arm import HOME, JointMoment, Load, Plant, Run, exciting_trajectory, simulate
@@ -15,6 +17,7 @@ from lagrangian_ff.arm.body import Body
 from lagrangian_ff.arm.hidden import HIDDEN, HiddenEffect, Installed, Reference, Site, size, sized
 from lagrangian_ff.arm.hidden.base import ALL_JOINTS, replay
 from lagrangian_ff.arm.hidden.solid import Bristles
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import EFFECTS
 
 MOTION = exciting_trajectory(6, 1, duration=4.0)
@@ -254,3 +257,25 @@ def test_a_push_holds_the_arms_weight_by_virtual_work() -> None:
     with Body({"link_6": Load(0.5, (0.0, 0.0, 0.0))}) as loaded:
         weight = bias(loaded, q, still) - held
     np.testing.assert_allclose(arm.T @ [0.0, 0.0, 0.5 * 9.81], weight, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["elasticity", "backlash"])
+def test_a_soft_gear_has_the_torque_that_the_motors_motion_does_not_explain(
+    name: str, site: Site, driven: Callable[[str], tuple[Installed, Run]]
+) -> None:
+    """Friction and rotor act on the motor's side, where the encoder is: they explain themselves."""
+    parts, run = driven(name)
+    here = Reference.of(run)
+    torque = HIDDEN[name].torque(parts, Site(JOINT, site.seed, 0, here))[:, JOINT]
+    rate = np.gradient(run.encoder, here.time, axis=0)
+    with closing(Plant()) as plant:
+        seen = plant.true_torque(run.encoder, rate, np.gradient(rate, here.time, axis=0))
+    left = smooth(run.motor_torque[:, JOINT] - seen[:, JOINT])
+    inner = slice(100, -100)
+    plain = np.std(left[inner])
+    assert np.std((left - smooth(torque))[inner]) < 0.5 * plain
+
+
+def smooth(values: Floats, width: int = 61) -> Floats:
+    """Return values averaged twice over a window: the servo's noise is fast."""
+    return np.asarray(uniform_filter1d(uniform_filter1d(values, width), width))

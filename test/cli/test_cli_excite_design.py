@@ -71,6 +71,15 @@ def test_the_prediction_is_said(made: tuple[Path, str, dict[str, Any]]) -> None:
     assert [one["effect"] for one in record["not_shown"]] == hidden
 
 
+def test_too_little_within_what_was_seen_is_said(model: Path, tmp_path: Path) -> None:
+    asked = ("--for", "quadratic_drag@elbow", "--size", "0.001", "--search", "0.1")
+    where = ("--model", model, "--duration", "8", "--output", tmp_path / "d.csv")
+    outcome = lagrangian_ff("excite", *asked, *where)
+    assert outcome.code == 0, outcome
+    assert "too little for a claim" in outcome.text
+    assert "--speed" in outcome.text
+
+
 def test_what_came_of_it_is_said(
     made: tuple[Path, str, dict[str, Any]], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pendulum
+import pytest
 from diagnosis_examples import JOINTS, model
 from numpy.typing import NDArray
 
@@ -39,6 +40,29 @@ def test_what_a_held_joint_shows_counts_for_nothing() -> None:
     assert made.time.max() < 9.0 + BLOCK_SECONDS
     assert len(made.time) == len(made.before) == len(made.after)
     assert not consequence_of(model(), motion, JOINTS[1], before, residual(0.4, 0.0)).worth
+
+
+@pytest.mark.parametrize(("rise", "worth"), [("by chance", True), ("in every block", False)])
+def test_another_joint_may_err_more_by_chance_alone(rise: str, worth: bool) -> None:
+    motion = pendulum.motion(30.0)
+    rng = np.random.default_rng(1)
+    before = rng.normal(size=(len(motion), 2)) * np.array([0.5, 0.1])
+    block = motion.blocks(BLOCK_SECONDS)
+    sign = np.where(block % 2 == 0, 1.0, -0.8) if rise == "by chance" else np.ones(len(block))
+    after = before * np.stack([1.0 + 0.03 * sign, np.full(len(motion), 0.95)], axis=1)
+    made = consequence_of(model(), motion, JOINTS[1], before, after)
+    assert made.every_after > made.every_before
+    assert made.worth == worth
+
+
+@pytest.mark.parametrize(("small", "worth"), [(0.114, True), (0.3, False)])
+def test_a_small_joint_counts_as_much_as_a_large_one(small: float, worth: bool) -> None:
+    motion = pendulum.motion(30.0)
+    one = np.random.default_rng(1).normal(size=(len(motion), 2))
+    before, after = one * np.array([1.0, 0.1]), one * np.array([0.5, small])
+    made = consequence_of(model(), motion, JOINTS[0], before, after)
+    assert made.every_after < made.every_before
+    assert made.worth == worth
 
 
 def test_errors_are_missing_where_a_joint_rests_that_moves_elsewhere() -> None:

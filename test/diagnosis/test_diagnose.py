@@ -287,11 +287,9 @@ def test_whatever_is_still_claimed_lowers_the_error(
         (True, {}),
         (False, {"whole_after": 1.0}),
         (False, {"deviation": 0.8}),
-        (False, {"every_after": 2.1}),
-        (True, {"joints_before": {"a": 1.0, "b": 0.1}, "joints_after": {"a": 0.5, "b": 0.114}}),
-        (False, {"joints_before": {"a": 1.0, "b": 0.1}, "joints_after": {"a": 0.5, "b": 0.3}}),
+        (False, {"rises": True}),
     ],
-    ids=["falls", "stays", "chance", "others rise", "another rises less", "another rises more"],
+    ids=["falls", "stays", "chance", "others rise"],
 )
 def test_an_addition_is_worth_it_if_the_error_surely_falls(
     stuck: Diagnosis, worth: bool, change: dict[str, Any]

@@ -38,3 +38,19 @@ def test_effects_read_what_they_read_of_a_recording(names: tuple[str, ...]) -> N
         expected = term.columns(whole)[INDEX]
         assert np.ptp(expected) > 0.0
         np.testing.assert_allclose(term.columns(x), expected, rtol=1e-9, atol=1e-12)
+
+
+def test_the_load_nearby_is_that_of_the_other_motion() -> None:
+    model = rods()
+    reading = Reading(model, (), SPLINES, INDEX, model.basis.sign_speed(2))
+    rates = SPLINES.rates[:3]
+    ways = [rate @ control() for rate in rates]
+    steps = [1e-4 * rate[:, 11] for rate in rates]
+    q, qd, qdd = ways
+    load = model.inputs(q, qd, qdd).load
+    near = reading.nearby(ways, load, [1])[1]
+    moved = [way + np.outer(step, [0.0, 1.0]) for way, step in zip(ways, steps, strict=True)]
+    q, qd, qdd = moved
+    change = model.inputs(q, qd, qdd).load - near.load
+    assert np.abs(change).max() > 0.0
+    np.testing.assert_allclose(near.at(steps) - near.load, change, atol=2e-3 * np.abs(change).max())

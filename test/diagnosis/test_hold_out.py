@@ -35,6 +35,15 @@ def test_bursts_do_not_make_the_groups_fewer() -> None:
     assert len(grouped(bursts, bursts)[0]) == thresholds.USED.most_groups
 
 
+def test_what_shows_mostly_in_one_place_is_judged_in_the_others_too() -> None:
+    expected = np.array([1500.0, 600.0, *np.full(8, 20.0)])
+    sums, hoped = grouped(-expected, expected)
+    assert thresholds.USED.fewest_groups <= len(sums) <= thresholds.USED.most_groups
+    assert hoped.min() >= 20.0
+    few = np.array([1500.0, 600.0, 1.0, 1.0])
+    assert len(grouped(few, few)[0]) < thresholds.USED.fewest_groups
+
+
 @given(st.lists(st.integers(-1000, 1000), min_size=5, max_size=8, unique_by=abs))
 def test_signed_ranks_are_wilcoxons(gains: list[int]) -> None:
     few = np.array([0.1 * one for one in gains if one != 0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import two_rods
 from scipy.stats import multivariate_normal
-from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
+from whitened_examples import begun, clean_rods, dense, friction, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
@@ -19,6 +19,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.forward import Needed, search, superfluous
+from lagrangian_ff.diagnosis.search.judging import possible_first
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import EFFECTS
@@ -88,6 +89,26 @@ def test_a_hidden_effect_comes_first_at_its_true_shape() -> None:
     assert found[0].candidate.key == ("stribeck", 1)
     assert found[0].log_bf > 30.0
     assert found[0].candidate.shape["v_s"] == pytest.approx(0.15, rel=0.5)
+
+
+def test_a_step_that_is_too_wide_is_no_stribeck_friction(clean: Whitened) -> None:
+    """As it is where it was fitted while other friction was missing."""
+    wide = clean.explaining(friction(0.15), ())
+    bump = Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.1})
+    assert bayes_factors(wide, [bump])[0].log_bf > 2.0 * thresholds.USED.floor
+    assert not search(wide).steps
+
+
+def test_a_shape_at_an_end_comes_after_an_effect_that_may_be(clean: Whitened) -> None:
+    stribeck, share = EFFECTS["stribeck"], thresholds.USED.possible_share
+    ends = max(stribeck.candidates(clean.x, 1), key=lambda shape: shape["v_s"])
+    candidates = [Candidate(stribeck, 1, ends), Candidate(EFFECTS["quadratic_drag"], 1)]
+    at_an_end, drag = bayes_factors(clean, candidates)
+    first = replace(at_an_end, log_bf=100.0)
+    for nats, expected in ((120.0 * share, drag), (80.0 * share, at_an_end)):
+        names = possible_first([first, replace(drag, log_bf=nats)], clean.x)
+        assert names[0].candidate == expected.candidate
+        assert len(names) == 2
 
 
 def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:

@@ -11,8 +11,10 @@ from sines import sines
 from whitened_examples import friction, inputs, quickly, whitened_of
 
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, whiten
+from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.diagnosis.whitening.whitened import LOAD_SECONDS
-from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.recording.motion import Motion
 
@@ -25,6 +27,7 @@ def _small() -> Iterator[None]:
 
 WIDE = friction(0.05)
 """Its Coulomb step is too wide."""
+HYSTERESIS = Term(EFFECTS["hysteresis"], 1, {"w": two_rods.BENDS / 9.0})
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +48,24 @@ def test_what_is_left_is_white_and_of_the_size_of_the_noise(whitened: Whitened) 
 
 def test_the_width_of_the_coulomb_step_is_found(whitened: Whitened) -> None:
     np.testing.assert_allclose(whitened.basis.sign_speed(2), two_rods.WIDTH, rtol=0.15)
+
+
+def test_the_width_of_the_coulomb_step_is_found_beside_hysteresis() -> None:
+    """Whose sign has the same width."""
+    wide = friction(0.1).terms
+    basis = Basis((*wide, HYSTERESIS))
+    motion = two_rods.motion(1, hidden=two_rods.presliding)
+    found = fit(motion, replace(inputs(motion), sign_speed=basis.sign_speed(2)), basis)
+    np.testing.assert_allclose(found.basis.sign_speed(2), two_rods.WIDTH, rtol=0.25)
+
+
+def test_a_width_that_was_fitted_without_hysteresis_is_fitted_again() -> None:
+    without = whitened_of(two_rods.motion(1, hidden=two_rods.presliding), WIDE)
+    assert without.basis.sign_speed(2)[1] > 1.5 * two_rods.WIDTH
+    beside = without.explaining(Basis((*without.basis.terms, HYSTERESIS)), ())
+    found = with_sign_speeds(beside, {1}).basis.sign_speed(2)
+    assert found[1] == pytest.approx(two_rods.WIDTH, rel=0.25)
+    assert found[0] == without.basis.sign_speed(2)[0]
 
 
 def test_what_the_model_has_leaves_nothing(whitened: Whitened) -> None:

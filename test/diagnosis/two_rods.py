@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sines import sines
 
+from lagrangian_ff.effects.memory import stop
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -14,6 +15,7 @@ Hidden = Callable[[Floats, Floats, Floats, Floats], Floats]
 JOINTS = ("shoulder", "elbow")
 NOISE = np.array([0.15, 0.05])  # N·m
 WIDTH = 0.02  # rad/s
+BENDS = 0.009  # rad
 LOAD = 0.8  # kg at the end of the second rod
 
 
@@ -66,6 +68,13 @@ def stick(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
     v = qd[:, 1]
     more = 0.6 * np.tanh(v / WIDTH) * np.exp(-((v / 0.15) ** 2))
     return np.stack([np.zeros_like(v), more], axis=1)
+
+
+def presliding(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+    """Most of the elbow's dry friction builds up over `BENDS`."""
+    sign, segment = np.tanh(qd[:, 1] / WIDTH), np.zeros(len(t), dtype=np.int64)
+    late = 0.7 * (stop(q[:, 1], segment, sign, BENDS) - sign)
+    return np.stack([np.zeros(len(t)), late], axis=1)
 
 
 def sore_spot(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:

@@ -124,6 +124,12 @@ def test_a_stored_curve_is_the_same_curve() -> None:
         assert kept.meaning == made.meaning
 
 
+def test_a_curve_that_is_not_made_goes_to_another_process() -> None:
+    wish = curve_over([Over("velocity")], odd=True)
+    same = pickle.loads(pickle.dumps(wish))
+    assert (same.over, same.odd, same.axes) == (wish.over, wish.odd, ())
+
+
 @pytest.mark.parametrize(
     "wrong",
     [

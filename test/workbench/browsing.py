@@ -42,9 +42,18 @@ def opened(browser: Any, **options: Any) -> Iterator[Any]:
 
 
 def idle(page: Any) -> None:
-    """Wait until the work is done."""
-    page.wait_for_timeout(250)
-    page.wait_for_selector("#work progress", state="detached", timeout=LONG)
+    """Wait until the page has shown no work for half a second.
+
+    Work redraws the page when it begins and when it ends.
+    """
+    page.evaluate("window.worked = performance.now()")
+    page.wait_for_function(
+        """() => {
+            if (document.querySelector("#work progress")) window.worked = performance.now();
+            return performance.now() - window.worked > 500;
+        }""",
+        timeout=LONG,
+    )
 
 
 def shown(page: Any, served: Served) -> None:

@@ -80,7 +80,9 @@ def test_one_click_and_the_story_is_told(
     card.get_by_text("6 joints").wait_for()
     assert card.get_by_label("use of").input_value() == "learn"
     page.goto(served.address + "#take")
-    assert "motion_1 --train 0.6 --output model.npz" in page.locator("pre").last.inner_text()
+    commands = page.locator("pre").last.inner_text()
+    assert "motion_1 --train 0.6 --output model.npz" in commands
+    assert "learned from 0.6 of every 8 s" in commands
     assert served.stop() == 0
 
 

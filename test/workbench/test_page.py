@@ -117,7 +117,7 @@ def test_the_curves_zoom_by_keys_and_keep_their_window(found: Served, page: Any)
     page.goto(found.address + "#compare")
     curves = page.locator("canvas").first
     curves.wait_for()
-    page.wait_for_timeout(300)
+    idle(page)
     whole = curves.screenshot()
     curves.focus()
     page.keyboard.press("+")

@@ -4,7 +4,24 @@ State equations, masses, springs, gears and sensors; no code in common with the 
 effects that the diagnosis uses.
 """
 
-from lagrangian_ff.arm.hidden.base import HiddenEffect, Installed, Reference, Site, size, sized
+from lagrangian_ff.arm.hidden.base import (
+    HiddenEffect,
+    Installed,
+    Reference,
+    Site,
+    beyond_friction,
+    size,
+    sized,
+)
 from lagrangian_ff.arm.hidden.catalogue import HIDDEN
 
-__all__ = ["HIDDEN", "HiddenEffect", "Installed", "Reference", "Site", "size", "sized"]
+__all__ = [
+    "HIDDEN",
+    "HiddenEffect",
+    "Installed",
+    "Reference",
+    "Site",
+    "beyond_friction",
+    "size",
+    "sized",
+]

@@ -236,17 +236,28 @@ class HiddenEffect:
         return {"joint": (joint,), "pair": pair, "arm": ALL_JOINTS}[self.reach]
 
 
-def unexplained_by(site: Site, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+def unexplained_by(
+    site: Site, q: Floats, qd: Floats, qdd: Floats, *, links: bool = False
+) -> Floats:
     """Return (M, 6) N·m that the run's motion needs more than the reported one.
 
-    By the arm's own inverse dynamics with friction, at 100 Hz.
+    By the arm's own inverse dynamics, at 100 Hz.
+
+    Args:
+        links: whether only the links moved so, and the motors as reported: then neither friction
+            nor the rotors' inertia differ.
     """
     run, every = site.along, 5
     part = slice(None, None, every)
-    true, seen = (
-        true_torque(*(values[part] for values in motion), parameters=site.parameters)
-        for motion in ((run.q, run.qd, run.qdd), (q, qd, qdd))
-    )
+
+    def needed(q: Floats, qd: Floats, qdd: Floats) -> Floats:
+        states = q[part], qd[part], qdd[part]
+        if not links:
+            return true_torque(*states, parameters=site.parameters)
+        whole = true_torque(*states, friction=False, parameters=site.parameters)
+        return whole - site.parameters.reflected_inertia * states[2]
+
+    true, seen = needed(run.q, run.qd, run.qdd), needed(q, qd, qdd)
     return (true - seen)[np.minimum(np.arange(len(run.q)) // every, len(true) - 1)]
 
 
@@ -254,6 +265,18 @@ def size(effect: HiddenEffect, installed: Installed, site: Site) -> float:
     """Return the RMS of the effect's torque over that of the joint's motor torque in the run."""
     run, j = site.along, site.joint
     return float(run.rms(effect.torque(installed, site))[j] / run.rms(run.motor)[j])
+
+
+def beyond_friction(effect: HiddenEffect, installed: Installed, site: Site) -> float:
+    """Return the RMS, N·m, of the effect's torque that plain friction cannot imitate.
+
+    Plain friction is viscous and Coulomb friction of the joint, and a constant.
+    """
+    torque = effect.torque(installed, site)[:, site.joint]
+    speed = site.along.qd[:, site.joint]
+    plain = np.stack([speed, np.tanh(speed / 0.02), np.ones_like(speed)], axis=1)
+    left = torque - plain @ np.linalg.lstsq(plain, torque, rcond=None)[0]
+    return float(np.sqrt(np.mean(left**2)))
 
 
 def sized(effect: HiddenEffect, site: Site, wanted: float) -> tuple[Installed, float]:

@@ -144,6 +144,7 @@ def backlash_torque(installed: Installed, site: Site) -> Floats:
 
 
 def _twisted(site: Site, joint: int, estimate: Floats) -> Floats:
+    """Return the torque of links that move otherwise than their motors, which have the encoders."""
     run = site.along
     ahead = run.ahead[:, joint] if np.any(run.ahead[:, joint]) else estimate
     ahead = _smooth(ahead, round(WINDOW / run.dt))
@@ -152,7 +153,7 @@ def _twisted(site: Site, joint: int, estimate: Floats) -> Floats:
     q[:, joint] += ahead
     qd[:, joint] += rate
     qdd[:, joint] += np.gradient(rate, run.dt)
-    return unexplained_by(site, q, qd, qdd)
+    return unexplained_by(site, q, qd, qdd, links=True)
 
 
 def _smooth(values: Floats, width: int) -> Floats:

@@ -243,6 +243,11 @@ def say(design: "Design", record: dict[str, Any], console: Console) -> None:
         )
     words = "to decide it, for an effect of"
     console.say(f"expected: {number(design.nats)} nats {words} {size:.0%} of its joint's torque")
+    if design.nats < thresholds.USED.floor and not design.beyond:
+        console.note(
+            "that is too little for a claim within what the model has seen: where the arm may move "
+            "faster or farther, allow it (--speed, --acceleration, --jerk, --low, --high)"
+        )
     rows = [
         [one["effect"], one["joint"], number(one["nats"]), number(one["torque"])]
         for one in record["expected"][:TOLD]

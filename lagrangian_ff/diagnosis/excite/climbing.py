@@ -1,6 +1,7 @@
 """The way uphill: from templates to the control points of the motion that says most."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,10 @@ LEAST = 0.1
 """rad, a joint that would move less is held."""
 USUAL_STARTS = 40
 """Their usual number."""
+
+
+class _SpentError(Exception):
+    """All looks are spent; one step of L-BFGS-B may take twenty."""
 
 
 @dataclass(frozen=True)
@@ -156,24 +161,31 @@ class Way:
         limits, splines, free = self.keeper.limits, self.splines, list(self.free)
         inner = np.ix_(range(AT_REST, splines.count - AT_REST), free)
         control = begin.control.copy()
+        tried: list[tuple[float, Floats]] = []
 
         def down(z: Floats) -> tuple[float, Floats]:
+            if len(tried) == looks:
+                raise _SpentError
             control[inner] = z.reshape(-1, len(free))
             look = self.objective.look(control)
             slope = self.objective.slope(look, control, free)
             excess, by_control = self.keeper.penalty(splines, control)
-            return hard * excess - look.value, (hard * by_control - slope)[inner].ravel()
+            value = hard * excess - look.value
+            tried.append((value, z.copy()))
+            return value, (hard * by_control - slope)[inner].ravel()
 
         ends = zip(limits.q_low[free], limits.q_high[free], strict=True)
-        found = scipy.optimize.minimize(
-            down,
-            begin.control[inner].ravel(),
-            jac=True,
-            method="L-BFGS-B",
-            bounds=list(ends) * (splines.count - 2 * AT_REST),
-            options={"maxiter": looks, "maxfun": looks, "ftol": 1e-12, "gtol": 1e-9},
-        )
-        control[inner] = found.x.reshape(-1, len(free))
+        with suppress(_SpentError):
+            scipy.optimize.minimize(
+                down,
+                begin.control[inner].ravel(),
+                jac=True,
+                method="L-BFGS-B",
+                bounds=list(ends) * (splines.count - 2 * AT_REST),
+                options={"ftol": 1e-12, "gtol": 1e-9},
+            )
+        _, best = min(tried, key=lambda one: one[0])
+        control[inner] = best.reshape(-1, len(free))
         clear = self.keeper.cleared(splines, control, begin.control)
         if clear is None:
             return replace(begin, looks=looks)

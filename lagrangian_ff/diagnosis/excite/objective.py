@@ -19,7 +19,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, refitted, typical
 from lagrangian_ff.diagnosis.excite.path import Reference
 from lagrangian_ff.diagnosis.excite.questions import Case
-from lagrangian_ff.diagnosis.excite.reading import Reading
+from lagrangian_ff.diagnosis.excite.reading import STEP, Reading, of_whole
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
@@ -36,8 +36,6 @@ SEEN = 0.5
 told apart, the motion is to show at least that something is there."""
 FAINT = 0.02
 """Share of the largest weight below which a rival plays no part in the slope."""
-STEP = 1e-6
-"""Step of differences, relative to the largest value of a coordinate."""
 COLOURS = 9
 """Control points this far apart do not move the same stretch of a motion."""
 
@@ -211,6 +209,10 @@ class Objective:
         before = {joint: _sums(here, look.whitened.x) for joint, here in of.items()}
         rates = self._reading.rates
         ways = [rate @ control for rate in rates] if of else []
+        terms = {joint: [pull.term for pull in here] for joint, here in of.items()}
+        looking = [joint for joint, own in terms.items() if of_whole(own)]
+        whole = look.whitened.x.whole
+        near = self._reading.nearby(ways, whole.load, looking) if whole and looking else {}
         for colour in range(COLOURS if of else 0):
             every = np.arange(len(control))[colour::COLOURS]
             steps = [STEP * rate[:, every].sum(axis=1) for rate in rates]
@@ -218,7 +220,8 @@ class Objective:
             for joint, here in of.items():
                 column = np.arange(control.shape[1]) == joint
                 moved = [w + np.outer(s, column) for w, s in zip(ways, steps, strict=True)]
-                x = self._reading.of_ways(moved, [pull.term for pull in here])
+                load = near[joint].at(steps) if joint in near else None
+                x = self._reading.of_ways(moved, terms[joint], load)
                 change = (_sums(here, x) - before[joint]) / STEP
                 np.add.at(out[:, joint], whose, change)
         return out

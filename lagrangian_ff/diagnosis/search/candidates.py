@@ -130,3 +130,31 @@ def nonparametric(x: Inputs, joints: Iterable[int]) -> list[Candidate]:
         for make in ALTERNATIVES
         for alternative in make(x, joint)
     ]
+
+
+def bends_over_speed(effect: Effect) -> bool:
+    """Return whether an effect is friction over speed that is not plain: a bump, or a bend."""
+    over_speed = effect.kind == "friction" and effect.coordinate == "velocity"
+    return over_speed and not effect.remembers and not effect.plain
+
+
+def at_end(x: Inputs, candidate: Candidate) -> str:
+    """Return which shape ends where nature ends it; empty if none does.
+
+    The data then ask for what this effect cannot be, and another one may be meant.
+    """
+    shapes, found = candidate.effect.shapes, candidate.shape
+    of = [shape.name for shape in shapes if shape.joint]
+    every = candidate.effect.candidates(x, candidate.joint)
+    tried = [one for one in every if all(one.get(name) == found.get(name) for name in of)]
+    for shape in shapes:
+        values = {one[shape.name] for one in tried if shape.bounds and shape.name in one}
+        value = found.get(shape.name, 0.0)
+        inside = len(values) < 3 or 1.001 * min(values) < value < 0.999 * max(values)
+        if not inside:
+            unit = "" if shape.unit == "1" else f" {shape.unit}"
+            return (
+                f"its {shape.name} ({shape.meaning}) is {value:.3g}{unit}, an end of what is "
+                "possible: the data may mean another effect"
+            )
+    return ""

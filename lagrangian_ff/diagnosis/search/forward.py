@@ -3,6 +3,7 @@
 The same Bayes factors show which effects the motion could not have shown.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -12,6 +13,7 @@ import numpy as np
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor, bayes_factors
+from lagrangian_ff.diagnosis.search.candidates import bends_over_speed
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.judging import (
     Step,
@@ -37,9 +39,11 @@ from lagrangian_ff.sampling import recorded_seconds
 MOST_STEPS = 40
 """More than any arm lacks: the search ends where nothing stands out."""
 TRIED = 3
-"""Joints whose best candidate is judged, until one holds."""
+"""Joints whose best candidate is judged, until one holds; looks at one bend beside other widths."""
 AGAIN = 1.5
 """Ratio of its gain to that at its rejection from which on a joint is judged again."""
+KEEPS = 0.5
+"""Share of its gain that a bend over speed keeps beside other widths, or the search looks again."""
 SHORTER = 0.8
 """Ratio of the lengths of blocks below which all candidates are judged again."""
 
@@ -131,6 +135,7 @@ class _Forward:
         self.rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
         self.wanting = 0.0
         self.late = False
+        self._bent: Counter[tuple[str, int]] = Counter()
         self._effects, self._steps, self._own, self._progress = effects, steps, own, progress
 
     def go(self, whitened: Whitened) -> Whitened:
@@ -166,13 +171,33 @@ class _Forward:
                 rejected[first.candidate.joint] = first.log_bf
             if step is None:
                 return whitened
+            if (otherwise := self._with_other_widths(refitted, step)) is not None:
+                whitened = otherwise
+                continue
             self.taken.append(replace(step, late=self.late))
             whitened = refitted.explaining(*explained_with(whitened, step.score.candidate))
             if step.named and len(self.taken) < steps:
                 alike, whitened = judge_alike(whitened, step, eligible, null, effects)
                 self.taken += [replace(one, late=self.late) for one in alike]
                 if step.score.candidate.effect.kind == "friction":
-                    whitened = with_sign_speeds(whitened)
+                    whitened = with_sign_speeds(whitened, range(whitened.joints))
+
+    def _with_other_widths(self, refitted: Whitened, step: Step) -> Whitened | None:
+        """Return the motion with other widths of Coulomb steps, if they do for a bend over speed.
+
+        A width was fitted while more was missing and the noise was larger.
+
+        Args:
+            refitted: the motion with the noise that suits the step, without it.
+        """
+        candidate = step.score.candidate
+        bends = step.named and bends_over_speed(candidate.effect)
+        if not bends or self._bent[candidate.key] >= TRIED:
+            return None
+        self._bent[candidate.key] += 1
+        otherwise = with_sign_speeds(refitted, {candidate.joint})
+        before, after = (bayes_factors(one, [candidate])[0] for one in (refitted, otherwise))
+        return otherwise if after.log_bf < KEEPS * before.log_bf else None
 
     def _scores(self, whitened: Whitened) -> tuple[Whitened, list[BayesFactor]]:
         """Return the motion, its blocks as short as may be, and all candidates scored."""

@@ -10,7 +10,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.intervals import reach_of_all
 from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
-from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
@@ -183,10 +183,8 @@ def _of_step(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
     held = _alone_or_together(found, motion, number)
     candidate = found.steps[number].score.candidate
     effect, joint = candidate.effect, candidate.joint
-    over_speed = effect.kind == "friction" and effect.coordinate == "velocity"
     late = effect.kind == "measurement" and effect.coordinate == "since_reversal"
-    alike = late or (over_speed and not effect.remembers and not effect.plain)
-    if not held.holds or not alike:
+    if not held.holds or not (late or bends_over_speed(effect)):
         return held
     terms = (term for term in found.whitened.basis.terms if term.joint == joint)
     reach = max((term.effect.reach(term.shape) for term in terms), default=0.0)
@@ -259,12 +257,27 @@ def signed_ranks(gained: Floats) -> float:
 def grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
     """Return the sums over groups of neighbouring blocks, with enough expected of each group.
 
-    Blocks stay whole: what exceeds the share of one group counts for the next.
+    Groups are as alike as may be: of an effect that shows mostly in a few blocks, those of the
+    others become smaller until there are enough of them, or too little is expected of each.
     """
     limits = thresholds.USED
     total = float(expected.sum())
     least = float(np.clip(total / limits.groups, *limits.group_nats))
-    least = max(least, total / limits.most_groups)
+    wanted = max(least, total / limits.most_groups)
+    while True:
+        groups = _groups(gained, expected, wanted)
+        if len(groups[0]) >= limits.fewest_groups or wanted <= least:
+            return groups
+        wanted = max(least, 0.5 * wanted)
+
+
+def _groups(gained: Floats, expected: Floats, least: float) -> tuple[Floats, Floats]:
+    """Return the sums over groups of which `least` nats are expected, in the mean.
+
+    Blocks stay whole: what exceeds the share of one group counts for the next. The last group has
+    all that remains.
+    """
+    limits = thresholds.USED
     fewest = max(limits.group_nats[0], 0.5 * least)
     groups: list[float] = []
     hoped: list[float] = []
@@ -273,7 +286,8 @@ def grouped(gained: Floats, expected: Floats) -> tuple[Floats, Floats]:
         sums += (one, hope)
         reached += hope
         # Rounding may keep the last group just below the total.
-        if sums[1] >= fewest and reached >= (1.0 - ROUNDING) * (len(groups) + 1) * least:
+        enough = sums[1] >= fewest and reached >= (1.0 - ROUNDING) * (len(groups) + 1) * least
+        if enough and len(groups) < limits.most_groups:
             groups.append(sums[0])
             hoped.append(sums[1])
             sums = np.zeros(2)

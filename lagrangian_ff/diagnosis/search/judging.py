@@ -12,7 +12,13 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
     log_bayes_factor_of,
     refined,
 )
-from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric, not_held
+from lagrangian_ff.diagnosis.search.candidates import (
+    Candidate,
+    at_end,
+    named,
+    nonparametric,
+    not_held,
+)
 from lagrangian_ff.diagnosis.search.nonparametric import sinusoids
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.search.signs import natural
@@ -222,7 +228,7 @@ def reconsider(
     (mine,) = bayes_factors(less, [candidate])
     less.forget()
     mine = max([mine, *(one for one in names if one.candidate.key == candidate.key)], key=_log_bf)
-    first = max([mine, *names], key=_log_bf)
+    first = possible_first(sorted([mine, *names], key=_log_bf, reverse=True), less.x)[0]
     if first is not mine and not rivals(first, [mine]):
         step = replace(step, score=first, rivals=tuple(rivals(first, names)))
     elif first is not mine or step.rivals:
@@ -282,7 +288,7 @@ class _View:
             if number < REFINED or one.candidate.effect.plain
         ]
         ranked = sorted(best, key=lambda one: -_penalised(refitted, one))
-        names = _plain_first(ranked, bare(refitted, joint))
+        names = _plain_first(possible_first(ranked, refitted.x), bare(refitted, joint))
         free = next((one for one in found if not one.candidate.named), None)
         refitted.forget()
         base = refitted.system.log_evidence
@@ -297,6 +303,19 @@ class _View:
 def bare(whitened: Whitened, joint: int) -> bool:
     """Return whether the model has no friction on a joint."""
     return not any(term.effect.plain for term in whitened.basis.terms if term.joint == joint)
+
+
+def possible_first(names: list[BayesFactor], x: Inputs) -> list[BayesFactor]:
+    """Return the effects, best first, but one that may be before all whose shape is at an end.
+
+    These ask for what they cannot be. Often two effects are missing, of which such a shape imitates
+    a part each.
+    """
+    share = thresholds.USED.possible_share
+    for score in names:
+        if not at_end(x, score.candidate) and score.log_bf > share * names[0].log_bf:
+            return [score, *(one for one in names if one is not score)]
+    return names
 
 
 def _plain_first(names: list[BayesFactor], bare_joint: bool) -> list[BayesFactor]:

@@ -1,6 +1,8 @@
 """Fit hyperparameters and the shapes of friction by evidence, on few samples first."""
 
+from collections.abc import Collection
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -10,7 +12,8 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
 from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.effects.inputs import SIGN_SPEED
+from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choosing.evidence import Logarithms, loud, maximise_evidence
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
@@ -37,6 +40,8 @@ LEAST_NOISE = 1e-7
 """Least noise relative to the prior variance; with less, many samples have no factor."""
 FAILED = 1e12
 SIGN_SPEEDS = np.geomspace(0.002, 0.3, 28)  # rad/s
+SIGN_SPREAD = 1.0
+"""Standard deviation of their logarithm about `SIGN_SPEED`, before anything is known."""
 HELD = 0.05
 """Share of the speed of the fastest joint below which a joint counts as held, before the fit."""
 START_NOISE = 1e-2
@@ -195,58 +200,83 @@ def _with_gains(problem: Problem) -> Problem:
     return problem if gains.nats <= thresholds.USED.unit_floor else gains.of(problem)
 
 
-def with_sign_speeds(whitened: Whitened) -> Whitened:
-    """Return the motion with the widths of the Coulomb steps fitted beside all its effects.
+def with_sign_speeds(whitened: Whitened, joints: Collection[int]) -> Whitened:
+    """Return the motion with the widths of some joints' Coulomb steps fitted beside all effects.
 
     A width that was fitted while other friction was missing had made up for it.
     """
-    problem = _sign_speeds(whitened.motion, whitened.inputs, replace(whitened.problem, nuisance=()))
-    speed = problem.basis.sign_speed(whitened.joints)
-    inputs, x = replace(whitened.inputs, sign_speed=speed), replace(whitened.x, sign_speed=speed)
-    if x.whole is not None:
-        x = replace(x, whole=replace(x.whole, sign_speed=speed))
-    problem = replace(problem.of(whitened.problem.samples), nuisance=whitened.problem.nuisance)
+    problem = whitened.problem
+    basis = _with_widths(problem, whitened.x, whitened.system, joints)
+    speed = basis.sign_speed(whitened.joints)
+    inputs, x = _with_signs(whitened.inputs, speed), _with_signs(whitened.x, speed)
     parts = whitened.motion, whitened.index, whitened.seconds, inputs
-    return whiten(*parts, problem, x, whitened.system, whitened.problem.samples.weight)
+    weight = problem.samples.weight
+    return whiten(*parts, problem.having(basis=basis), x, whitened.system, weight)
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:
-    """Return the problem with the width of each joint's Coulomb step fitted.
-
-    A wrong width looks like a bump at low speed.
-    """
-    places = [
-        (number, place.start)
-        for number, (term, place) in enumerate(problem.basis.slices())
-        if term.effect.sign_width
-    ]
-    if not places:
+    """Return the problem with the width of each joint's Coulomb step fitted on few samples."""
+    if not any(term.effect.sign_width for term in problem.basis.terms):
         return problem
-    samples = _few(motion, inputs, SHAPES)
-    system = exact(problem.of(samples)).system
-    white = system.white_design.copy()
-    terms = list(problem.basis.terms)
+    some = problem.of(_few(motion, inputs, SHAPES))
+    widths = _with_widths(some, some.samples.x, exact(some).system, range(inputs.joints))
+    return problem.having(basis=widths)
 
-    def steps(joint: int, speeds: Floats) -> Floats:
-        """Return the whitened Coulomb steps (S N, V) of a joint, of V widths in rad/s."""
-        out = np.zeros((len(samples), samples.x.joints, len(speeds)))
-        for k, speed in enumerate(speeds):
-            torque = samples.x.mean(np.tanh(inputs.qd[:, joint] / speed))
-            out[:, joint, k] = torque / problem.unit[joint]
-        flat = out.reshape(-1, len(speeds))
+
+def _with_widths(problem: Problem, x: Inputs, system: System, joints: Collection[int]) -> Basis:
+    """Return the basis with the likeliest widths of some joints' Coulomb steps.
+
+    A wrong width looks like a bump at low speed. All friction of the joint takes its sign from it:
+    beside hysteresis that kept the old one, no other width would fit.
+
+    Args:
+        x: the samples of the problem.  system: of the problem.
+    """
+    basis, white = problem.basis, system.white_design.copy()
+    # Where a joint never creeps any width does: as wide as all speeds, the step is a bent line.
+    likely = -0.5 * (np.log(SIGN_SPEEDS / SIGN_SPEED) / SIGN_SPREAD) ** 2
+
+    def columns(friction: Basis) -> Floats:
+        """Return (S N, B) the normalised columns of a joint's friction."""
+        signs = _with_signs(x, friction.sign_speed(x.joints))
+        return (friction.design(signs) / problem.unit[:, None]).reshape(-1, friction.size)
+
+    def whitened(flat: Floats) -> Floats:
         return np.asarray(solve_triangular(system.upper, flat, trans=1, check_finite=False))
 
-    for number, column in places:
-        term = terms[number]
-        z = steps(term.joint, SIGN_SPEEDS)
-        span, _ = np.linalg.qr(np.delete(white, column, axis=1))
+    for joint in (t.joint for t in basis.terms if t.effect.sign_width and t.joint in joints):
+        rubs = [t.joint == joint and t.effect.kind == "friction" for t in basis.terms]
+        friction = Basis(tuple(compress(basis.terms, rubs)))
+        places = np.concatenate([np.r_[place] for _, place in compress(basis.slices(), rubs)])
+        span, _ = np.linalg.qr(np.delete(white, places, axis=1))
         left = system.white_target - span @ (span.T @ system.white_target)
+        tried = [columns(_as_wide(friction, joint, speed)) for speed in SIGN_SPEEDS.tolist()]
+        z = whitened(np.hstack(tried))
         z -= span @ (span.T @ z)
-        fall = (z.T @ left) ** 2 / np.maximum(np.sum(z * z, axis=0), 1e-300)
-        speed = float(np.exp(_peak(np.log(SIGN_SPEEDS), fall)))
-        terms[number] = Term(term.effect, term.joint, {**term.shape, term.effect.sign_width: speed})
-        white[:, column] = steps(term.joint, np.array([speed]))[:, 0]
-    return problem.having(basis=Basis(tuple(terms)))
+        directions = (np.linalg.qr(one)[0] for one in np.split(z, len(tried), axis=1))
+        rest = [left @ left - np.sum((one.T @ left) ** 2) for one in directions]
+        nats = likely - 0.5 * len(left) * np.log(rest)
+        basis = _as_wide(basis, joint, float(np.exp(_peak(np.log(SIGN_SPEEDS), nats))))
+        white[:, places] = whitened(columns(Basis(tuple(compress(basis.terms, rubs)))))
+    return basis
+
+
+def _as_wide(basis: Basis, joint: int, speed: float) -> Basis:
+    """Return the basis with this width of a joint's Coulomb step, rad/s."""
+    return Basis(
+        tuple(
+            replace(t, shape={**t.shape, t.effect.sign_width: speed})
+            if t.joint == joint and t.effect.sign_width
+            else t
+            for t in basis.terms
+        )
+    )
+
+
+def _with_signs(x: Inputs, speed: Floats) -> Inputs:
+    """Return the inputs with these widths (N,) of the smoothed signs, rad/s."""
+    whole = None if x.whole is None else replace(x.whole, sign_speed=speed)
+    return replace(x, sign_speed=speed, whole=whole)
 
 
 def _peak(at: Floats, values: Floats) -> float:

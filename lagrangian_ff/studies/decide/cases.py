@@ -13,7 +13,9 @@ from lagrangian_ff.studies.nuisances.drawn import Nuisances
 NEVER = ("payload", "contact", "saturation", "delay", "eccentricity", "spring", "warm_up")
 """Hidden effects that are left out: events, faults of sensors, what any Lagrangian contains, and
 what needs minutes at work."""
-COUNTS = {"motion": 12, "five": 10, "two": 8, "clean": 6, "sooner": 6}
+BUDGET = 240.0
+"""s of motion of an investigation."""
+COUNTS = {"motion": 12, "five": 6, "two": 5, "clean": 5, "sooner": 12}
 """Arms of each group."""
 SMALL = {"motion": 1, "five": 1, "two": 1, "clean": 1, "sooner": 1}
 

@@ -11,6 +11,8 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.report.colours import AFTER, BEFORE, GOOD, INK
 from lagrangian_ff.report.style import new_figure, styled
+from lagrangian_ff.studies.decide.cases import BUDGET
+from lagrangian_ff.studies.decide.outcomes import Investigated, Opened, Taken, is_open, is_too_small
 from lagrangian_ff.studies.decide.sooner import ratio
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome
 from lagrangian_ff.studies.study import Finding, Line, Results, done, row, shown
@@ -27,90 +29,11 @@ CURVE, FIRST = 1.15, 0.6
 of true forms among the first three formulas."""
 SOONER = 0.6
 """Largest share of the time of `exciting` after which a designed motion has its error."""
+VISIBLE = (0.1, 0.3)
+"""Below the first an effect hardly shows, above the second it is plain: its torque that plain
+friction cannot imitate, over the torque that the diagnosis leaves unexplained."""
 FEWEST = 5
 """Cases from which on a share is a finding."""
-EARLY = 240.0
-
-
-@dataclass(frozen=True)
-class Opened:
-    """A case that the usual motion left open, and what two motions made of it.
-
-    Attributes:
-        case: its name.
-        designed, template: judgements; None if the motion could not be done.
-        nats: log Bayes factors of the true effect with the designed motion and the template.
-        expected: nats of the designed motion alone, before it was done.
-    """
-
-    case: str
-    designed: Judgement | None
-    template: Judgement | None
-    nats: tuple[float, float] | None
-    expected: float
-
-    @classmethod
-    def of(cls, line: Line) -> "Opened":
-        """Return the case of a line of the group `motion`."""
-        both = [line[name] for name in ("designed", "template")]
-        judged = [Judgement.of(one["judgement"]) if "nats" in one else None for one in both]
-        nats = None
-        if all("nats" in one for one in both):
-            nats = (float(both[0]["nats"]), float(both[1]["nats"]))
-        return cls(line["case"], judged[0], judged[1], nats, float(line["expected"]))
-
-
-@dataclass(frozen=True)
-class Investigated:
-    """An arm that was investigated.
-
-    Attributes:
-        case, group: of the line.
-        judgement: of what was confirmed in the end.
-        moved: s of motion.  when: s after which the truth was named for good; None for never.
-        left: samples in which a motion left its limits or the motors saturated.
-        error: N·m rms before and after; the latter None without a turn.
-        promised: nats that 30 s more would give, designed for what stayed hidden; None for nothing.
-    """
-
-    case: str
-    group: str
-    judgement: Judgement
-    moved: float
-    when: float | None
-    left: int
-    error: tuple[float, float | None]
-    promised: float | None = None
-
-
-@dataclass(frozen=True)
-class Taken:
-    """Physics outside the catalogue.
-
-    Attributes:
-        case: its name.  over: the coordinates of the curve.
-        curve, formula: error on unseen motion with the curve, and with the formula proposed first,
-            over that with the true structure; `formula` is None without a proposal.
-        rank: of the true form among the formulas, from 1; 0 if it is not there.
-    """
-
-    case: str
-    over: Sequence[str]
-    curve: float
-    formula: float | None
-    rank: int
-
-    @classmethod
-    def of(cls, line: Line) -> "Taken":
-        """Return the case of a line of the group `outside`."""
-        errors = [line[name] for name in ("curve", "formula", "true")]
-        curve, formula, true = (np.nan if one is None else float(one) for one in errors)
-        found = formula / true if np.isfinite(formula) else None
-        return cls(line["case"], tuple(line["over"]), curve / true, found, line["rank"])
-
-
-def _is_open(line: Line) -> bool:
-    return Judgement.of(line["before"]).outcome is not Outcome.RIGHT
 
 
 @dataclass(frozen=True)
@@ -124,6 +47,7 @@ class DecideResults(Results):
         taken: physics outside the catalogue.
         sooner: by case, the time of designed motion over that of `exciting` for one error;
             infinite where it is never reached.
+        small: cases that are left out, since their arm cannot have such an effect so large.
     """
 
     opened: Sequence[Opened]
@@ -131,28 +55,20 @@ class DecideResults(Results):
     investigated: Mapping[str, Sequence[Investigated]]
     taken: Sequence[Taken]
     sooner: Mapping[str, float]
+    small: Sequence[str] = ()
 
     @classmethod
     def of(cls, lines: Sequence[Line]) -> "DecideResults":
         """Return the results of all or some of the lines."""
-        sound = done(lines)
+        every = done(lines)
+        small = [line["case"] for line in every if is_too_small(line)]
+        sound = [line for line in every if not is_too_small(line)]
         motion = [line for line in sound if line["group"] == "motion"]
-        opened = [Opened.of(line) for line in motion if _is_open(line)]
+        opened = [Opened.of(line) for line in motion if is_open(line)]
         groups: dict[str, list[Investigated]] = {group: [] for group in WORDS}
         for line in sound:
             if line["group"] in groups:
-                groups[line["group"]].append(
-                    Investigated(
-                        line["case"],
-                        line["group"],
-                        Judgement.of(line["judgement"]),
-                        line["moved"],
-                        line["when"],
-                        line["left"],
-                        (line["error"][0], line["error"][1]),
-                        line.get("promised"),
-                    )
-                )
+                groups[line["group"]].append(Investigated.of(line))
         taken = [Taken.of(line) for line in sound if line["group"] == "outside"]
         early = {line["case"]: ratio(line) for line in sound if line["group"] == "sooner"}
         found = shown({
@@ -162,11 +78,12 @@ class DecideResults(Results):
             **_of_time(list(early.values())),
         })  # fmt: skip
         decided = len(motion) - len(opened)
-        return cls(lines, found, opened, decided, groups, taken, early)
+        return cls(lines, found, opened, decided, groups, taken, early, small)
 
     def numbers(self) -> dict[str, Any]:
         return {
             "decided by the usual motion": self.decided,
+            "too small": list(self.small),
             "open": [
                 {
                     "case": one.case,
@@ -174,6 +91,8 @@ class DecideResults(Results):
                     "template": one.template.record() if one.template else None,
                     "nats": one.nats,
                     "expected": one.expected,
+                    "visible": one.visible,
+                    "attainable": one.attainable,
                 }
                 for one in self.opened
             ],
@@ -188,6 +107,8 @@ class DecideResults(Results):
                         "left": one.left,
                         "error": one.error,
                         "promised": one.promised,
+                        "visible": one.visible,
+                        "attainable": one.attainable,
                     }
                     for one in some
                 ]
@@ -211,11 +132,21 @@ class DecideResults(Results):
             nats = [one.nats[place] for one in self.opened if one.nats]
             middle = f"{np.median(nats):.0f}" if nats else "-"
             lines.append(row(name, [*_counted(judged), middle], 20))
-        lines += ["", row("investigated", ["arms", "named", "class", "wrong", "moved [s]"], 20)]
+        lines += ["", row("investigated", ["arms", "named", "class", "wrong", "s moved"], 20)]
         for group, some in self.investigated.items():
             named, alike, wrong, _ = _counted([one.judgement for one in some])
             moved = f"{np.median([one.moved for one in some]):.0f}" if some else "-"
             lines.append(row(WORDS[group], [str(len(some)), named, alike, wrong, moved], 20))
+        lines += ["", row("named, by its visible part", ["hardly", "shows", "plain"], 26)]
+        opened = [(one.visible, one.designed) for one in self.opened]
+        lines.append(row("the designed one", _by_visibility(opened), 26))
+        for group in FOUND:
+            seen = [(one.visible, one.judgement) for one in self.investigated[group]]
+            lines.append(row(f"investigated, {WORDS[group]}", _by_visibility(seen), 26))
+        if self.small:
+            lines.append(
+                f"left out, since an arm cannot have its effect so large: {len(self.small)}"
+            )
         if self.taken:
             lines += ["", row("outside the catalogue", ["curve", "formula", "rank"], 26)]
             for one in self.taken:
@@ -246,7 +177,7 @@ class DecideResults(Results):
                 when = sorted(one.when for one in some if one.when is not None)
                 if some and group != "clean":
                     share = np.arange(1, len(when) + 1) / len(some)
-                    right.step([0.0, *when, EARLY], [0.0, *share, share[-1] if when else 0.0],
+                    right.step([0.0, *when, BUDGET], [0.0, *share, share[-1] if when else 0.0],
                                where="post", color=colours[group], label=WORDS[group])  # fmt: skip
             right.set_ylim(0.0, 1.05)
             right.set_xlabel("s of motion")
@@ -254,6 +185,22 @@ class DecideResults(Results):
             right.set_title("investigations")
             right.legend()
         return figure
+
+
+def _is_right(one: Judgement | None) -> bool:
+    return one is not None and one.outcome is Outcome.RIGHT
+
+
+def _by_visibility(seen: Sequence[tuple[float | None, Judgement | None]]) -> list[str]:
+    """Return how many are named, of how many, in each range of `VISIBLE`."""
+    known = [(visible, one) for visible, one in seen if visible is not None]
+    bins = np.digitize([visible for visible, _ in known], VISIBLE)
+    found: list[str] = []
+    for number in range(len(VISIBLE) + 1):
+        here = [one for (_, one), place in zip(known, bins, strict=True) if place == number]
+        named = sum(map(_is_right, here))
+        found.append(f"{named} of {len(here)}" if here else "-")
+    return found
 
 
 def _counted(judged: Sequence[Judgement | None]) -> list[str]:
@@ -279,15 +226,16 @@ def _of_motions(opened: Sequence[Opened]) -> dict[str, Finding | None]:
             f"{wrong:.2f} wrongly (wanted {NAMED:g} and {WRONG:g})",
             {"named": named, "wrong": wrong},
         )
-        sure = [one for one in opened if one.expected >= thresholds.USED.floor]
-        decided = sum(
-            one.designed is not None and one.designed.outcome is Outcome.RIGHT for one in sure
-        )
-        found["promised"] = Finding(
-            decided >= NAMED * len(sure),
-            f"{len(sure)} of {len(opened)} designs promise {thresholds.USED.floor:g} nats or more; "
-            f"{decided} of these are named",
-            {"promised": len(sure), "named": decided},
+        floor = thresholds.USED.floor
+        seen = [
+            one for one in opened if _is_right(one.designed) or (one.attainable or 0.0) >= floor
+        ]
+        decided = sum(_is_right(one.designed) for one in seen)
+        found["within reach"] = Finding(
+            decided >= NAMED * len(seen),
+            f"in {len(seen)} of {len(opened)} the effect's true torque shows in the designed "
+            f"motion, by {floor:g} nats or more; {decided} of these are named",
+            {"seen": len(seen), "named": decided},
         )
         ratios = [max(a, 1.0) / max(b, 1.0) for one in opened if one.nats for a, b in [one.nats]]
         middle = float(np.median(ratios)) if ratios else 0.0
@@ -305,19 +253,21 @@ def _of_investigations(groups: Mapping[str, Sequence[Investigated]]) -> dict[str
     for group, wanted in FOUND.items():
         some = groups[group]
         if len(some) >= FEWEST:
-            share = sum(one.judgement.outcome is Outcome.RIGHT for one in some) / len(some)
-            hidden = [one for one in some if one.judgement.outcome is not Outcome.RIGHT]
-            little = sum((one.promised or 0.0) < thresholds.USED.floor for one in hidden)
+            hidden = [one for one in some if not _is_right(one.judgement)]
+            share, floor = 1.0 - len(hidden) / len(some), thresholds.USED.floor
+            little = sum((one.attainable or 0.0) < floor for one in hidden)
+            never = sum((one.promised or 0.0) < floor for one in hidden)
             found[group] = Finding(
                 share >= wanted,
                 f"investigations find and add {share:.2f} of effects of {WORDS[group]} "
-                f"(wanted {wanted:g}); of the {len(hidden)} others, 30 s designed for the effect "
-                f"promise less than {thresholds.USED.floor:g} nats for {little}",
-                {"share": share, "hidden": len(hidden), "too little": little},
+                f"(wanted {wanted:g}); of the {len(hidden)} others, the true torque shows by less "
+                f"than {floor:g} nats in {little}, and 30 s designed for it promise no more in "
+                f"{never}",
+                {"share": share, "hidden": len(hidden), "too little": little, "never": never},
             )
     if len(groups["clean"]) >= FEWEST:
         wrong_names = sum(bool(one.judgement.false) for one in groups["clean"])
-        early = sum(one.moved < EARLY for one in groups["clean"])
+        early = sum(one.moved < BUDGET for one in groups["clean"])
         found["clean"] = Finding(
             wrong_names == 0 and early == len(groups["clean"]),
             f"of {len(groups['clean'])} clean arms {wrong_names} have a name, {early} ended early",

@@ -1,12 +1,14 @@
 """The simulated arm, with nuisances and a hidden effect, as an investigation moves it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from lagrangian_ff.arm import HOME, JOINTS, Trajectory, limits, reported, simulate
+from lagrangian_ff.arm import HOME, JOINTS, Run, Trajectory, limits, reported, simulate
 from lagrangian_ff.arm.body import Surroundings
-from lagrangian_ff.arm.hidden import Installed, Reference, Site, sized
+from lagrangian_ff.arm.hidden import Installed, Reference, Site, beyond_friction, size, sized
 from lagrangian_ff.arm.hidden.base import together
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis.excite import Limits
@@ -15,6 +17,7 @@ from lagrangian_ff.errors import ArmError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation import StoppedError
 from lagrangian_ff.progress import Progress
+from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import Recording
 from lagrangian_ff.studies.hidden.cases import Hidden
 from lagrangian_ff.studies.nuisances.drawn import Nuisances
@@ -54,6 +57,25 @@ class Clearance:
         return ""
 
 
+class Done(NamedTuple):
+    """A motion that the arm did.
+
+    Attributes:
+        recording: the driver's report.
+        elapsed: (M,) s.  truth: (M, N) N·m of the hidden effect's torque, zeros for none.
+    """
+
+    recording: Recording
+    elapsed: Floats
+    truth: Floats
+
+    def truth_of(self, motion: Motion) -> Motion:
+        """Return the conditioned recording with the hidden effect's torque as its own."""
+        at = motion.time - self.recording.time[0]
+        tau = [np.interp(at, self.elapsed, one) for one in self.truth.T]
+        return replace(motion, tau=np.stack(tau, axis=1))
+
+
 class SimulatedRig:
     """An arm with nuisances and perhaps a hidden effect, that does what it is asked.
 
@@ -66,6 +88,10 @@ class SimulatedRig:
     Attributes:
         joints: of the arm.
         left: the number of samples in which a motion left its limits or the motors saturated.
+        size: RMS of the hidden effect's torque over that of its joint, as far as it can be had; 0
+            before `size_along`.
+        visible: N·m rms of the effect's torque that plain friction cannot imitate; 0 before that.
+        done: what it did so far.
     """
 
     def __init__(
@@ -73,6 +99,8 @@ class SimulatedRig:
     ) -> None:
         self.joints = JOINTS
         self.left = 0
+        self.size = self.visible = 0.0
+        self.done: list[Done] = []
         self._nuisances, self._seed, self._allowed = nuisances, seed, allowed
         self._count = 0
         self._everywhere = nuisances.installed([])
@@ -85,7 +113,10 @@ class SimulatedRig:
         run = simulate(motion, parameters=self._nuisances.parameters, **together(self._everywhere))
         self._along = Reference.of(run)
         if self._hidden is not None:
-            self._strength = sized(self._hidden.kind, self._site(0), self._hidden.size)[1]
+            kind, site = self._hidden.kind, self._site(0)
+            installed, self._strength = sized(kind, site, self._hidden.size)
+            self.size = size(kind, installed, site)
+            self.visible = beyond_friction(kind, installed, site)
 
     def pose(self) -> Floats:
         """Return (N,) rad, home."""
@@ -113,9 +144,20 @@ class SimulatedRig:
             )
         except ArmError as error:
             raise StoppedError(str(error)) from error
+        truth = self._truth(run)
         self._count += 1
         self.left += int(np.sum(_outside(run.reference, self._allowed) | run.saturated))
-        return reported(run, self._nuisances.driver, parameters, self._seed + self._count)
+        recording = reported(run, self._nuisances.driver, parameters, self._seed + self._count)
+        self.done.append(Done(recording, run.recording.time - run.recording.time[0], truth))
+        return recording
+
+    def _truth(self, run: Run) -> Floats:
+        """Return (M, N) N·m of the hidden effect's torque in a run."""
+        if self._hidden is None:
+            return np.zeros_like(run.position)
+        (installed,) = self._parts()
+        site = replace(self._site(self._count), along=Reference.of(run))
+        return self._hidden.kind.torque(installed, site)
 
     def _parts(self) -> Sequence[Installed]:
         if self._hidden is None:

@@ -3,34 +3,36 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from lagrangian_ff.arm import HOME, JOINTS, Trajectory, working_motion
-from lagrangian_ff.diagnosis import diagnose, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, with_consequences
 from lagrangian_ff.diagnosis.excite import (
     Between,
     For,
+    Limits,
     Question,
     Suspect,
     design,
     excite,
     limits_of,
-    seen_pose,
 )
 from lagrangian_ff.diagnosis.results import Diagnosis, Found
+from lagrangian_ff.diagnosis.whitening import fit
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import both, for_design, learned_and_unseen
+from lagrangian_ff.investigation.investigate import both, for_design
+from lagrangian_ff.investigation.stretches import learned_and_unseen
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.recording import Recording, condition_alike
-from lagrangian_ff.studies.decide.cases import DecideCase, cases
+from lagrangian_ff.recording import Recording, concatenate, condition_alike
+from lagrangian_ff.studies.decide.cases import BUDGET, DecideCase, cases
 from lagrangian_ff.studies.decide.results import DecideResults
-from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
+from lagrangian_ff.studies.decide.rig import Clearance, Done, SimulatedRig, arm_limits
 from lagrangian_ff.studies.decide.sooner import errors
 from lagrangian_ff.studies.formulas import CASES, Strange, judged
 from lagrangian_ff.studies.hidden.study import Clock
@@ -39,8 +41,6 @@ from lagrangian_ff.studies.study import Line, Study
 
 USUAL = 30.0
 """s of the usual motion, and at most of the one that decides."""
-BUDGET = 240.0
-"""s of motion of an investigation."""
 MODEL = "auto+fri"
 
 
@@ -73,6 +73,7 @@ class Decision:
         return {
             "group": self.case.group,
             "hidden": [hidden.effect, hidden.joint, hidden.size] if hidden else None,
+            "size": rig.size,
             **found,
             "left": rig.left,
             "seconds_of": clock.laps,
@@ -94,18 +95,28 @@ class Decision:
     def _judged(self, findings: Sequence[Found]) -> Judgement:
         return judge(self._truths(), findings, self.case.nuisances.allowed)
 
+    def _visible(self, rig: SimulatedRig, found: Diagnosis) -> float | None:
+        """Return the visible part of the effect over the torque that is left unexplained."""
+        if self.case.hidden is None:
+            return None
+        return rig.visible / float(found.noise[JOINTS.index(self.case.hidden.joint)])
+
     def _motion(self, rig: SimulatedRig, usual: Trajectory, clock: Clock) -> dict[str, Any]:
         """Return what the usual motion, the designed one and the template's decide."""
         hidden = self.case.hidden
         assert hidden is not None
         suspect = Suspect(hidden.effect, hidden.joint)
         first = rig.follow(usual)
+        rig.left = 0  # the usual motion knows no limits
         before = _diagnosed([first])
         clock.lap("usual")
-        made: dict[str, Any] = {"before": self._judged(before.findings).record()}
+        known = self._judged(before.findings)
+        made: dict[str, Any] = {"before": known.record()}
+        if known.outcome is Outcome.RIGHT:
+            return made
         question = _question(before, suspect)
         model = for_design(before, question)
-        limits, start = limits_of(model), seen_pose(model, hidden.joint, limits_of(model))
+        limits, start = faster(limits_of(model), arm_limits()), np.array(HOME)
         found = design(
             model,
             question,
@@ -142,8 +153,10 @@ class Decision:
             key = suspect.effect, suspect.joint
             made[name] = {
                 "seconds": float(cut.time[-1]),
+                "visible": self._visible(rig, after),
                 "judgement": self._judged(after.findings).record(),
                 "nats": gains.get(key, ranked.get(key, 0.0)),
+                "attainable": _attainable(after, (rig.done[0], rig.done[-1])),
             }
             clock.lap(name)
         made["expected"] = found.nats
@@ -165,11 +178,15 @@ class Decision:
         story = investigate(rig, plan, lambda proposal: True)
         clock.lap("investigating")
         judgement = self._judged([one for one, _ in _tried(story)])
-        promised = None
+        promised = attainable = None
+        last = story.turns[-1].diagnosis
         if self.case.hidden is not None and judgement.outcome is not Outcome.RIGHT:
+            attainable = _attainable(last, rig.done)
             promised = self._promised(story)
             clock.lap("designing")
         return {
+            "visible": self._visible(rig, last),
+            "attainable": attainable,
             "promised": promised,
             "story": story.record(),
             "judgement": judgement.record(),
@@ -210,6 +227,15 @@ class Decision:
         return last
 
 
+def faster(seen: Limits, allowed: Limits) -> Limits:
+    """Return the positions that a model has seen, with the speeds that an arm is allowed.
+
+    Usual motion is slow, and most effects show with speed; in other poses gravity is not known.
+    """
+    inside = both(allowed, seen, np.array(HOME))
+    return replace(allowed, q_low=inside.q_low, q_high=inside.q_high)
+
+
 def _tried(story: Investigation) -> Sequence[tuple[Found, Any]]:
     return story.turns[-1].diagnosis.tried if story.turns else ()
 
@@ -230,6 +256,22 @@ def _diagnosed(recordings: Sequence[Recording]) -> Diagnosis:
     learned, unseen = learned_and_unseen(motions)
     model = identify(learned, Settings(model=MODEL, train=1.0)).model
     return with_consequences(diagnose(model, learned, unseen))
+
+
+def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
+    """Return the nats that the hidden effect's true torque gains beside all that was confirmed.
+
+    Of the parts that are searched, and with all that the model and the noise leave open: no search
+    can see more. An effect that was confirmed has nothing left to gain.
+    """
+    motions = condition_alike([one.recording for one in moved])
+    truths = [one.truth_of(motion) for one, motion in zip(moved, motions, strict=True)]
+    motion, truth = (concatenate(learned_and_unseen(some)[0]) for some in (motions, truths))
+    model = apply(found)
+    white = fit(motion, model.inputs_of(motion), model.basis)
+    tau = white.x.mean(truth.tau)
+    z = white.project(white.shared(tau, np.eye(tau.shape[1]))).sum(axis=1)
+    return 0.5 * float(z @ z)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeAlias, TypeVar
 import numpy as np
 
 from lagrangian_ff.arm import JOINTS, ArmParameters, Run, Trajectory, exciting_trajectory, simulate
-from lagrangian_ff.arm.hidden import Installed, Reference, Site, size, sized
+from lagrangian_ff.arm.hidden import Installed, Reference, Site, beyond_friction, size, sized
 from lagrangian_ff.arm.hidden.base import together
 from lagrangian_ff.files import whole
 from lagrangian_ff.recording import load, write_npz
@@ -248,11 +248,8 @@ def motion(pair: int, recording: int, stretches: Stretches = FULL) -> Trajectory
 
 
 def _sizes(hidden: Hidden, part: Installed, site: Site, run: Run) -> tuple[float, float]:
-    """Return the size of an effect in a run, and of what plain friction leaves of it."""
+    """Return the size of an effect in a run, and of what plain friction cannot imitate of it."""
     here = replace(site, along=Reference.of(run))
-    torque = hidden.kind.torque(part, here)[:, site.joint]
-    v = run.velocity[:, site.joint]
-    plain = np.stack([v, np.tanh(v / 0.02), np.ones_like(v)], axis=1)
-    left = torque - plain @ np.linalg.lstsq(plain, torque, rcond=None)[0]
-    whole = np.sqrt(np.mean(run.motor_torque[:, site.joint] ** 2))
-    return size(hidden.kind, part, here), float(np.sqrt(np.mean(left**2)) / whole)
+    whole = here.along.rms(here.along.motor)[site.joint]
+    left = beyond_friction(hidden.kind, part, here)
+    return size(hidden.kind, part, here), float(left / whole)

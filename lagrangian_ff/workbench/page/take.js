@@ -44,10 +44,13 @@ function commands(state) {
   const cards = (role) => state.cards.filter((card) => card.role === role && !card.error);
   const of = (role) => cards(role).map((card) => quoted(card.file)).join(" ");
   const steps = line(state);
-  const { effort = "total", asked = "", urdf = "", scales = {}, learned } = steps[0].settings;
+  const { effort = "total", asked = "", urdf = "", scales = {}, learned, stretch } = steps[0].settings;
   const sources = Object.keys(scales), [before = {}] = Object.values(scales);
   const options = [asked ? ` --model ${asked}` : "", urdf ? ` --urdf ${quoted(urdf)}` : "", effort === "total" ? "" : ` --effort ${effort}`, scaled({}, before)].join("");
   const found = [`lagrangian_ff identify ${sources.length ? sources.map(quoted).join(" ") : of("learn")}${options} --train ${learned ?? "1.0"} --output model.npz`];
+  if (stretch) {
+    found.unshift(`# The investigation learned from ${learned} of every ${stretch} s; this learns from the first ${learned} of each recording.`);
+  }
   if (Object.values(scales).some((one) => scaled(before, one))) {
     found.unshift("# These recordings were read with different scales of the effort: convert them first.");
   }
@@ -63,7 +66,7 @@ function commands(state) {
     model = next;
   });
   if (learned && !["confirm", "search"].some(of)) {
-    found.push(`# The page compares with the last ${Math.round(100 * (1 - learned))} % of each motion, which the model has not learned from; this with all of it.`);
+    found.push("# The page compares with the parts of each motion that the model has not learned from; this with all of it.");
   }
   const unseen = ["confirm", "search", "learn"].find((role) => of(role)) || "learn";
   const [first] = cards(unseen);

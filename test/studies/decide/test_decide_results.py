@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("pybullet")
 
-from lagrangian_ff.arm import HOME, JOINTS
+from lagrangian_ff.arm import HOME, JOINTS, Trajectory
 from lagrangian_ff.arm.hidden import HIDDEN
 from lagrangian_ff.diagnosis.excite import excite
 from lagrangian_ff.investigation import StoppedError
@@ -26,7 +26,12 @@ def motion(number: int, before: Outcome, designed: Outcome, nats: tuple[float, f
         "case": f"motion-{number}",
         "group": "motion",
         "before": judged(before),
-        "designed": {"seconds": 30.0, "judgement": judged(designed), "nats": nats[0]},
+        "designed": {
+            "seconds": 30.0,
+            "judgement": judged(designed),
+            "nats": nats[0],
+            "visible": 0.05 * (1 + number),
+        },
         "template": {"seconds": 30.0, "judgement": judged(Outcome.NOTHING), "nats": nats[1]},
         "expected": 40.0,
     }
@@ -47,14 +52,29 @@ def moved(number: int, group: str, outcome: Outcome, when: float | None, *false:
 def test_only_what_the_usual_motion_left_open_is_counted() -> None:
     lines = [motion(k, Outcome.NOTHING, Outcome.RIGHT, (60.0, 10.0)) for k in range(9)]
     lines += [motion(9, Outcome.CLASS, Outcome.CLASS, (30.0, 30.0))]
+    lines[9]["designed"]["attainable"] = 25.0
     lines += [motion(10, Outcome.RIGHT, Outcome.NOTHING, (0.0, 0.0))]
     found = DecideResults.of(lines)
     assert (len(found.opened), found.decided) == (10, 1)
     assert found.findings is not None
     assert found.findings["designed"].figures == {"named": 0.9, "wrong": 0.0}
     assert found.findings["designed"].holds
+    assert found.findings["within reach"].figures == {"seen": 10, "named": 9}
     assert found.findings["ratio"].figures["median"] == pytest.approx(6.0)
     assert any("6.0 times" in line for line in found.table())
+    # Visible parts of 0.05 to 0.5: one is below 0.1, four up to 0.3; the last is one of a class.
+    shares = next(line for line in found.table() if "designed one" in line and " of " in line)
+    assert " ".join(shares.split()[3:]) == "1 of 1 4 of 4 4 of 5"
+
+
+def test_an_arm_that_cannot_have_its_effect_so_large_does_not_count() -> None:
+    lines = [moved(k, "five", Outcome.NOTHING, None) for k in range(6)]
+    for line, size in zip(lines, (0.05, 0.049, 0.03, 0.05, 0.05, 0.01), strict=True):
+        line |= {"hidden": ["elasticity", "joint_4", 0.05], "size": size}
+    found = DecideResults.of(lines)
+    assert list(found.small) == ["five-5"]
+    assert len(found.investigated["five"]) == 5
+    assert any("left out" in line for line in found.table())
 
 
 def test_a_wrong_name_or_a_missed_effect_is_no_success() -> None:
@@ -100,3 +120,23 @@ def test_the_rig_does_a_motion_counts_what_leaves_its_limits_and_refuses_a_colli
     assert Clearance()(folded.q) != ""
     with pytest.raises(StoppedError):
         rig.run(folded, None, lambda share, words: None)
+
+
+def test_the_rig_knows_the_torque_that_it_hides() -> None:
+    case = next(one for one in cases(0) if one.hidden and one.hidden.effect == "quadratic_drag")
+    assert case.hidden is not None
+    limits, start, joint = arm_limits(), np.array(HOME), JOINTS.index(case.hidden.joint)
+    hiding, clean = (
+        SimulatedRig(case.nuisances, hidden, case.seed, limits) for hidden in (case.hidden, None)
+    )
+    path = excite("exciting", JOINTS, limits.around(start, 0.2), start=start, duration=5.0)
+    hiding.size_along(Trajectory(path.time, path.q, path.qd, path.qdd, JOINTS))
+    for rig in (hiding, clean):
+        rig.run(path, None, lambda share, words: None)
+    (done,), (other,) = hiding.done, clean.done
+    efforts = [
+        np.interp(done.elapsed, one.time - one.time[0], one.effort[:, joint])
+        for one in (done.recording, other.recording)
+    ]
+    assert np.corrcoef(efforts[0] - efforts[1], done.truth[:, joint])[0, 1] > 0.9
+    np.testing.assert_array_equal(other.truth, 0.0)
