@@ -2,12 +2,10 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-import numpy as np
-
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.excite import Between, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.excite.assumed import Key
 from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
-from lagrangian_ff.diagnosis.observable import Observability
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.effects.usual import weight
@@ -15,6 +13,8 @@ from lagrangian_ff.effects.usual import weight
 TWICE = 2
 """How often one question is asked, at most: a second motion of its kind doubles the evidence."""
 MOST_EVERYTHING = 3
+NEW = 0.05
+"""Share of all effects and joints that a motion shows for the first time, to be worth making."""
 HOPE = 8.0
 """Nats from which on the best candidate of a joint, beside what was found, is worth a motion. One
 that stood out was judged already: what it gains is another's."""
@@ -22,25 +22,24 @@ that stood out was judged already: what it gains is another's."""
 
 def next_question(
     found: Diagnosis,
-    shown: Callable[[], Observability],
+    unseen: Callable[[], bool],
     asked: Sequence[Question],
-    size: float,
     gears: Mapping[str, str] | None = None,
 ) -> Question | None:
     """Return what to ask next; None if nothing is open.
 
     Args:
         found: of all motions so far.
-        shown: returns what these motions could show; called if nothing else is open.
+        unseen: returns whether an effect that should be seen could be there unseen; called if
+            nothing else is open.
         asked: so far.
-        size: share of a joint's torque from which on an effect should be seen.
         gears: by joint, the kind of its gear; what is usual in it is asked for first.
     """
     for question in _open(found, gears or {}):
         if asked.count(question) < TWICE:
             return question
     everything = Everything()
-    if asked.count(everything) < MOST_EVERYTHING and _unseen(shown(), size):
+    if asked.count(everything) < MOST_EVERYTHING and unseen():
         return everything
     return None
 
@@ -68,17 +67,23 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
     yield from (For(Suspect(one.effect.name, one.joint)) for one in there)
 
 
-def promising(found: Diagnosis, question: Question, nats: float) -> bool:
+def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool:
     """Return whether motions can settle a question, as often as it may be asked.
 
-    What stands out already is confirmed by any motion that shows it.
+    What stands out already is confirmed by any motion that shows it. What else there is, a motion
+    tells with which some effects would be seen that all motions so far do not show.
 
     Args:
-        nats: that one of them is expected to give.
+        made: one of these motions.
+        seen: where everything is asked about, by effect and joint the nats that all motions so far
+            would show of it, at the size that this motion is designed for.
     """
+    limits, question, nats = thresholds.USED, made.question, made.nats
     if isinstance(question, Everything):
-        return True
-    limits = thresholds.USED
+        joints = made.joints
+        gains = [(seen[one.effect, joints.index(one.joint)], one.nats) for one in made.expected]
+        new = [has < limits.floor <= has + more for has, more in gains]
+        return sum(new) >= NEW * len(gains)
     if isinstance(question, Between):
         return TWICE * nats >= limits.rival_nats
     wanted = question.suspect.effect, question.suspect.joint
@@ -97,9 +102,3 @@ def _there(one: Finding) -> bool:
 def _shown(name: str) -> bool:
     """Return whether there is an effect of this name, and some motion shows it."""
     return name in EFFECTS and shown_by_motion(EFFECTS[name])
-
-
-def _unseen(shown: Observability, size: float) -> bool:
-    """Return whether an effect of this size could be there unseen, and another motion shows it."""
-    every = np.array(list(shown.least.values()))
-    return bool(np.any(np.isfinite(every) & (every > size)))

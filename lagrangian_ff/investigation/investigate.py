@@ -1,6 +1,6 @@
 """The loop that closes itself: move, identify, diagnose, design the next motion, until it ends."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -8,10 +8,11 @@ from typing import TypeAlias
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.diagnosis import apply, diagnose, verdict, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, thresholds, verdict, with_consequences
 from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
+    Everything,
     Limits,
     Question,
     Reference,
@@ -19,8 +20,8 @@ from lagrangian_ff.diagnosis.excite import (
     excite,
     limits_of,
 )
+from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Key
 from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
-from lagrangian_ff.diagnosis.observable import Observability, observability
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, sorted_findings
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, extend, identify
@@ -110,6 +111,7 @@ class _Story:
         self._recordings: list[Recording] = []
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
+        self._seen: Mapping[Key, float] = {}
         self._first_motions = 0
         self._used = 0.0
 
@@ -151,8 +153,10 @@ class _Story:
             except ModelError as error:  # no motion within the limits answers it: the next one
                 self._say(str(error))
                 continue
-            if not promising(look.diagnosis, question, made.nats):
-                self._say(f"no motion settles it: {made.nats:.1f} nats expected")
+            if not promising(look.diagnosis, made, self._seen):
+                every = isinstance(question, Everything)
+                told = "shows much more" if every else f"settles it: {made.nats:.1f} nats expected"
+                self._say(f"no motion {told}")
                 questions += [question] * TWICE
                 continue
             if float(made.reference.time[-1]) > self._left:
@@ -235,21 +239,25 @@ class _Story:
         return look
 
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
-        def shown() -> Observability:
+        def unseen() -> bool:
             with one_blas_thread():
-                return observability(self._parts()[0])
+                assumed = Assumed.of(for_design(look.diagnosis, Everything(), look.made))
+            self._seen = assumed.seen(self._plan.size)
+            return any(nats < thresholds.USED.floor for nats in self._seen.values())
 
-        return next_question(look.diagnosis, shown, asked_before, self._plan.size, self._plan.gears)
+        return next_question(look.diagnosis, unseen, asked_before, self._plan.gears)
 
     def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")
         model = for_design(look.diagnosis, question, look.made)
+        every = isinstance(question, Everything)
         return design(
             model,
             question,
             both(self._limits, limits_of(model), self._start),
             start=self._start,
             seconds=seconds,
+            size=self._plan.size if every else size_of(look.diagnosis, question, model),
             clear=self._plan.clear,
             seed=self._plan.seed + len(self._motions),
         )
@@ -261,6 +269,19 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def size_of(found: Diagnosis, question: Question, model: Model) -> float:
+    """Return the share of its joint's torque that an effect asked about has, where it was found.
+
+    Of others it is as large as an effect is taken to be.
+    """
+    asked_for = {(one.effect, one.joint) for one in question.suspects}
+    for one in found.findings:
+        if (one.effect.name, one.joint) in asked_for:
+            spread = float(np.std(model.data.tau[:, model.joints.index(one.joint)]))
+            return min(1.0, one.size / spread)
+    return SIZE
 
 
 def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:

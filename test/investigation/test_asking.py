@@ -2,25 +2,42 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from diagnosis_examples import JOINTS, diagnosis, doubt, finding
 
-from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
-from lagrangian_ff.diagnosis.observable import Observability
+from lagrangian_ff.diagnosis.excite import (
+    Between,
+    Design,
+    Everything,
+    Expected,
+    For,
+    Question,
+    Reference,
+    Suspect,
+)
 from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
 from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, promising
 
-SIZE = 0.03
-SEEN = Observability(JOINTS, {"stribeck": (0.01, 0.02)}, (), SIZE)
-UNSEEN = Observability(JOINTS, {"stribeck": (0.01, 0.2)}, (), SIZE)
-NEVER = Observability(JOINTS, {"stribeck": (0.01, float("inf"))}, (), SIZE)
 STRIBECK = For(Suspect("stribeck", "elbow"))
 
 
-def asked(found: Diagnosis, shown: Observability = SEEN, before: tuple[object, ...] = ()) -> object:
-    return next_question(found, lambda: shown, before, SIZE)  # type: ignore[arg-type]
+def asked(
+    found: Diagnosis, before: tuple[Question, ...] = (), *, unseen: bool = False
+) -> Question | None:
+    return next_question(found, lambda: unseen, before)
+
+
+def made(question: Question, nats: float, **expected: float) -> Design:
+    """Return a design with the nats of some effects on the elbow."""
+    still = np.zeros((2, len(JOINTS)))
+    every = tuple(
+        Expected(name, "elbow", 0.03, 1.0, one, 100.0, one) for name, one in expected.items()
+    )
+    reference = Reference(np.array([0.0, 1.0]), still, still, still)
+    return Design(question, JOINTS, reference, nats, every, {}, "a sweep")
 
 
 def test_a_confirmed_effect_leaves_nothing_open() -> None:
@@ -39,8 +56,8 @@ def test_what_is_there_but_lowers_no_error_is_asked_for_last() -> None:
     both = diagnosis(findings=(there,), waiting=(lead,))
     first = For(Suspect("ripple", "shoulder"))
     assert asked(both) == first
-    assert asked(both, SEEN, (first,) * TWICE) == STRIBECK
-    assert asked(both, SEEN, (first, STRIBECK) * TWICE) is None
+    assert asked(both, (first,) * TWICE) == STRIBECK
+    assert asked(both, (first, STRIBECK) * TWICE) is None
 
 
 def test_what_happens_once_is_no_question() -> None:
@@ -59,7 +76,7 @@ def test_rivals_are_told_apart_the_usual_one_of_the_gear_first() -> None:
     for gear in ("harmonic", "planetary"):
         before: list[Between] = []
         gears = {"elbow": gear}
-        while (question := next_question(found, lambda: SEEN, before, SIZE, gears)) is not None:
+        while (question := next_question(found, lambda: False, before, gears)) is not None:
             assert isinstance(question, Between)
             assert question.first == Suspect("spring", "elbow")
             before.append(question)
@@ -74,7 +91,7 @@ def test_what_no_motion_shows_is_no_question() -> None:
     both = diagnosis(findings=(finding("spring", rivals=("contact", "ripple")),))
     between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
     assert asked(both) == between
-    assert asked(both, SEEN, (between,) * TWICE) is None
+    assert asked(both, (between,) * TWICE) is None
     alone = diagnosis(findings=(finding("spring", rivals=("contact",), doubt=doubt()),))
     assert asked(alone) == For(Suspect("spring", "elbow"))
     touch = Ranked("contact", "elbow", 50.0, named=True, stands_out=True)
@@ -83,8 +100,8 @@ def test_what_no_motion_shows_is_no_question() -> None:
 
 def test_one_question_is_asked_twice_at_most() -> None:
     found = diagnosis(findings=(finding(doubt=doubt()),))
-    assert asked(found, SEEN, (STRIBECK,)) == STRIBECK
-    assert asked(found, SEEN, (STRIBECK,) * TWICE) is None
+    assert asked(found, (STRIBECK,)) == STRIBECK
+    assert asked(found, (STRIBECK,) * TWICE) is None
 
 
 @pytest.mark.parametrize(("nats", "question"), [(9.0, STRIBECK), (3.0, None)])
@@ -95,7 +112,7 @@ def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
     curve = Ranked("curve", "shoulder", 50.0, named=False, stands_out=True)
     assert asked(diagnosis(waiting=(curve, ranked))) == question
     other = Ranked("ripple", "elbow", nats - 1.0, named=True, stands_out=False)
-    assert asked(diagnosis(waiting=(ranked, other)), SEEN, (STRIBECK,) * TWICE) is None
+    assert asked(diagnosis(waiting=(ranked, other)), (STRIBECK,) * TWICE) is None
     judged = Ranked("stribeck", "elbow", 50.0, named=True, stands_out=True)
     assert asked(diagnosis(waiting=(judged,))) is None
     beside = diagnosis(waiting=(ranked,), findings=(finding("spring"),))
@@ -106,23 +123,33 @@ def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
 
 def test_what_could_be_there_unseen_is_asked_for_last_and_not_for_ever() -> None:
     found, everything = diagnosis(findings=(finding(doubt=doubt()),)), Everything()
-    assert asked(found, UNSEEN) == STRIBECK
-    assert asked(diagnosis(), UNSEEN) == everything
-    assert asked(diagnosis(), UNSEEN, (everything,) * (MOST_EVERYTHING - 1)) == everything
-    assert asked(diagnosis(), UNSEEN, (everything,) * MOST_EVERYTHING) is None
-    assert asked(diagnosis(), NEVER) is None  # no motion shows it
+    assert asked(found, unseen=True) == STRIBECK
+    assert asked(diagnosis(), unseen=True) == everything
+    assert asked(diagnosis(), (everything,) * (MOST_EVERYTHING - 1), unseen=True) == everything
+    assert asked(diagnosis(), (everything,) * MOST_EVERYTHING, unseen=True) is None
 
 
 def test_motions_that_promise_too_little_are_not_worth_moving_for() -> None:
     lead = Ranked("stribeck", "elbow", 12.0, named=True, stands_out=False)
     found = diagnosis(waiting=(lead,))
-    assert promising(found, STRIBECK, 4.1)  # 12 + 2 × 4.1 > 20
-    assert not promising(found, STRIBECK, 3.9)
+    assert promising(found, made(STRIBECK, 4.1), {})  # 12 + 2 × 4.1 > 20
+    assert not promising(found, made(STRIBECK, 3.9), {})
     large = diagnosis(waiting=(replace(lead, log_bayes_factor=50.0),))
-    assert promising(large, STRIBECK, 0.51 * HOPE)
-    assert not promising(large, STRIBECK, 0.49 * HOPE)
-    assert promising(diagnosis(findings=(finding(doubt=doubt()),)), STRIBECK, 0.0)
+    assert promising(large, made(STRIBECK, 0.51 * HOPE), {})
+    assert not promising(large, made(STRIBECK, 0.49 * HOPE), {})
+    assert promising(diagnosis(findings=(finding(doubt=doubt()),)), made(STRIBECK, 0.0), {})
     between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
-    assert promising(found, between, 3.0)
-    assert not promising(found, between, 1.0)
-    assert promising(found, Everything(), 0.3)
+    assert promising(found, made(between, 3.0), {})
+    assert not promising(found, made(between, 1.0), {})
+
+
+def test_what_else_there_is_takes_a_motion_that_shows_effects_not_seen_so_far() -> None:
+    elbow = JOINTS.index("elbow")
+    seen = {("stribeck", elbow): 50.0, ("ripple", elbow): 12.0}
+    more = made(Everything(), 0.3, stribeck=90.0, ripple=8.1)
+    assert promising(diagnosis(), more, seen)
+    assert not promising(diagnosis(), made(Everything(), 0.3, stribeck=90.0, ripple=7.9), seen)
+    assert not promising(diagnosis(), more, {**seen, ("ripple", elbow): 25.0})
+    many = {f"effect_{k}": 50.0 for k in range(40)}
+    known = {**seen, **{(name, elbow): 50.0 for name in many}}
+    assert not promising(diagnosis(), made(Everything(), 0.3, ripple=8.1, **many), known)

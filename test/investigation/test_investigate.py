@@ -9,7 +9,8 @@ import pytest
 from diagnosis_examples import diagnosis, doubt, finding
 from pendulum_rig import START, PendulumRig, limits, plan
 
-from lagrangian_ff.diagnosis.excite import For
+from lagrangian_ff.diagnosis.excite import For, Suspect
+from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
 from lagrangian_ff.diagnosis.results import Doubt, Reason
 from lagrangian_ff.effects.user import load_effects
@@ -22,11 +23,11 @@ from lagrangian_ff.investigation import (
     StoppedError,
     investigate,
 )
-from lagrangian_ff.investigation.investigate import standing
+from lagrangian_ff.investigation.investigate import size_of, standing
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
 
-DRAG = 0.3  # N·m s²/rad²
+DRAG, LARGE = 0.3, 0.9  # N·m s²/rad²
 FAINT = 0.08
 """N·m s²/rad²: one motion alone does not show that adding it helps."""
 
@@ -55,7 +56,7 @@ def test_it_adds_the_drag_that_is_hidden(hidden: float) -> None:
 
 
 def test_the_error_falls() -> None:
-    _, story, _ = found()
+    _, story, _ = found(LARGE)
     assert story.turns[-1].errors["elbow"] < 0.5 * story.before["elbow"]
 
 
@@ -70,7 +71,7 @@ def test_it_asks_for_what_one_motion_does_not_decide() -> None:
 
 
 def test_it_ends_within_its_budget_and_leaves_no_limit() -> None:
-    rig, story, _ = found()
+    rig, story, _ = found(FAINT)
     assert story.ended is Ended.BUDGET
     assert story.seconds == pytest.approx(rig.seconds)
     assert 24.0 < story.seconds <= 36.0
@@ -113,6 +114,18 @@ def test_what_was_confirmed_stays_so_unless_motion_speaks_against_it() -> None:
         assert same.doubt == one.doubt
 
 
+def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:
+    _, story, _ = found()
+    last = story.turns[-1]
+    (one,) = [one for one in last.diagnosis.findings if one.joint == "elbow"]
+    spread = float(np.std(last.model.data.tau[:, 1]))
+    question = For(Suspect(one.effect.name, "elbow"))
+    size = size_of(last.diagnosis, question, last.model)
+    assert size == pytest.approx(one.size / spread)
+    other = For(Suspect("ripple", "elbow"))
+    assert size_of(last.diagnosis, other, last.model) == SIZE != size
+
+
 def test_a_stop_while_the_rest_is_looked_at_keeps_the_story() -> None:
     def stop(share: float, label: str) -> None:
         if label == "looking at what no effect fits":
@@ -140,7 +153,7 @@ def test_without_permission_for_more_it_stays_in_the_smaller_range() -> None:
 
 
 def test_a_stop_keeps_what_is_known() -> None:
-    rig = PendulumRig(DRAG, last=3)
+    rig = PendulumRig(FAINT, last=3)
     story = investigate(rig, plan(36.0), lambda proposal: True)
     assert (story.ended, story.words) == (Ended.STOPPED, "somebody stopped it")
     assert len(rig.moved) == 2
@@ -159,7 +172,7 @@ def test_a_stop_before_anything_is_known_is_told_too() -> None:
 def test_every_motion_keeps_the_jerk_and_the_torque_that_were_permitted() -> None:
     jerk, torque = np.array([20.0, 30.0]), np.array([60.0, 30.0])
     allowed = replace(limits(), jerk_max=jerk, tau_max=torque)
-    rig = PendulumRig(DRAG)
+    rig = PendulumRig(FAINT)
     story = investigate(rig, replace(plan(36.0), limits=allowed), lambda proposal: True)
     assert len(story.turns) > 1
     for one in rig.moved:

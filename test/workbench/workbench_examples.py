@@ -24,7 +24,7 @@ def moved(
     path: Path,
     seed: int,
     drag: float = 0.9,
-    seconds: float = 30.0,
+    seconds: float = 24.0,
     sign: tuple[float, float] = (1.0, 1.0),
     rough: float = 0.0,
 ) -> Path:
@@ -35,7 +35,7 @@ def moved(
         rough: N·m of friction on joint b that is a wave over its position, as no known effect is.
     """
     random = np.random.default_rng(seed)
-    time_, phase = np.arange(0.0, seconds, 0.01), random.uniform(0.0, 6.0, (2, 2))
+    time_, phase = np.arange(0.0, seconds, 0.02), random.uniform(0.0, 6.0, (2, 2))
     q, qd, qdd = (np.zeros((len(time_), 2)) for _ in range(3))
     for k, (amplitude, speed) in enumerate(((0.5, (1.1, 1.7)), (0.4, (3.1, 3.7)))):
         w = np.array(speed)

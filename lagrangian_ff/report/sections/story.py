@@ -23,15 +23,15 @@ def turns_section(story: "Investigation") -> Section:
         [
             str(number),
             turn.asked,
+            ", ".join(spoken(one.name) for one in turn.confirmed) or DASH,
             typeset(float(turn.motion.time[-1])),
             DASH if turn.expected is None else typeset(turn.expected),
             DASH if turn.gained is None else typeset(turn.gained),
-            ", ".join(spoken(one.name) for one in turn.confirmed) or DASH,
         ]
         for number, turn in enumerate(story.turns, 1)
     ]
-    header = ["", "question", "motion [s]", "nats expected", "gained", "confirmed after it"]
-    parts = [html.table(header, rows, words=2, strong=5)]
+    header = ["", "question", "confirmed after it", "motion [s]", "nats expected", "gained"]
+    parts = [html.table(header, rows, words=3, strong=2)]
     for number, turn in enumerate(story.turns, 1):
         parts.append(html.paragraph(f"{number}. {turn.asked} {sentence(turn.answer)}"))
         parts.append(embed(motion_plot(turn), f"positions of the motion for question {number}"))
@@ -61,8 +61,8 @@ def staircase_section(story: "Investigation") -> Section | None:
     rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
     return Section(
         "The error falls",
-        "Each model is judged on the same motion: the last part of every recording, from which "
-        "none of them learned.",
+        "Each model is judged on the same motion: the last part of every few seconds of every "
+        "recording, from which none of them learned.",
         embed(fall_plot(names, errors), "error after each question")
         + embed(joints_fall_plot(names, joints), "each joint's error after each question")
         + html.table(["RMS error [N·m]", *names], rows, strong=len(names)),
