@@ -1,32 +1,32 @@
 """The loop that closes itself: move, identify, diagnose, design the next motion, until it ends."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
 
-import numpy as np
-
-from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import apply, diagnose, thresholds, verdict, with_consequences
 from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Everything,
-    Limits,
     Question,
     Reference,
     design,
-    excite,
     limits_of,
 )
-from lagrangian_ff.diagnosis.excite.assumed import SIZE, Assumed, Key
-from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
+from lagrangian_ff.diagnosis.excite.assumed import Assumed, Key
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, sorted_findings
 from lagrangian_ff.errors import ModelError, UserError
-from lagrangian_ff.identification import Model, Settings, extend, identify
+from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import TWICE, next_question, promising
+from lagrangian_ff.investigation.motions import (
+    SHORTEST,
+    Named,
+    both,
+    first_motion,
+    for_design,
+    size_of,
+)
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
 from lagrangian_ff.investigation.stretches import learned_and_unseen
@@ -35,18 +35,8 @@ from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
 
-SMALLER = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)
-"""Shares of the permitted range that a first motion tries, until it touches nothing."""
-SHORTEST = 8.0
-"""s of motion that are worth beginning."""
-INSIDE = 0.98
-"""Share of the tempo at which a first motion would just keep its jerk."""
 MOST = 0.9
 """Share of the time that is left, for which a motion is designed: limits may make it longer."""
-
-
-Named: TypeAlias = tuple[str, str]
-"""An effect and its joint."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +101,7 @@ class _Story:
         self._recordings: list[Recording] = []
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
-        self._seen: Mapping[Key, float] = {}
+        self._assumed: Assumed | None = None
         self._first_motions = 0
         self._used = 0.0
 
@@ -198,6 +188,11 @@ class _Story:
         return replace(found, unlisted=left, errors=errors, total=total)
 
     @property
+    def _seen(self) -> Mapping[Key, float]:
+        """Return by effect and joint the nats that the motions so far would show, once asked."""
+        return {} if self._assumed is None else self._assumed.seen(self._plan.size)
+
+    @property
     def _left(self) -> float:
         return self._plan.budget - self._used
 
@@ -232,7 +227,7 @@ class _Story:
             if self._looks:
                 found = standing(found, self._looks[-1].diagnosis)
             found = with_consequences(found, confirmed_only=True)
-        look = _Look(base, found, apply(found))
+        look, self._assumed = _Look(base, found, apply(found)), None
         self._looks.append(look)
         names = tuple(one.name for one, _ in found.tried)
         self._listen(replace(self._asked, answer=verdict(found), confirmed=names))
@@ -241,8 +236,7 @@ class _Story:
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
         def unseen() -> bool:
             with one_blas_thread():
-                assumed = Assumed.of(for_design(look.diagnosis, Everything(), look.made))
-            self._seen = assumed.seen(self._plan.size)
+                self._assumed = Assumed.of(for_design(look.diagnosis, Everything(), look.made))
             return any(nats < thresholds.USED.floor for nats in self._seen.values())
 
         return next_question(look.diagnosis, unseen, asked_before, self._plan.gears)
@@ -259,6 +253,7 @@ class _Story:
             seconds=seconds,
             size=self._plan.size if every else size_of(look.diagnosis, question, model),
             clear=self._plan.clear,
+            assumed=self._assumed if every else None,
             seed=self._plan.seed + len(self._motions),
         )
 
@@ -269,19 +264,6 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
-
-
-def size_of(found: Diagnosis, question: Question, model: Model) -> float:
-    """Return the share of its joint's torque that an effect asked about has, where it was found.
-
-    Of others it is as large as an effect is taken to be.
-    """
-    asked_for = {(one.effect, one.joint) for one in question.suspects}
-    for one in found.findings:
-        if (one.effect.name, one.joint) in asked_for:
-            spread = float(np.std(model.data.tau[:, model.joints.index(one.joint)]))
-            return min(1.0, one.size / spread)
-    return SIZE
 
 
 def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:
@@ -300,98 +282,6 @@ def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:
         return replace(one, doubt=None) if stands and not against else one
 
     return replace(found, findings=sorted_findings([judged(one) for one in found.findings]))
-
-
-def for_design(
-    found: Diagnosis, question: Question, made: dict[tuple[Named, ...], Model] | None = None
-) -> Model:
-    """Return the model with all that unseen motion confirms, also what no error falls by yet.
-
-    What is missing is noise that hides the rest. What is asked for is left out.
-
-    Args:
-        made: models that were fitted for the same diagnosis, by the effects that were added.
-            One of them is returned if it fits; else the new one is put in.
-    """
-    made = {} if made is None else made
-    wanted = {(one.effect, one.joint) for one in question.suspects}
-    added = [
-        one
-        for one in found.findings
-        if one.doubt is not None and one.doubt.reason is Reason.NO_HELP and not one.rivals
-        if (one.effect.name, one.joint) not in wanted
-    ]
-    names = tuple((one.effect.name, one.joint) for one in added)
-    if names not in made:
-        model = apply(found)
-        for one in added:
-            with suppress(ModelError):  # the model has it by another name
-                model = extend(model, one.effect, one.joint, one.shape).model
-        made[names] = model
-    return made[names]
-
-
-def first_motion(
-    joints: tuple[str, ...],
-    limits: Limits,
-    start: Floats,
-    seconds: float,
-    *,
-    seed: int = 0,
-    clear: Clear | None = None,
-) -> Reference:
-    """Return a motion of all joints, in a smaller range where it would touch something.
-
-    Args:
-        start: (N,) rad, where it begins and ends.  seconds: how long it lasts.
-        clear: says what touches on a path; None if nothing is known of that.
-
-    Raises:
-        ModelError: it touches something in every range.
-    """
-
-    def exciting(within: Limits, lasts: float) -> Reference:
-        while True:
-            motion = excite("exciting", joints, within, start=start, duration=lasts, seed=seed)
-            if limits.jerk_max is None:
-                return motion
-            over = float(np.max(np.abs(jerk_of(motion)).max(axis=0) / limits.jerk_max))
-            if over <= 1.0:
-                return motion
-            within = within.gentler(INSIDE * over ** (-1.0 / 3.0))
-
-    for share in SMALLER:
-        within = limits.around(start, share)
-        motion = exciting(within, seconds)
-        if (took := float(motion.time[-1])) > seconds:
-            # What leads there and back comes on top of the time that was asked for.
-            motion = exciting(within, max(SHORTEST, 2 * seconds - took))
-        touches = "" if clear is None else clear(motion.q)
-        if not touches:
-            return motion
-    raise ModelError(
-        f"every first motion from this start would touch something ({touches}): begin elsewhere"
-    )
-
-
-def both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
-    """Return the limits within both: what was permitted, and what the model has seen.
-
-    Where jerk and torque were permitted, that counts alone: of states inside, a model predicts the
-    torque, and no model of ours knows of jerk.
-
-    Args:
-        start: (N,) rad, where all motions begin: it is inside, also at the end of a range.
-    """
-    return replace(
-        seen,
-        q_low=np.minimum(np.maximum(permitted.q_low, seen.q_low), start),
-        q_high=np.maximum(np.minimum(permitted.q_high, seen.q_high), start),
-        qd_max=np.minimum(permitted.qd_max, seen.qd_max),
-        qdd_max=np.minimum(permitted.qdd_max, seen.qdd_max),
-        jerk_max=seen.jerk_max if permitted.jerk_max is None else permitted.jerk_max,
-        tau_max=seen.tau_max if permitted.tau_max is None else permitted.tau_max,
-    )
 
 
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:

@@ -23,7 +23,8 @@ from lagrangian_ff.investigation import (
     StoppedError,
     investigate,
 )
-from lagrangian_ff.investigation.investigate import size_of, standing
+from lagrangian_ff.investigation.investigate import standing
+from lagrangian_ff.investigation.motions import size_of
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
 

@@ -8,7 +8,7 @@ from lagrangian_ff.arm import HOME, JOINTS, Trajectory, working_motion
 from lagrangian_ff.diagnosis import compare
 from lagrangian_ff.diagnosis.excite import Everything, Reference, design
 from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.investigation.investigate import first_motion
+from lagrangian_ff.investigation.motions import first_motion
 from lagrangian_ff.recording import Motion, condition_alike
 from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
 from lagrangian_ff.studies.nuisances.drawn import Nuisances

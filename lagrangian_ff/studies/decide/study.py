@@ -26,7 +26,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.investigation import Investigation, Plan, investigate
-from lagrangian_ff.investigation.investigate import both, for_design
+from lagrangian_ff.investigation.motions import both, for_design
 from lagrangian_ff.investigation.stretches import learned_and_unseen
 from lagrangian_ff.record_json import finite
 from lagrangian_ff.recording import Recording, concatenate, condition_alike
