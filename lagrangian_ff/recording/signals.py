@@ -13,12 +13,19 @@ from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.recording.clock import retime
 from lagrangian_ff.recording.late import ON_THE_TICK
 from lagrangian_ff.recording.recording import Recording
-from lagrangian_ff.recording.splines import interpolate
+from lagrangian_ff.recording.splines import LeastSquares, interpolate
 from lagrangian_ff.recording.stamps import order, usual_period
 from lagrangian_ff.words import counted
 
 Spans = NDArray[np.float64]
 """(S, 2) s, begin and end of intervals of time, in order."""
+_PAUSE = 2.5
+"""Periods, from which on a step from sample to sample is a pause."""
+_PIECE = 0.7
+"""Length of a spline's pieces over that of a pause: longer ones follow the motion less well than a
+spline through the samples, shorter ones follow the noise."""
+_BESIDE = 8.0
+"""Pieces on both sides, whose samples tell what was in a pause."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class Sampling:
         """Return a column of the recording at these times.
 
         Samples that lie on the ticks are kept as they are; between samples a cubic spline
-        interpolates.
+        interpolates, and across pauses one that goes near the samples beside them.
         """
         first = max(0, int(np.searchsorted(self.time, ticks[0], side="right")) - 1)
         last = int(np.searchsorted(self.time, ticks[-1], side="left")) + 1
@@ -53,13 +60,46 @@ class Sampling:
         on_ticks = len(time[near]) == len(ticks)
         if on_ticks and np.abs(time[near] - ticks).max() <= ON_THE_TICK * self.period:
             return values[near]
-        return interpolate(time, values, ticks)
+        return interpolate(*bridged(time, values, ticks, self.period), ticks)
 
     def near(self, time: Floats, ticks: Floats) -> slice:
         """Return the times within half a period of the first to the last tick."""
         half = self.period / 2
         first, last = np.searchsorted(time, [ticks[0] - half, ticks[-1] + half])
         return slice(int(first), int(last))
+
+
+def bridged(time: Floats, values: Floats, ticks: Floats, period: float) -> tuple[Floats, Floats]:
+    """Return the samples (K,) and their times, with more of both at the ticks within pauses.
+
+    A spline through the samples takes its slope at the edge of a pause from their noise, and the
+    longer the pause, the further it swings out. One of long pieces, nearest to the samples on both
+    sides, follows the motion as well and has no more noise than they.
+    """
+
+    def octaves() -> Floats:
+        return np.asarray(np.floor(np.log2(np.diff(time) / (_PAUSE * period))))
+
+    # The longest first: a sample alone between two pauses says little about the shorter one.
+    for octave in sorted({*octaves().tolist()}, reverse=True):
+        if octave < 0:
+            break
+        step, pauses = np.diff(time), np.flatnonzero(octaves() == octave)
+        piece = _PIECE * step[pauses].max()
+        near = np.zeros(len(time) + 1, dtype=np.int64)
+        np.add.at(near, np.searchsorted(time, time[pauses] - _BESIDE * piece), 1)
+        np.add.at(near, np.searchsorted(time, time[pauses + 1] + _BESIDE * piece), -1)
+        beside = np.cumsum(near[:-1]) > 0
+        at = np.clip(np.searchsorted(time, ticks) - 1, 0, len(step) - 1)
+        away = np.minimum(ticks - time[at], time[at + 1] - ticks) > 0.5 * period
+        lost = ticks[away & np.isin(at, pauses)]
+        pieces = int(np.ceil((time[-1] - time[0]) / piece))
+        spline = LeastSquares(time[beside], pieces, time[[0, -1]])
+        values = np.concatenate([values, spline.values(spline.fit(values[beside]), lost)])
+        time = np.concatenate([time, lost])
+        index = np.argsort(time, kind="stable")
+        time, values = time[index], values[index]
+    return time, values
 
 
 @dataclass(frozen=True)

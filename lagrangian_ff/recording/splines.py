@@ -6,7 +6,7 @@ Written out since importing scipy.interpolate takes longer than conditioning a m
 import numpy as np
 import scipy
 
-from lagrangian_ff.arrays import Floats
+from lagrangian_ff.arrays import Floats, Ints
 
 
 def interpolate(time: Floats, values: Floats, at: Floats) -> Floats:
@@ -57,19 +57,12 @@ class LeastSquares:
         """Take the places (K,) of the samples, in any order, and the first and last place."""
         first, last = (float(x.min()), float(x.max())) if span is None else span
         self.piece = (last - first) / pieces
-        u = (x - first) / self.piece
-        at = np.minimum(u.astype(np.int64), pieces - 1)
-        u -= at
+        self._first, self._pieces = first, pieces
+        at, u = self._places(x)
         v = 1.0 - u
-        # The four B-splines that are not zero in a piece.
-        basis = np.stack([v**3, 3 * u**3 - 6 * u**2 + 4, 3 * v**3 - 6 * v**2 + 4, u**3]) / 6.0
+        basis = _four(u)
         slope = np.stack([-(v**2), u * (3 * u - 4), v * (4 - 3 * v), u**2]) / (2.0 * self.piece)
-        columns = (at[:, np.newaxis] + np.arange(4)).ravel()
-        rows = np.arange(0, 4 * len(x) + 1, 4)
-        self._basis, self._slope = (
-            scipy.sparse.csr_array((table.T.ravel(), columns, rows), shape=(len(x), pieces + 3))
-            for table in (basis, slope)
-        )
+        self._basis, self._slope = self._table(basis, at), self._table(slope, at)
         normal = np.zeros((4, pieces + 3))  # its upper diagonals, the main one last
         stiff = _STIFFNESS * max(1.0, len(x) / pieces)
         for back, weight in enumerate((20.0, -15.0, 6.0, -1.0)):
@@ -84,10 +77,32 @@ class LeastSquares:
         right = self._basis.T @ values
         return np.asarray(scipy.linalg.cho_solve_banded((self._factor, False), right))
 
-    def values(self, weights: Floats) -> Floats:
-        """Return the splines at the samples, (K, ...)."""
-        return np.asarray(self._basis @ weights)
+    def values(self, weights: Floats, at: Floats | None = None) -> Floats:
+        """Return the splines at the samples, (K, ...), or at other places (M,) in the span."""
+        if at is None:
+            return np.asarray(self._basis @ weights)
+        piece, u = self._places(at)
+        return np.asarray(self._table(_four(u), piece) @ weights)
 
     def slopes(self, weights: Floats) -> Floats:
         """Return their derivatives at the samples, (K, ...)."""
         return np.asarray(self._slope @ weights)
+
+    def _places(self, x: Floats) -> tuple[Ints, Floats]:
+        """Return the pieces in which places lie, and where in their pieces, from 0 to 1."""
+        u = (x - self._first) / self.piece
+        at = np.clip(u.astype(np.int64), 0, self._pieces - 1)
+        return at, u - at
+
+    def _table(self, four: Floats, at: Ints) -> scipy.sparse.csr_array:
+        """Return the matrix of the values (4, K) of the splines that are not zero in a piece."""
+        columns = (at[:, np.newaxis] + np.arange(4)).ravel()
+        rows = np.arange(0, 4 * len(at) + 1, 4)
+        shape = len(at), self._pieces + 3
+        return scipy.sparse.csr_array((four.T.ravel(), columns, rows), shape=shape)
+
+
+def _four(u: Floats) -> Floats:
+    """Return (4, K) the B-splines that are not zero in a piece, at places from 0 to 1 in it."""
+    v = 1.0 - u
+    return np.stack([v**3, 3 * u**3 - 6 * u**2 + 4, 3 * v**3 - 6 * v**2 + 4, u**3]) / 6.0

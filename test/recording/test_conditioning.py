@@ -132,6 +132,26 @@ def test_short_gaps_are_bridged_and_long_ones_separate_segments() -> None:
     assert "interpolated 5 lost samples in short gaps (up to 12 ms)" in notes
 
 
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("rate", [200.0, 1000.0, 3000.0])
+def test_what_is_bridged_is_as_sure_as_the_samples(rate: float, seed: int) -> None:
+    """Of torque that is noise, hardly more is left where neighbours were lost together."""
+    generator = np.random.default_rng(seed)
+    moving = sine(0.5, rate=rate, seconds=12.0)
+    noisy = replace(moving, effort=generator.normal(size=(len(moving), 1)))
+    kept = np.ones(len(moving), dtype=bool)
+    for start in generator.integers(0, len(moving) - 100, 36):
+        kept[start : start + generator.integers(1, int(0.018 * rate))] = False
+    same = Conditioning(bandwidth=25.0)
+    whole, bridged = condition(noisy, same), condition(taken(noisy, kept), same)
+    assert len(bridged) > 0.95 * len(whole)
+    assert np.std(bridged.tau) < 1.5 * np.std(whole.tau)
+    assert np.abs(bridged.tau).max() < np.abs(noisy.effort).max()
+    inside = bridged.time < whole.time[-1]
+    expected = np.interp(bridged.time, whole.time, whole.q[:, 0])
+    assert np.allclose(bridged.q[inside, 0], expected[inside], atol=1e-4)
+
+
 def test_a_stretch_too_short_between_gaps_is_left_out() -> None:
     kept = np.ones(1500, dtype=bool)
     kept[700:800] = kept[830:900] = False
