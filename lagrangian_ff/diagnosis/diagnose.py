@@ -27,7 +27,14 @@ from lagrangian_ff.diagnosis.results import (
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import at_end, searched_for
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
-from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
+from lagrangian_ff.diagnosis.search.forward import (
+    MOST_STEPS,
+    Search,
+    Step,
+    beside_others,
+    not_observable,
+    search,
+)
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
 from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
@@ -281,13 +288,8 @@ def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
         step: the step of the search that found the effect.
     """
     candidate = step.score.candidate
-    curves = _curves(found, candidate.joint)
-    if curves > thresholds.USED.large_rest * step.score.log_bf:
-        words = (
-            f"a torque that no effect of the catalogue describes gains {curves:.0f} nats on the "
-            f"same joint, this effect {step.score.log_bf:.0f}"
-        )
-        return Doubt(Reason.LARGE_REST, words)
+    if doubt := _of_large_rest(found, step):
+        return doubt
     if candidate.effect.absorbed and model.kernel.free:
         words = (
             f"gravity of {model.kernel.name} may be any smooth function of the positions and "
@@ -300,12 +302,27 @@ def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
     return Doubt(Reason.IMPOSSIBLE, objection) if objection else None
 
 
-def _curves(found: Search, joint: int) -> float:
-    """Return the log Bayes factor of curves on a joint, found or left over."""
-    last = [s.log_bf for s in found.last if not s.candidate.named and s.candidate.joint == joint]
-    taken = [step.score for step in found.steps if not step.named]
-    here = sum(score.log_bf for score in taken if score.candidate.joint == joint)
-    return max(last, default=0.0) + here
+def _of_large_rest(found: Search, step: Step) -> Doubt | None:
+    """Return the doubt that curves on the joint explain nearly as much as an effect; None if not.
+
+    As they were found, or else all with the noise that is left in the end.
+    """
+    share, joint = thresholds.USED.large_rest, step.score.candidate.joint
+    scores = (s for s in found.last if not s.candidate.named and s.candidate.joint == joint)
+    left = max((score.log_bf for score in scores), default=0.0)
+    curves = [s for s in found.steps if not s.named and s.score.candidate.joint == joint]
+    own = step.score.log_bf
+    rest = left + sum(one.score.log_bf for one in curves)
+    if rest > share * own and curves:
+        own = beside_others(found, step)
+        rest = left + sum(beside_others(found, one) for one in curves)
+    if rest <= share * own:
+        return None
+    return Doubt(
+        Reason.LARGE_REST,
+        f"a torque that no effect of the catalogue describes gains {rest:.0f} nats on the same "
+        f"joint, this effect {own:.0f}",
+    )
 
 
 def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexplained:

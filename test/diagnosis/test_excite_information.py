@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from design_examples import QUESTIONS, SIZE, assumed, rods, swing
+from design_examples import QUESTIONS, SECONDS, SIZE, assumed, rods, swing
 from whitened_examples import SHORT, quickly
 
-from lagrangian_ff.diagnosis.excite import Question, limits_of, seen_pose
+from lagrangian_ff.diagnosis.excite import Question, Reference, limits_of, seen_pose
 from lagrangian_ff.diagnosis.excite.objective import Objective, judge
 from lagrangian_ff.diagnosis.excite.questions import Case, cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, Splines
@@ -77,6 +77,32 @@ def test_the_noise_counts_by_time_and_not_by_samples() -> None:
     assert gains[0] == pytest.approx(gains[1], rel=0.1)
 
 
+def creeping() -> Reference:
+    """Return a motion in which the elbow hardly goes faster than its friction turns over."""
+    time = np.arange(0.0, SECONDS, 0.01)
+    swings, rate = np.sin(2.0 * time), np.cos(2.0 * time)
+    most = 1.5 * rods().basis.sign_speed(2)[1]
+    pose = seen_pose(rods(), "elbow", limits_of(rods()))
+    q, qd, qdd = np.tile(pose, (len(time), 1)), np.zeros((len(time), 2)), np.zeros((len(time), 2))
+    q[:, 1] += 0.5 * most * swings
+    qd[:, 1], qdd[:, 1] = most * rate, -2.0 * most * swings
+    return Reference(time, q, qd, qdd)
+
+
+@pytest.mark.parametrize(("speed", "least", "most"), [(0.01, 0.0, 0.05), (0.15, 0.5, 1.0)])
+def test_what_a_bend_shows_in_creeping_counts_for_little(
+    speed: float, least: float, most: float
+) -> None:
+    """Friction may have any form where its sign turns over; at speed it is told as well."""
+    made = creeping() if speed < 0.1 else swing()
+    case = Case(Candidate(EFFECTS["stribeck"], 1, {"v_s": speed}), (None,))
+    signals = [
+        float(judge(one.whitened(made), [case], one, SIZE)[0].signals[0])
+        for one in (assumed(), assumed().unsure_of_creep([1]))
+    ]
+    assert least * signals[0] <= signals[1] <= most * signals[0], signals
+
+
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_the_slope_is_that_of_the_value(question: Question) -> None:
     splines = Splines(6.0, 24)
@@ -90,7 +116,8 @@ def test_the_slope_is_that_of_the_value(question: Question) -> None:
         ]
         for group in groups
     ]
-    objective = Objective(assumed(), groups, splines, SIZE, index, dynamics=True)
+    unsure = assumed().unsure_of_creep([0, 1])
+    objective = Objective(unsure, groups, splines, SIZE, index, dynamics=True)
     pose = seen_pose(rods(), "elbow", limits_of(rods()))
     draw = np.random.default_rng(0)
     control, way = np.tile(pose, (24, 1)), np.zeros((24, 2))

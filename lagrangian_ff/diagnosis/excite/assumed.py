@@ -24,11 +24,13 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
     expected,
     expected_log_bf,
 )
-from lagrangian_ff.diagnosis.search.candidates import Candidate, named
+from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed, held, named
 from lagrangian_ff.diagnosis.whitening import Whitened, fit, outweighed, whiten
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import Effect, Inputs, Parameter
+from lagrangian_ff.effects.base import Values
 from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.problem import Problem
 from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, silent
@@ -39,6 +41,9 @@ SIZE = 0.05
 """Torque (rms) of an effect on the model's own data, over that of the joint, if none is given."""
 SHAPES = 3
 """Shapes of an effect that stand for all of them."""
+
+CREEPING = (0.5, 1.0)
+"""Speeds, over that at which dry friction turns over, up to which its form is taken for unknown."""
 
 Key = tuple[str, int]
 Value = TypeVar("Value")
@@ -73,6 +78,35 @@ class Expected:
         return max(float(refitted(ratio**2 * self.signal, self.samples) - price), 0.0)
 
 
+class Creep(Effect):
+    """Friction of any size at speeds at which that of the model still turns over.
+
+    No model has its form there, and no arm follows a motion that slow: what a bend of friction over
+    speed shows there alone settles nothing.
+    """
+
+    name = "creep"
+    formula = "F_1 sign(qd) exp(-(qd / v_0)^2) + F_2 sign(qd) exp(-(qd / (2 v_0))^2)"
+    source = "this project"
+    meaning = "friction while a joint creeps"
+    parameters = tuple(
+        Parameter(f"F_{n}", "N·m", f"friction up to about {share:g} v_0")
+        for n, share in enumerate(CREEPING, start=1)
+    )
+
+    def columns(self, x: Inputs, joint: int, shape: Values) -> Floats:
+        slow = x.qd[:, [joint]] / (np.array(CREEPING) * x.sign_speed[joint])
+        return np.asarray(x.sign(joint)[:, None] * np.exp(-(slow**2)))
+
+
+def creeps(candidate: Candidate, x: Inputs) -> bool:
+    """Return whether a bend of friction over speed hardly shows but while its joint creeps."""
+    if not bends_over_speed(candidate.effect):
+        return False
+    span, _ = np.linalg.qr(Creep().columns(x, candidate.joint, {}))
+    return held(candidate.columns(x), span)
+
+
 @dataclass(frozen=True)
 class Assumed:
     """The problem of the search, as fitted to the model's own data.
@@ -83,6 +117,7 @@ class Assumed:
         problem: that of the search, for torques whose whitened variance is one.
         density: samples per s of motion that its noise is meant for.
         scores: of every effect on every joint on the base, in a few shapes each.
+        creeping: joints whose friction while they creep is taken for unknown, see `Creep`.
     """
 
     model: Model
@@ -90,6 +125,7 @@ class Assumed:
     problem: Problem
     density: float
     scores: tuple[BayesFactor, ...]
+    creeping: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, model: Model, progress: Progress = silent) -> "Assumed":
@@ -102,6 +138,13 @@ class Assumed:
         base.forget()
         density = _density(base.motion, len(base.index))
         return cls(model, base, _of_variance_one(base), density, tuple(scores))
+
+    def unsure_of_creep(self, joints: Iterable[int]) -> "Assumed":
+        """Return the same, the friction of some joints unknown while they creep."""
+        basis = Basis(tuple(t for t in self.problem.basis.terms if t.effect.name != Creep.name))
+        joints = tuple(joints)
+        terms = (*basis.terms, *(Term(Creep(), joint) for joint in joints))
+        return replace(self, problem=self.problem.having(basis=Basis(terms)), creeping=joints)
 
     @cached_property
     def inflation(self) -> Mapping[Key, float]:
@@ -129,7 +172,8 @@ class Assumed:
         sliding = sliding_of(self.model.kernel, len(self.model.joints))
         fitted = fit(motion, self.model.inputs_of(motion), self.model.basis, sliding=sliding)
         density = _density(motion, len(fitted.index))
-        return replace(self, problem=_of_variance_one(fitted), density=density)
+        suited = replace(self, problem=_of_variance_one(fitted), density=density)
+        return suited.unsure_of_creep(self.creeping)
 
     def motion_of(self, made: Reference) -> Motion:
         """Return a motion to come, with the torque that the model predicts."""

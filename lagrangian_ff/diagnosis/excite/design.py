@@ -10,7 +10,13 @@ from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
 from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
-from lagrangian_ff.diagnosis.excite.questions import Everything, For, Question, cases_of
+from lagrangian_ff.diagnosis.excite.questions import (
+    Everything,
+    For,
+    Question,
+    cases_of,
+    creeping_in,
+)
 from lagrangian_ff.diagnosis.excite.splines import DEGREE, Splines
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
@@ -96,6 +102,7 @@ def design(
     splines = Splines(GRID * round(seconds / GRID), round(seconds / SPACING) + DEGREE)
     index = samples_of(splines, effort, len(pose), seed)
     groups = cases_of(question, assumed, size)
+    assumed = assumed.unsure_of_creep(creeping_in(question, model.joints))
     objective = Objective(assumed, groups, splines, size, index, isinstance(question, Everything))
     every = Way(objective, keeper, pose, effort, tuple(range(len(pose))))
     # Threads that share products as small as these mostly wait for each other.

@@ -45,7 +45,7 @@ def speeds(path: Path, joint: int, seconds: float) -> None:
         runs = int(np.clip(share / (2 * (way / speed + REST)), 1, _MOST_RUNS))
         path.move_joint(joint, middle - 0.5 * way)
         for _ in range(runs):
-            _there_and_back(path, joint, way, speed)
+            there_and_back(path, joint, way, speed)
 
 
 def slow_sweep(path: Path, joint: int, seconds: float) -> None:
@@ -55,12 +55,12 @@ def slow_sweep(path: Path, joint: int, seconds: float) -> None:
     way = min(high - low, 0.5 * 0.65 * seconds * speed)
     middle = 0.5 * (low + high)
     path.move_joint(joint, middle - 0.5 * way)
-    _there_and_back(path, joint, way, speed)
+    there_and_back(path, joint, way, speed)
     path.move_joint(joint, middle)
     for creep in CREEPING:
         if creep < path.limits.qd_max[joint]:
             short = min(creep * 0.5 * 0.3 * seconds / len(CREEPING), high - middle)
-            _there_and_back(path, joint, short, creep)
+            there_and_back(path, joint, short, creep)
 
 
 def reversals(path: Path, joint: int, seconds: float) -> None:
@@ -106,10 +106,11 @@ def strokes_at_two_speeds(path: Path, joint: int, seconds: float) -> None:
     slow = min(max(2.5 * way / seconds, CREEP), 0.25 * path.limits.qd_max[joint])
     path.move_joint(joint, low + 0.1 * width)
     for speed in (slow, 4 * slow):
-        _there_and_back(path, joint, way, speed)
+        there_and_back(path, joint, way, speed)
 
 
-def _there_and_back(path: Path, joint: int, way: float, speed: float) -> None:
+def there_and_back(path: Path, joint: int, way: float, speed: float) -> None:
+    """Append a run at a constant speed and one back, with a rest after each."""
     begin = float(path.at[joint])
     for goal in (begin + way, begin):
         path.run(joint, goal, speed)

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.excite.assumed import SHAPES, Assumed, spread
-from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.excite.assumed import SHAPES, Assumed, creeps, spread
+from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.samples import evenly
@@ -112,7 +112,7 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
             for name in look_alikes(EFFECTS[_checked(question.suspect, assumed).effect])
             for one in _shapes(Suspect(name, question.suspect.joint), assumed, RIVAL_SHAPES)
         ]
-        true = _shapes(question.suspect, assumed, SHAPES)
+        true = _seen_shapes(question.suspect, assumed, SHAPES)
         return [[Case(one, (None, *alike)) for one in true]]
     if isinstance(question, Between):
         both = (question.first, question.second)
@@ -122,7 +122,7 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
         return [
             [
                 Case(one, tuple(_shapes(other, assumed, RIVAL_SHAPES)))
-                for one in _shapes(true, assumed, SHAPES)
+                for one in _seen_shapes(true, assumed, SHAPES)
             ]
             for true, other in ways
         ]
@@ -132,6 +132,19 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
 def shown_by_motion(effect: Effect) -> bool:
     """Return whether some motion shows an effect: not an event, nor what none ever shows."""
     return effect.observable and effect.kind != "event"
+
+
+def creeping_in(question: Question, joints: Sequence[str]) -> list[int]:
+    """Return the joints of which a question asks how friction bends over speed."""
+    if isinstance(question, Everything):
+        return list(range(len(joints)))
+    return sorted(
+        {
+            joints.index(one.joint)
+            for one in question.suspects
+            if one.effect in EFFECTS and bends_over_speed(EFFECTS[one.effect])
+        }
+    )
 
 
 def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
@@ -147,7 +160,7 @@ def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
     return [
         one
         for name, n in (hidden[place] for place in evenly(len(hidden), MOST))
-        for one in _shapes(Suspect(name, joints[n]), assumed, 1)
+        for one in _seen_shapes(Suspect(name, joints[n]), assumed, 1)
     ]
 
 
@@ -180,10 +193,21 @@ def _joint(suspect: Suspect, assumed: Assumed) -> int:
 
 def _shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
     """Return an effect in at most this many shapes; none if the model has it or no motion can."""
+    return spread(_every_shape(suspect, assumed), most)
+
+
+def _seen_shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
+    """Return an effect in at most this many shapes that show in more than creeping, if any do."""
+    every = _every_shape(suspect, assumed)
+    x = assumed.base.x
+    more = [one for one in every if not creeps(one, x)]
+    return spread(more or every, most)
+
+
+def _every_shape(suspect: Suspect, assumed: Assumed) -> list[Candidate]:
     effect, joint = EFFECTS[suspect.effect], _joint(suspect, assumed)
     if not shown_by_motion(effect) or _had(suspect, assumed):
         return []
     shapes: Sequence[Mapping[str, float]] = effect.candidates(assumed.base.x, joint)
     every = [Candidate(effect, joint, {**shape, **suspect.shape}) for shape in shapes]
-    unique = {tuple(sorted(one.shape.items())): one for one in every}
-    return spread(list(unique.values()), most)
+    return list({tuple(sorted(one.shape.items())): one for one in every}.values())

@@ -1,19 +1,22 @@
-"""Motions to begin a design with: the templates, and strokes at two speeds."""
+"""Motions to begin a design with: the templates, and strokes at a few speeds."""
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite.excite import SHORTEST, excite
-from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS
-from lagrangian_ff.diagnosis.excite.path import Limits, Reference
+from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS, there_and_back
+from lagrangian_ff.diagnosis.excite.path import REST, Limits, Path, Reference
 from lagrangian_ff.effects import MOTIONS
 
 SHARES = (1.0, 0.85, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
 """Shares of the duration that templates are asked for."""
-SPEEDS = (0.03, 0.1, 0.3, 0.8)
-"""Shares of the highest speed of strokes."""
+SLOWEST = (0.03, 0.1, 0.3)
+"""Shares of the highest speed that the slowest strokes have."""
+COUNTS = (2, 5)
+"""Speeds of strokes, in equal ratios up to the highest."""
 WIDTHS = (0.1, 0.4, 0.9)
 """Shares of a joint's range that strokes take."""
 
@@ -37,14 +40,10 @@ def starts_of(
             yield f"{motion} {joint or ''}".strip(), made.q
     for joint in wanted:
         n = list(joints).index(joint)
-        for slow in SPEEDS[:2]:
-            for fast in SPEEDS[2:]:
-                for width in WIDTHS:
-                    speeds = slow * limits.qd_max[n], fast * limits.qd_max[n]
-                    yield (
-                        f"strokes {joint}",
-                        strokes(limits, start, n, speeds, width * limits.width[n], seconds),
-                    )
+        for slow, count, width in product(SLOWEST, COUNTS, WIDTHS):
+            speeds = limits.qd_max[n] * np.geomspace(slow, 1.0, count)
+            q = strokes(limits, start, n, speeds.tolist(), width * limits.width[n], seconds)
+            yield f"strokes {joint}", q
 
 
 def template(
@@ -69,23 +68,16 @@ def template(
 
 
 def strokes(
-    limits: Limits,
-    start: Floats,
-    joint: int,
-    speeds: tuple[float, float],
-    width: float,
-    seconds: float,
+    limits: Limits, start: Floats, joint: int, speeds: Sequence[float], width: float, seconds: float
 ) -> Floats:
-    """Return (M, N) rad: a joint to and fro, half of the time at each of two speeds."""
-    time = np.linspace(0.0, 0.5 * seconds, max(50, round(25 * seconds)))
+    """Return (M, N) rad: a joint to and fro, about as long at each of some speeds."""
+    path = Path(start, limits)
     low = np.clip(start[joint] - 0.5 * width, limits.q_low[joint], limits.q_high[joint] - width)
-    track = []
+    path.move_joint(joint, float(low))
+    each = seconds / len(speeds)
     for speed in speeds:
-        # A triangle from `start` on, between low and low + width.
-        way = speed * time + (start[joint] - low)
-        track.append(low + width - np.abs(np.mod(way, 2.0 * width) - width))
-    q = np.tile(start, (2 * len(time), 1))
-    q[:, joint] = np.clip(
-        np.concatenate([track[0], track[1]]), limits.q_low[joint], limits.q_high[joint]
-    )
-    return q
+        way = min(width, 0.4 * each * speed)
+        for _ in range(max(1, int(0.5 * each / (way / speed + REST)))):
+            there_and_back(path, joint, way, speed)
+    path.move(start)
+    return path.reference().q

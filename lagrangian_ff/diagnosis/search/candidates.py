@@ -113,11 +113,12 @@ def not_held(candidates: Sequence[Candidate], x: Inputs, basis: Basis) -> list[C
         if not isinstance(term.effect, Curve):
             continue
         span, _ = np.linalg.qr(Term(term.effect.whole(), term.joint).columns(x))
-        left = [c for c in left if c.joint != term.joint or not _held(c.columns(x), span)]
+        left = [c for c in left if c.joint != term.joint or not held(c.columns(x), span)]
     return left
 
 
-def _held(columns: Floats, span: Floats) -> bool:
+def held(columns: Floats, span: Floats) -> bool:
+    """Return whether orthonormal columns (S, C) span most of the squares of others (S, P)."""
     outside = columns - span @ (span.T @ columns)
     return float(np.sum(outside**2)) < (1.0 - HELD) * float(np.sum(columns**2))
 

@@ -350,6 +350,24 @@ def _without(basis: Basis, own: int, step: Step) -> Basis:
     return Basis((*basis.terms[:own], *found))
 
 
+def beside_others(found: Search, step: Step) -> float:
+    """Return the log Bayes factor of a step beside all others, with the noise that is left.
+
+    The noise falls with every step: what was found first gained less than it would gain last.
+    """
+    whitened, nuisance = found.whitened, found.whitened.problem.nuisance
+    basis = whitened.basis
+    if step.named:
+        basis = _without(basis, found.own, step)
+    else:
+        unnamed = [one for one in found.steps if not one.named]
+        nuisance = tuple(one for one, of in zip(nuisance, unnamed, strict=True) if of is not step)
+    less = whitened.explaining(basis, nuisance)
+    (score,) = bayes_factors(less, [step.score.candidate])
+    less.forget()
+    return score.log_bf
+
+
 def _stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bool:
     """Return whether a score is large enough to be claimed."""
     limits = thresholds.USED
