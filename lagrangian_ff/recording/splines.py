@@ -94,7 +94,7 @@ class LeastSquares:
         at = np.clip(u.astype(np.int64), 0, self._pieces - 1)
         return at, u - at
 
-    def _table(self, four: Floats, at: Ints) -> scipy.sparse.csr_array:
+    def _table(self, four: Floats, at: Ints) -> "scipy.sparse.csr_array":
         """Return the matrix of the values (4, K) of the splines that are not zero in a piece."""
         columns = (at[:, np.newaxis] + np.arange(4)).ravel()
         rows = np.arange(0, 4 * len(at) + 1, 4)

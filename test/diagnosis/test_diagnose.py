@@ -93,19 +93,11 @@ def test_a_threshold_decides_the_verdict(
     assert finding.doubt.reason is reason
 
 
-def thick_and_sore(
-    t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
-) -> two_rods.Floats:
-    """Drag of the shoulder, and a sore spot in it that no effect describes."""
-    drag = np.outer(5.0 * qd[:, 0] * np.abs(qd[:, 0]), [1.0, 0.0])
-    return drag + 0.5 * two_rods.sore_spot(t, q, qd, qdd)
-
-
 def test_an_effect_and_a_curve_are_compared_by_the_noise_that_is_left() -> None:
     """What is found first, while the curve's torque is noise, gains less than it would last."""
-    first, second = (two_rods.motion(seed, hidden=thick_and_sore) for seed in (1, 2))
+    first, second = (two_rods.motion(seed, hidden=two_rods.thick_and_sore) for seed in (1, 2))
     with using(Thresholds(large_rest=1.0), Effort(rows=1200)):
-        found = diagnose(model_of(thick_and_sore), first, second)
+        found = diagnose(model_of(two_rods.thick_and_sore), first, second)
     (finding,) = found.findings
     (left,) = found.unexplained
     assert (finding.effect.name, finding.joint) == ("quadratic_drag", "shoulder")

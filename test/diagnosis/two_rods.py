@@ -81,3 +81,9 @@ def sore_spot(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
     """More dry friction of the shoulder within a tenth of a radian: no effect has this form."""
     near = np.exp(-(((q[:, 0] - 0.2) / 0.1) ** 2))
     return np.stack([3.0 * np.tanh(qd[:, 0] / WIDTH) * near, np.zeros(len(t))], axis=1)
+
+
+def thick_and_sore(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+    """Drag of the shoulder, and a sore spot in it."""
+    drag = np.outer(5.0 * qd[:, 0] * np.abs(qd[:, 0]), [1.0, 0.0])
+    return drag + 0.5 * sore_spot(t, q, qd, qdd)
