@@ -305,7 +305,8 @@ def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
 def _of_large_rest(found: Search, step: Step) -> Doubt | None:
     """Return the doubt that curves on the joint explain nearly as much as an effect; None if not.
 
-    As they were found, or else all with the noise that is left in the end.
+    Early steps score low, since what is found later is still noise. So where curves seem large by
+    the scores of their steps, all are scored again with the noise that is left in the end.
     """
     share, joint = thresholds.USED.large_rest, step.score.candidate.joint
     scores = (s for s in found.last if not s.candidate.named and s.candidate.joint == joint)

@@ -134,15 +134,16 @@ def _condition(recording: Recording, settings: Conditioning, note: str = "") -> 
     q, qd, qdd, tau = (np.empty(shape) for _ in range(4))
     for ticks, first, last in zip(clocks, ends[:-1], ends[1:], strict=True):
         part = slice(first, last)
+        position = signals.on_clock(recording.position, signals.position, ticks)
+        effort = signals.on_clock(recording.effort, signals.effort, ticks)
         for joint, name in enumerate(recording.joints):
-            sampling = signals.samplings[signals.position[joint]]
-            position = sampling.on_clock(recording.position[:, joint], ticks)
-            q[part, joint], qd[part, joint], qdd[part, joint] = filters.motion(position, ticks)
-            sampling = signals.samplings[signals.effort[joint]]
-            effort = sampling.on_clock(recording.effort[:, joint], ticks)
-            tau[part, joint] = settings.effort_scale.get(name, 1.0) * filters.low_pass(
-                effort, ticks
-            ) + settings.effort_offset.get(name, 0.0)
+            states = filters.motion(position[:, joint], ticks)
+            q[part, joint], qd[part, joint], qdd[part, joint] = states
+            scale, offset = (
+                some.get(name, usual)
+                for some, usual in ((settings.effort_scale, 1.0), (settings.effort_offset, 0.0))
+            )
+            tau[part, joint] = scale * filters.low_pass(effort[:, joint], ticks) + offset
     _require_moving(recording, q, notes)
     notes += [doubt.text() for doubt in find_doubts(recording)]
     notes += [entry.text() for entry in find_clipping(recording)]

@@ -298,8 +298,8 @@ def _clock(stamp: Floats, ticks: Ints, joints: Ints) -> Floats:
         span = np.array([0.0, tick[-1]])
         near = LeastSquares(middle, pieces, span)
         weights = near.fit(level)
-        along = LeastSquares(tick.astype(np.float64), pieces, span)
-        models.append((pieces + 3, near.values(weights), along.values(weights)))
+        along = near.values(weights, tick.astype(np.float64))
+        models.append((pieces + 3, near.values(weights), along))
     # Delays that wander look like another rate: what they leave of a line is noise as well.
     noise = max(scatter, float(np.var(level - models[1][1]))) + 1e-18
     costs = [

@@ -4,6 +4,7 @@ Position and effort of a joint need not share their samples: several publishers 
 joints, single values may be NaN. Columns that share them are handled together.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ _PIECE = 0.7
 """Length of a spline's pieces over that of a pause: longer ones follow the motion less well than a
 spline through the samples, shorter ones follow the noise."""
 _BESIDE = 8.0
-"""Pieces on both sides, whose samples tell what was in a pause."""
+"""A pause is filled from the samples up to this many pieces before and after it."""
 
 
 @dataclass(frozen=True)
@@ -47,20 +48,21 @@ class Sampling:
         at = np.flatnonzero(np.diff(self.time) > longest * (1 + 1e-9))
         return np.column_stack([self.time[at], self.time[at + 1]])
 
-    def on_clock(self, column: Floats, ticks: Floats) -> Floats:
-        """Return a column of the recording at these times.
+    def on_clock(self, columns: Floats, ticks: Floats) -> Floats:
+        """Return columns of the recording at these times, (M, C).
 
         Samples that lie on the ticks are kept as they are; between samples a cubic spline
         interpolates, and across pauses one that goes near the samples beside them.
         """
         first = max(0, int(np.searchsorted(self.time, ticks[0], side="right")) - 1)
         last = int(np.searchsorted(self.time, ticks[-1], side="left")) + 1
-        time, values = self.time[first:last], column[self.index[first:last]]
+        time, values = self.time[first:last], columns[self.index[first:last]]
         near = self.near(time, ticks)
         on_ticks = len(time[near]) == len(ticks)
         if on_ticks and np.abs(time[near] - ticks).max() <= ON_THE_TICK * self.period:
             return values[near]
-        return interpolate(*bridged(time, values, ticks, self.period), ticks)
+        time, values = bridged(time, values, ticks, self.period)
+        return np.stack([interpolate(time, column, ticks) for column in values.T], axis=1)
 
     def near(self, time: Floats, ticks: Floats) -> slice:
         """Return the times within half a period of the first to the last tick."""
@@ -70,21 +72,19 @@ class Sampling:
 
 
 def bridged(time: Floats, values: Floats, ticks: Floats, period: float) -> tuple[Floats, Floats]:
-    """Return the samples (K,) and their times, with more of both at the ticks within pauses.
+    """Return times and samples (K, C), with more of both at the ticks within pauses.
 
     A spline through the samples takes its slope at the edge of a pause from their noise, and the
     longer the pause, the further it swings out. One of long pieces, nearest to the samples on both
     sides, follows the motion as well and has no more noise than they.
     """
-
-    def octaves() -> Floats:
-        return np.asarray(np.floor(np.log2(np.diff(time) / (_PAUSE * period))))
-
+    longest = np.diff(time).max() / (_PAUSE * period)
     # The longest first: a sample alone between two pauses says little about the shorter one.
-    for octave in sorted({*octaves().tolist()}, reverse=True):
-        if octave < 0:
-            break
-        step, pauses = np.diff(time), np.flatnonzero(octaves() == octave)
+    for octave in range(int(np.floor(np.log2(longest))), -1, -1):
+        step, least = np.diff(time), 2.0**octave * _PAUSE * period
+        pauses = np.flatnonzero((step >= least) & (step < 2.0 * least))
+        if not len(pauses):
+            continue
         piece = _PIECE * step[pauses].max()
         near = np.zeros(len(time) + 1, dtype=np.int64)
         np.add.at(near, np.searchsorted(time, time[pauses] - _BESIDE * piece), 1)
@@ -124,6 +124,18 @@ class Signals:
     def slowest(self) -> Sampling:
         """Return the sampling with the longest period; it limits the bandwidth."""
         return max(self.samplings, key=lambda sampling: sampling.period)
+
+    def on_clock(self, table: Floats, numbers: Sequence[int], ticks: Floats) -> Floats:
+        """Return a table (M, N) of the recording at these times.
+
+        Args:
+            numbers: (N,) the sampling of each column, as in `position`.
+        """
+        out = np.empty((len(ticks), len(numbers)))
+        for number in set(numbers):
+            here = [column for column, of in enumerate(numbers) if of == number]
+            out[:, here] = self.samplings[number].on_clock(table[:, here], ticks)
+        return out
 
     def mended(self, clocks: list[Floats]) -> "Mended":
         """Return how far these clocks depart from the samples of the fastest signal."""

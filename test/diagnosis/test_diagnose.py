@@ -94,7 +94,7 @@ def test_a_threshold_decides_the_verdict(
 
 
 def test_an_effect_and_a_curve_are_compared_by_the_noise_that_is_left() -> None:
-    """What is found first, while the curve's torque is noise, gains less than it would last."""
+    """The drag is found first, while the sore spot still counts as noise, and so scores low."""
     first, second = (two_rods.motion(seed, hidden=two_rods.thick_and_sore) for seed in (1, 2))
     with using(Thresholds(large_rest=1.0), Effort(rows=1200)):
         found = diagnose(model_of(two_rods.thick_and_sore), first, second)

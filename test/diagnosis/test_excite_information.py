@@ -93,7 +93,7 @@ def creeping() -> Reference:
 def test_what_a_bend_shows_in_creeping_counts_for_little(
     speed: float, least: float, most: float
 ) -> None:
-    """Friction may have any form where its sign turns over; at speed it is told as well."""
+    """With friction unknown at creeping speed, only a bend at higher speed can be seen."""
     made = creeping() if speed < 0.1 else swing()
     case = Case(Candidate(EFFECTS["stribeck"], 1, {"v_s": speed}), (None,))
     signals = [

@@ -79,14 +79,14 @@ class Expected:
 
 
 class Creep(Effect):
-    """Friction of any size at speeds at which that of the model still turns over.
+    """Friction of any size below v_0, the speed over which the model's dry friction turns over.
 
-    No model has its form there, and no arm follows a motion that slow: what a bend of friction over
-    speed shows there alone settles nothing.
+    No model has its form there, and no arm follows a motion that slow. So an effect that shows at
+    no higher speed is not told from it.
     """
 
     name = "creep"
-    formula = "F_1 sign(qd) exp(-(qd / v_0)^2) + F_2 sign(qd) exp(-(qd / (2 v_0))^2)"
+    formula = "F_1 sign(qd) exp(-(2 qd / v_0)^2) + F_2 sign(qd) exp(-(qd / v_0)^2)"
     source = "this project"
     meaning = "friction while a joint creeps"
     parameters = tuple(
@@ -100,7 +100,7 @@ class Creep(Effect):
 
 
 def creeps(candidate: Candidate, x: Inputs) -> bool:
-    """Return whether a bend of friction over speed hardly shows but while its joint creeps."""
+    """Return whether a bend of friction over speed hardly shows above creeping speed."""
     if not bends_over_speed(candidate.effect):
         return False
     span, _ = np.linalg.qr(Creep().columns(x, candidate.joint, {}))
@@ -117,7 +117,6 @@ class Assumed:
         problem: that of the search, for torques whose whitened variance is one.
         density: samples per s of motion that its noise is meant for.
         scores: of every effect on every joint on the base, in a few shapes each.
-        creeping: joints whose friction while they creep is taken for unknown, see `Creep`.
     """
 
     model: Model
@@ -125,7 +124,6 @@ class Assumed:
     problem: Problem
     density: float
     scores: tuple[BayesFactor, ...]
-    creeping: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, model: Model, progress: Progress = silent) -> "Assumed":
@@ -140,11 +138,10 @@ class Assumed:
         return cls(model, base, _of_variance_one(base), density, tuple(scores))
 
     def unsure_of_creep(self, joints: Iterable[int]) -> "Assumed":
-        """Return the same, the friction of some joints unknown while they creep."""
-        basis = Basis(tuple(t for t in self.problem.basis.terms if t.effect.name != Creep.name))
-        joints = tuple(joints)
-        terms = (*basis.terms, *(Term(Creep(), joint) for joint in joints))
-        return replace(self, problem=self.problem.having(basis=Basis(terms)), creeping=joints)
+        """Return the same, with unknown friction of some joints while they creep: see `Creep`."""
+        unknown = (Term(Creep(), joint) for joint in joints)
+        basis = Basis((*self.problem.basis.terms, *unknown))
+        return replace(self, problem=self.problem.having(basis=basis))
 
     @cached_property
     def inflation(self) -> Mapping[Key, float]:
@@ -173,7 +170,8 @@ class Assumed:
         fitted = fit(motion, self.model.inputs_of(motion), self.model.basis, sliding=sliding)
         density = _density(motion, len(fitted.index))
         suited = replace(self, problem=_of_variance_one(fitted), density=density)
-        return suited.unsure_of_creep(self.creeping)
+        unsure = (t.joint for t in self.problem.basis.terms if isinstance(t.effect, Creep))
+        return suited.unsure_of_creep(unsure)
 
     def motion_of(self, made: Reference) -> Motion:
         """Return a motion to come, with the torque that the model predicts."""

@@ -138,13 +138,8 @@ def creeping_in(question: Question, joints: Sequence[str]) -> list[int]:
     """Return the joints of which a question asks how friction bends over speed."""
     if isinstance(question, Everything):
         return list(range(len(joints)))
-    return sorted(
-        {
-            joints.index(one.joint)
-            for one in question.suspects
-            if one.effect in EFFECTS and bends_over_speed(EFFECTS[one.effect])
-        }
-    )
+    bending = (one for one in question.suspects if bends_over_speed(EFFECTS[one.effect]))
+    return sorted({joints.index(one.joint) for one in bending})
 
 
 def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
@@ -192,19 +187,19 @@ def _joint(suspect: Suspect, assumed: Assumed) -> int:
 
 
 def _shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
-    """Return an effect in at most this many shapes; none if the model has it or no motion can."""
+    """Return an effect in at most this many shapes."""
     return spread(_every_shape(suspect, assumed), most)
 
 
 def _seen_shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidate]:
-    """Return an effect in at most this many shapes that show in more than creeping, if any do."""
+    """Return an effect in at most this many shapes, of those that show above creeping speed."""
     every = _every_shape(suspect, assumed)
-    x = assumed.base.x
-    more = [one for one in every if not creeps(one, x)]
+    more = [one for one in every if not creeps(one, assumed.base.x)]
     return spread(more or every, most)
 
 
 def _every_shape(suspect: Suspect, assumed: Assumed) -> list[Candidate]:
+    """Return an effect in all shapes tried; none if the model has it or no motion shows it."""
     effect, joint = EFFECTS[suspect.effect], _joint(suspect, assumed)
     if not shown_by_motion(effect) or _had(suspect, assumed):
         return []

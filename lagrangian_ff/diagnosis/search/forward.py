@@ -353,7 +353,7 @@ def _without(basis: Basis, own: int, step: Step) -> Basis:
 def beside_others(found: Search, step: Step) -> float:
     """Return the log Bayes factor of a step beside all others, with the noise that is left.
 
-    The noise falls with every step: what was found first gained less than it would gain last.
+    A step's own score has the noise of its time, which falls with each later step.
     """
     whitened, nuisance = found.whitened, found.whitened.problem.nuisance
     basis = whitened.basis
