@@ -128,6 +128,16 @@ class Process:
         return self.log.read_text(errors="replace")
 
 
+def _end(processes: list[Process]) -> None:
+    """Ask all to end, and wait for each."""
+    # A killed process leaves broken shared memory, in which Fast DDS crashes when it next
+    # writes to that process (eProsima/Fast-DDS issue 6501).
+    for process in processes:
+        process.ask_to_end()
+    for process in processes:
+        process.end()
+
+
 @contextlib.contextmanager
 def _hang_up_ends() -> Iterator[None]:
     """Let a process that starts now end on SIGHUP: below nohup it would inherit to ignore it."""
@@ -181,12 +191,7 @@ class Bench:
         self.node.create_subscription(DiagnosticArray, "/diagnostics", self._on_status, 100)
 
     def close(self) -> None:
-        # A killed process leaves broken shared memory, in which Fast DDS crashes when it next
-        # writes to that process (eProsima/Fast-DDS issue 6501).
-        for process in self._processes:
-            process.ask_to_end()
-        for process in self._processes:
-            process.end()
+        _end(self._processes)
         self._executor.shutdown(timeout_sec=1.0)
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -197,6 +202,15 @@ class Bench:
         process = Process(executable, log, **options)
         self._processes.append(process)
         return process
+
+    @contextlib.contextmanager
+    def passing(self) -> Iterator[None]:
+        """End the processes that are started within."""
+        before = len(self._processes)
+        try:
+            yield
+        finally:
+            _end(self._processes[before:])
 
     def _on_status(self, message: DiagnosticArray) -> None:
         for status in message.status:
