@@ -11,15 +11,15 @@ VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
 # Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/nodes test/workbench/test_live_page.py
-# What keeps both processors busy: beside it, tests of processes come too late. The whole demo, and
-# the tests that build interfaces first.
-WHOLE = test/nodes/test_feedforward_action.py test/nodes/test_your_robot.py \
-	test/nodes/test_ros_rig.py test/workbench/test_investigate_live.py test/demo
+PROCESSES = test/nodes test/demo test/workbench/test_live_page.py \
+	test/workbench/test_investigate_live.py
+# What takes longest comes first, so that both workers end together.
+FIRST_OF_PROCESSES = test/nodes/test_your_robot.py test/demo test/nodes/test_soak.py
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
-# Without the last option a worker that crashed can leave pytest waiting for ever.
-SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --max-worker-restart 0 --durations 12
+# Files in the order given. A worker that crashed could leave pytest waiting for ever: none is replaced.
+SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
+	--durations 12
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py
@@ -40,7 +40,7 @@ define environment
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help demo workbench test test-oldest wheels lint types format fuzz soak benchmark docs docs-output install clean
+.PHONY: help demo workbench test test-oldest wheels lint types interfaces format fuzz soak benchmark docs docs-output install clean
 
 help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
@@ -55,15 +55,12 @@ workbench:  ## the page: a simulated arm hides an effect, ready to be found
 	@$(BIN)/lagrangian_ff workbench --try --session out/workbench $(ARGS)
 
 test:  ## everything CI checks: style, types, then all tests
-	@$(MAKE) --no-print-directory --jobs 2 lint types
+	@$(MAKE) --no-print-directory --jobs 3 lint types interfaces
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
-	@# What takes longest comes first, so that both workers end together.
-	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test \
-		$(addprefix --ignore=,$(PROCESSES) $(WHOLE))
-	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(PROCESSES) $(addprefix --ignore=,$(WHOLE))
-	@$(BIN)/python -m pytest --durations 12 $(WHOLE)
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test $(addprefix --ignore=,$(PROCESSES))
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(FIRST_OF_PROCESSES) $(PROCESSES)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04
@@ -91,6 +88,9 @@ lint: install  ## check style
 
 types: install  ## check types
 	@$(BIN)/mypy
+
+interfaces: install
+	@$(BIN)/python test/nodes/built_interfaces.py
 
 format: install  ## put the sources into the one format
 	@$(BIN)/ruff check --fix $(SOURCES)

@@ -139,11 +139,6 @@ def _run(command: list[str | Path], environment: dict[str, str]) -> None:
     assert done.returncode == 0, f"{command}:\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
 
 
-if __name__ == "__main__":
-    for name, value in interfaces().items():
-        print(f"{name}={value}")
-
-
 @contextmanager
 def follow_joint_trajectory() -> Iterator[Any]:
     """Yield the type of the action, for this process and for those that it starts."""
@@ -152,3 +147,11 @@ def follow_joint_trajectory() -> Iterator[Any]:
         yield importlib.import_module("control_msgs.action").FollowJointTrajectory
         for name in [name for name in sys.modules if name.startswith("control_msgs")]:
             del sys.modules[name]
+
+
+if __name__ == "__main__":
+    # `make test` builds them while mypy has the other processor.
+    try:
+        interfaces()
+    except pytest.skip.Exception as reason:
+        print(reason)
