@@ -126,6 +126,19 @@ def ros_environment(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[s
     lock.close()
 
 
+@pytest.fixture(autouse=True)
+def processes_end_with_their_test(request: pytest.FixtureRequest) -> Iterator[None]:
+    """End what a test started on a bench of its module; what the fixtures started stays.
+
+    A simulated arm takes a processor: the next test would be late.
+    """
+    if "bench" not in request.fixturenames:
+        yield
+        return
+    with request.getfixturevalue("bench").passing():
+        yield
+
+
 @pytest.fixture
 def catalogue_kept() -> Iterator[None]:
     """Take effects of a user out of the catalogue again, which a test has loaded."""

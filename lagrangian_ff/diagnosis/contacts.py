@@ -2,11 +2,11 @@
 
 A touch of some tenths of a second shows in the residual of a model that is right before and after
 it. `bursts` says what the model's own errors give; chance is judged by the largest outputs of its
-filters elsewhere, in the training motion and in the rest of the recording, with a tail that falls
+filters elsewhere, in the training motion and in the rest of the recordings, with a tail that falls
 as slowly as theirs (Hill 1975, Annals of Statistics 3; Weissman 1978, JASA 73).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,19 +21,19 @@ from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.words import listed
 
 MOST = 6000
-"""Samples that are looked at together: of the training motion, and of a recording at a time."""
+"""Samples of the training motion that are looked at, and of a recording at a time."""
 PIECE = 10.0
 """s, of the pieces that a long training motion is thinned by."""
 TAIL = 0.25
 """Share of the blocks, from the largest output on, that shows how slowly the tail falls; and the
-most that touches may take of a recording, else the model is wrong in another way."""
+most that touches may take of all recordings, else the model is wrong in another way."""
 FEWEST = 20, 4
-"""Blocks, of the training and of the recording beside its touches, that chance is judged by."""
+"""Blocks, of the training and of the recordings beside their touches, that chance is judged by."""
 NORMAL = 1.645
 """Standard deviations to both sides of 90 %."""
 
 Peak = tuple[int, int, int]
-"""The filter, the sample and the joint that see a touch best."""
+"""The filter, the sample and the joint of a scan that see a touch best."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Contact:
         sizes: by joint that feels it, the clearest first, the mean torque in between, N·m, with its
             90 % interval. It is what the actuators gave beyond what the motion took, so that the
             torque from outside has the other sign.
-        p_value: how often chance gives as much anywhere in such a recording, at most.
+        p_value: how often chance gives as much anywhere in all recordings, at most.
         source: the recording.
     """
 
@@ -65,35 +65,46 @@ class Contact:
         long = max(self.end - self.begin, other.end - other.begin)
         return self.begin <= other.end + long and other.begin <= self.end + long
 
-    @property
-    def words(self) -> str:
-        """Return when it was, how long it lasted, and its torques."""
+    def words(self, *, of_several: bool) -> str:
+        """Return when it was, how long it lasted, and its torques.
+
+        Args:
+            of_several: whether there are other recordings, so that its own is to be named.
+        """
         sizes = [f"{size.value:.2g} {size.unit} on {name}" for name, size in self.sizes.items()]
-        return f"at {self.begin:.2f} s for {self.end - self.begin:.2g} s: {listed(sizes)}"
+        when = f"at {self.begin:.2f} s" + (f" of {self.source}" if of_several else "")
+        return f"{when} for {self.end - self.begin:.2g} s: {listed(sizes)}"
 
 
-def contacts_of(model: Model, motion: Motion) -> tuple[Contact, ...]:
-    """Return what touched the arm for two seconds or less, in the order of time.
+def contacts_of(model: Model, motions: Sequence[Motion]) -> tuple[Contact, ...]:
+    """Return what touched the arm for two seconds or less, motion by motion in the order of time.
 
     Nothing is found at rest, outside the range that the model knows, within a touch's length of the
     end of a segment, and by a model that learned from less than 20 s or was not calibrated.
 
     Args:
-        motion: measured; its joints may be more, in any order.
+        motions: measured; their joints may be more, in any order. Chance has all of them to give
+            as much in, however many parts they are in.
     """
-    motion = decimated(motion.select(model.joints))
     learned = _thinned(model.data.take(np.flatnonzero(model.trained)))
-    if quick_factor(model) is None or min(_blocks(motion), _blocks(learned)) < FEWEST[1]:
+    if quick_factor(model) is None or _blocks(learned) < FEWEST[1]:
         return ()
     filters = Filters.of(model, learned)
     usual = filters.usual.largest(filters.usual.z)
     if len(usual) < FEWEST[0]:
         return ()
-    pieces = -(-len(motion) // MOST)
-    parts = np.array_split(np.arange(len(motion)), pieces)
-    scans = [filters.scan(motion.take(part)) for part in parts]
-    found = [contact for scan in scans for contact in _beyond_chance(scan, usual, pieces)]
-    return tuple(sorted(found, key=lambda one: one.begin))
+    looks = [
+        _Look.of(filters.scan(part))
+        for motion in motions
+        for part in _parts(decimated(motion.select(model.joints)))
+    ]
+    return tuple(_beyond_chance(looks, usual))
+
+
+def _parts(motion: Motion) -> list[Motion]:
+    """Return a motion in parts of at most `MOST` samples."""
+    count = -(-len(motion) // MOST)
+    return [motion.take(part) for part in np.array_split(np.arange(len(motion)), max(1, count))]
 
 
 def _blocks(motion: Motion) -> int:
@@ -109,39 +120,66 @@ def _thinned(motion: Motion) -> Motion:
     return replace(motion, segment=piece).take(piece % every == 0)
 
 
-def _beyond_chance(scan: Scan, usual: Floats, pieces: int) -> list[Contact]:
-    """Return the candidates that chance hardly gives.
+@dataclass
+class _Look:
+    """What is left to be seen of a scan, while touches are taken out of it.
+
+    Attributes:
+        z: (F, M, N) the outputs, 0 where a touch was taken out.
+        blocks: the largest of each block in which there is any.
+        best: the largest of all.
+    """
+
+    scan: Scan
+    z: Floats
+    blocks: Floats
+    best: float
+
+    @classmethod
+    def of(cls, scan: Scan) -> "_Look":
+        """Return the whole of a scan."""
+        blocks = scan.largest(scan.z)
+        return cls(scan, scan.z, blocks, float(blocks.max(initial=0.0)))
+
+    def take_out(self) -> Peak:
+        """Return the peak that stands out most, and take its touch out."""
+        first = np.unravel_index(int(np.argmax(self.z)), self.z.shape)
+        peak = _middle(self.scan, (int(first[0]), int(first[1]), int(first[2])))
+        _leave_out(self.scan, self.z, *peak[:2])
+        self.blocks = self.scan.largest(self.z)
+        self.best = float(self.blocks.max(initial=0.0))
+        return peak
+
+
+def _beyond_chance(looks: list[_Look], usual: Floats) -> list[Contact]:
+    """Return the candidates that chance hardly gives, scan by scan in the order of time.
 
     As many are taken as stand out from all that is not among them, so that several touches do not
     hide each other.
 
     Args:
         usual: the largest outputs of the blocks of the training motion.
-        pieces: of this length that the recording consists of.
     """
-    z = scan.z
-    blocks = len(scan.largest(z))
-    values: list[float] = []
-    peaks: list[Peak] = []
+    blocks = sum(len(look.blocks) for look in looks)
+    taken: list[tuple[float, int, Peak]] = []
     count, chance = 0, _Chance(0, usual, usual)
-    while len(peaks) < TAIL * blocks:
-        f, m, n = map(int, np.unravel_index(int(np.argmax(z)), z.shape))
-        values.append(float(z[f, m, n]))
-        peaks.append(_middle(scan, (f, m, n)))
-        _leave_out(scan, z, *peaks[-1][:2])
-        rest = scan.largest(z)
+    while len(taken) < TAIL * blocks:
+        k = max(range(len(looks)), key=lambda k: looks[k].best)
+        value = looks[k].best
+        taken.append((value, k, looks[k].take_out()))
+        rest = np.concatenate([look.blocks for look in looks])
         if len(rest) < FEWEST[1]:
             break
-        judged = _Chance(blocks * pieces, usual, rest)
-        if judged.expected(values[-1]) < thresholds.USED.level:
-            count, chance = len(peaks), judged
-    found: list[Contact] = []
-    for value, peak in zip(values[:count], peaks[:count], strict=True):
-        contact = _contact(scan, peak, chance, value)
+        judged = _Chance(blocks, usual, rest)
+        if judged.expected(value) < thresholds.USED.level:
+            count, chance = len(taken), judged
+    found: list[list[Contact]] = [[] for _ in looks]
+    for value, k, peak in taken[:count]:
+        contact = _contact(looks[k].scan, peak, chance, value)
         # What swells and fades beside a surer touch is part of it.
-        if contact and not any(contact.beside(one) for one in found):
-            found.append(contact)
-    return found
+        if contact and not any(contact.beside(one) for one in found[k]):
+            found[k].append(contact)
+    return [one for some in found for one in sorted(some, key=lambda one: one.begin)]
 
 
 def _middle(scan: Scan, peak: Peak) -> Peak:
@@ -174,12 +212,12 @@ def _leave_out(scan: Scan, z: Floats, f: int, m: int) -> None:
 
 @dataclass(frozen=True)
 class _Chance:
-    """What chance gives in a recording.
+    """What chance gives in recordings.
 
     Attributes:
-        blocks: of the recording.
+        blocks: of all recordings.
         usual, rest: the largest outputs of blocks without a touch, of the training motion and of
-            the recording.
+            the recordings.
     """
 
     blocks: int
@@ -187,9 +225,9 @@ class _Chance:
     rest: Floats
 
     def expected(self, value: float) -> float:
-        """Return the number of blocks of the recording that reach a value, at most.
+        """Return the number of blocks of the recordings that reach a value, at most.
 
-        The training motion and the rest of the recording each say so; both together show how
+        The training motion and the rest of the recordings each say so; both together show how
         slowly the tail falls.
         """
         pool = np.sort(np.concatenate([self.usual, self.rest]))[::-1]

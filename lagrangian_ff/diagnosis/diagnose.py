@@ -157,8 +157,7 @@ def _contacts(
     model: Model, motion: Motion | Sequence[Motion], taken_up: TakenUp | None
 ) -> list[Contact]:
     """Return the touches in each recording; what lasts longer was found already."""
-    motions = [motion] if isinstance(motion, Motion) else motion
-    every = [contact for one in motions for contact in contacts_of(model, one)]
+    every = list(contacts_of(model, [motion] if isinstance(motion, Motion) else motion))
     if taken_up is None:
         return every
     begin, end = taken_up.change.since, taken_up.change.until

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence
-from lagrangian_ff.diagnosis.contacts import Contact
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
     Finding,
@@ -69,7 +68,7 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
     if not parts[first:]:
         parts.append(_nothing(diagnosis, known=first > 0))
     if diagnosis.contacts:
-        parts.insert(certain, _touched(diagnosis.contacts))
+        parts.insert(certain, _touched(diagnosis))
     return " ".join(parts)
 
 
@@ -186,11 +185,12 @@ def _taken_up(taken_up: TakenUp, every: Sequence[str]) -> str:
     return f"{what}: {taken_up.verdict.value}, felt by {which(taken_up.joints, every)}."
 
 
-def _touched(contacts: Sequence[Contact]) -> str:
+def _touched(diagnosis: Diagnosis) -> str:
     """Return the touches that are sure, else those that are suggested; not all if they are many."""
-    sure = [one for one in contacts if one.sure]
-    named = sure or contacts
-    texts = [one.words for one in named[:MOST_TOUCHES]]
+    sure = [one for one in diagnosis.contacts if one.sure]
+    named = sure or list(diagnosis.contacts)
+    every = diagnosis.motion.source
+    texts = [one.words(of_several=one.source != every) for one in named[:MOST_TOUCHES]]
     if len(named) > MOST_TOUCHES:
         texts.append(f"{len(named) - MOST_TOUCHES} times more")
     return f"Something {'touched' if sure else 'may have touched'} the arm {'; '.join(texts)}."

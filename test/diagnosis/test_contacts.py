@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from lagrangian_ff.diagnosis import diagnosis_record, verdict
 from lagrangian_ff.diagnosis.contacts import Contact, contacts_of
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.records import Estimate
-from lagrangian_ff.recording.motion import Motion, concatenate
+from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.studies.measured.known import known_arms
 from lagrangian_ff.studies.measured.reading import motions
 
@@ -41,7 +42,7 @@ def touched(motion: Motion, when: Sequence[float], long: float, size: Sequence[f
 def test_a_touch_is_found_at_its_time_with_its_size(
     model: Model, clean: Motion, long: float
 ) -> None:
-    (one,) = contacts_of(model, touched(clean, [17.0], long, (0.0, 2.0)))
+    (one,) = contacts_of(model, [touched(clean, [17.0], long, (0.0, 2.0))])
     assert one.sure
     assert list(one.sizes) == ["elbow"]
     assert one.begin == pytest.approx(17.0 - 0.5 * long, abs=0.3 * long)
@@ -52,7 +53,7 @@ def test_a_touch_is_found_at_its_time_with_its_size(
 
 
 def test_several_touches_do_not_hide_each_other(model: Model, clean: Motion) -> None:
-    found = contacts_of(model, touched(clean, [8.0, 17.0, 22.0, 33.0], 0.25, (-5.0, 2.0)))
+    found = contacts_of(model, [touched(clean, [8.0, 17.0, 22.0, 33.0], 0.25, (-5.0, 2.0))])
     middles = [0.5 * (one.begin + one.end) for one in found]
     assert middles == pytest.approx([8.0, 17.0, 22.0, 33.0], abs=0.1)
     assert all(one.sizes["elbow"].value > 0.0 for one in found)
@@ -67,7 +68,7 @@ def test_nothing_touches_an_arm_that_only_differs_from_its_model(
     late = np.gradient(clean.tau, 0.01, axis=0) * 0.01
     load = 0.15 * pendulum.rigid_torque(pendulum.states(40.0, 100.0, 1)[1])
     for wrong in (0.0, creeping, ripple, late, load):
-        assert contacts_of(model, replace(clean, tau=clean.tau + wrong)) == ()
+        assert contacts_of(model, [replace(clean, tau=clean.tau + wrong)]) == ()
 
 
 def test_rest_and_motion_that_the_model_does_not_know_say_nothing(
@@ -77,17 +78,31 @@ def test_rest_and_motion_that_the_model_does_not_know_say_nothing(
     still = np.abs(clean.time - 17.0) < 1.5
     q = np.where(still[:, None], clean.q[still][0], clean.q)
     qd, qdd = (np.where(still[:, None], 0.0, one) for one in (clean.qd, clean.qdd))
-    assert contacts_of(model, replace(struck, q=q, qd=qd, qdd=qdd)) == ()
+    assert contacts_of(model, [replace(struck, q=q, qd=qd, qdd=qdd)]) == ()
     away = replace(struck, q=struck.q + 4.0)
-    assert contacts_of(model, away) == ()
-    assert contacts_of(model, struck.take(slice(0, 150))) == ()
+    assert contacts_of(model, [away]) == ()
+    assert contacts_of(model, [struck.take(slice(0, 150))]) == ()
+
+
+def test_chance_has_all_recordings_whatever_parts_they_are_in(model: Model, clean: Motion) -> None:
+    weak = touched(clean, [17.0], 0.3, (0.0, 0.35))
+    more = [pendulum.motion(40.0, noise=0.02, seed=seed) for seed in (2, 3, 4)]
+    (alone,), (among,) = contacts_of(model, [weak]), contacts_of(model, [weak, *more])
+    assert among.p_value > 2.0 * alone.p_value
+    ends = np.linspace(0, len(weak), 9).astype(int)
+    parts = [weak.take(slice(a, b)) for a, b in pairwise(ends.tolist())]
+    (again,) = contacts_of(model, parts)
+    assert again.begin == alone.begin
+    assert 0.5 * alone.p_value < again.p_value < 2.0 * alone.p_value
 
 
 def test_the_verdict_and_the_record_say_what_touched_the_arm() -> None:
     sizes = {"elbow": Estimate(-0.41, -0.5, -0.3, "N·m")}
     sure = Contact(6.4, 6.5, sizes, 0.001, "bag")
     said = verdict(diagnosis(contacts=(sure,)))
-    assert "Something touched the arm at 6.40 s for 0.1 s: -0.41 N·m on elbow." in said
+    assert "Something touched the arm at 6.40 s of bag for 0.1 s: -0.41 N·m on elbow." in said
+    alone = replace(sure, source=diagnosis().motion.source)
+    assert "arm at 6.40 s for 0.1 s" in verdict(diagnosis(contacts=(alone,)))
     unsure = replace(sure, p_value=0.03)
     assert "Something may have touched the arm" in verdict(diagnosis(contacts=(unsure,)))
     assert "may have" not in verdict(diagnosis(contacts=(sure, unsure)))
@@ -105,8 +120,8 @@ def test_a_pulse_of_the_measured_acrobot_is_found(shared_data: Path, root: Path)
     arm = next(one for one in arms if one.name == "dfki_touched")
     split = next(one for one in arm.splits if one.name == "pulses-2")
     found = identify(motions(arm, split.train), FEW).model
-    (one,) = contacts_of(found, concatenate(motions(arm, split.search, found.data)))
+    (one,) = contacts_of(found, motions(arm, split.search, found.data))
     assert one.p_value < 0.05
     assert one.begin < 1.08 < one.end  # -0.7 N·m were injected on the elbow
     assert 0.4 < one.sizes["elbow"].value < 0.7
-    assert contacts_of(found, concatenate(motions(arm, split.test, found.data))) == ()
+    assert contacts_of(found, motions(arm, split.test, found.data)) == ()

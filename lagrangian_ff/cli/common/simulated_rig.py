@@ -1,6 +1,7 @@
 """The simulated arm, with what a user hides in it, as an investigation moves it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,4 +66,4 @@ class SimulatedRig:
             )
         except ArmError as error:
             raise StoppedError(str(error)) from error
-        return done.recording
+        return replace(done.recording, source=f"motion {self._count}")

@@ -148,6 +148,7 @@ class SimulatedRig:
         self._count += 1
         self.left += int(np.sum(_outside(run.reference, self._allowed) | run.saturated))
         recording = reported(run, self._nuisances.driver, parameters, self._seed + self._count)
+        recording = replace(recording, source=f"motion {self._count}")
         self.done.append(Done(recording, run.recording.time - run.recording.time[0], truth))
         return recording
 
