@@ -1,6 +1,7 @@
 """A running feedforward node with its topics, and the references to send it."""
 
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,11 @@ def reference(
         point.time_from_start = Duration(sec=int(at), nanosec=round((at % 1) * 1e9))
         message.points.append(point)
     return message
+
+
+def tracked(controller: Process) -> float:
+    """Return the rms error, mrad, with which the stand-in controller tracked the last goal."""
+    return float(re.findall(r"goal succeeded, tracked with ([0-9.]+) mrad", controller.output)[-1])
 
 
 def planned(path: Any, every: float, joints: Sequence[str]) -> JointTrajectory:

@@ -18,7 +18,7 @@ pytest.importorskip("pybullet")
 
 from action_msgs.msg import GoalStatus
 from built_interfaces import follow_joint_trajectory
-from feedforward_bench import planned
+from feedforward_bench import planned, tracked
 from node_harness import LATCHED, Bench, heard, open_bench
 from rclpy.action import ActionClient
 from sensor_msgs.msg import JointState
@@ -75,7 +75,8 @@ class Walk:
 
     def _do(self, line: str) -> None:
         if line.startswith("# move the robot by the feedforward"):
-            self.errors.append(self._move("feedforward", 3, 6.0))
+            self._move("feedforward", 3, 6.0)
+            self.errors.append(tracked(self.robot))
         elif line.startswith("# move the robot"):
             motion = OTHER if line.endswith("otherwise") else self.first
             self._move("joint_trajectory_controller", *motion)
@@ -148,33 +149,26 @@ class Walk:
             )  # fmt: skip
             assert f"~/{service} failed" not in self.recorder.output, self.recorder.output
 
-    def _move(self, server: str, seed: int, duration: float) -> float:
-        """Go to the start of a motion, and along it; return the rms error of tracking, mrad."""
+    def _move(self, server: str, seed: int, duration: float) -> None:
+        """Go to the start of a motion, and along it."""
         motion = exciting_trajectory(4, seed=seed, duration=duration)
         q, still = motion.q[[0, 0]], np.zeros((2, len(JOINTS)))
         q[0] = np.array(self.states[-1][1].position)
         self._follow(
             server, planned(Trajectory(np.array([0.0, 2.0]), q, still, still), 3.0, JOINTS)
         )
-        seen = self._follow(server, planned(motion, 0.1, JOINTS))
-        error = np.array([one.error.positions for one in seen])
-        return 1e3 * float(np.sqrt(np.mean(error**2)))
+        self._follow(server, planned(motion, 0.1, JOINTS))
 
-    def _follow(self, server: str, trajectory: JointTrajectory) -> list[Any]:
+    def _follow(self, server: str, trajectory: JointTrajectory) -> None:
         client = ActionClient(self.bench.node, self.action, f"/{server}/follow_joint_trajectory")
         self.bench.until(client.server_is_ready, server)
-        seen: list[Any] = []
-        sent = client.send_goal_async(
-            self.action.Goal(trajectory=trajectory),
-            feedback_callback=lambda message: seen.append(message.feedback),
-        )
+        sent = client.send_goal_async(self.action.Goal(trajectory=trajectory))
         self.bench.until(sent.done, "the answer to a goal")
         assert sent.result().accepted
         ended = sent.result().get_result_async()
         self.bench.until(ended.done, "the end of a goal", PATIENCE)
         assert ended.result().status == GoalStatus.STATUS_SUCCEEDED
         client.destroy()
-        return seen
 
 
 LAUNCHING = (DOCUMENT.parents[1] / "lagrangian_ff" / "nodes" / "launching.py").read_text()
