@@ -10,16 +10,19 @@ endif
 VENV ?= .venv
 # Further arguments of `lagrangian_ff demo` and of pytest, e.g. make test ARGS=test/kernels
 ARGS ?=
-# Tests of processes that talk to each other: they are kept from the heavy numerics.
-PROCESSES = test/nodes test/demo test/workbench/test_live_page.py \
-	test/workbench/test_investigate_live.py
-# What takes longest comes first, so that both workers end together.
-FIRST_OF_PROCESSES = test/nodes/test_your_robot.py test/demo test/nodes/test_soak.py
+# Tests of processes that talk to each other. Some may come late: one after the other, they share the
+# processors with the numerics. The others are kept from those. What takes longest comes first.
+PATIENT = test/nodes/test_your_robot.py test/nodes/test_ros_rig.py \
+	test/nodes/test_feedforward_action.py test/demo test/workbench/test_investigate_live.py \
+	test/workbench/test_live_page.py test/nodes/test_familiar.py \
+	test/nodes/test_identify_services.py test/nodes/test_job_work.py
+PROMPT = test/nodes/test_fault_table.py test/nodes/test_soak.py \
+	$(filter-out $(PATIENT) test/nodes/test_fault_table.py test/nodes/test_soak.py,\
+	$(wildcard test/nodes/test_*.py))
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Files in the order given. A worker that crashed could leave pytest waiting for ever: none is replaced.
-SIDE_BY_SIDE = --numprocesses 2 --dist loadfile --no-loadscope-reorder --max-worker-restart 0 \
-	--durations 12
+SIDE_BY_SIDE = --dist loadfile --no-loadscope-reorder --max-worker-restart 0 --durations 12
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py
@@ -59,8 +62,9 @@ test:  ## everything CI checks: style, types, then all tests
 ifdef ARGS
 	@$(BIN)/python -m pytest $(ARGS)
 else
-	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) test/studies test $(addprefix --ignore=,$(PROCESSES))
-	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) $(FIRST_OF_PROCESSES) $(PROCESSES)
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) --numprocesses 3 $(addprefix --one-worker=,$(PATIENT)) \
+		$(PATIENT) test/studies test $(addprefix --ignore=,$(PROMPT))
+	@$(BIN)/python -m pytest $(SIDE_BY_SIDE) --numprocesses 2 $(PROMPT)
 endif
 
 test-oldest:  ## the tests with the oldest supported libraries, those of Ubuntu 24.04

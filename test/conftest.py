@@ -12,7 +12,7 @@ import sys
 import tempfile
 from collections.abc import Generator, Iterator
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -40,6 +40,26 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("lagrangian_ff")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option that `make test` has for tests of processes."""
+    words = "a file or folder whose tests share a worker with those of all others so named"
+    parser.addoption("--one-worker", action="append", default=[], metavar="PATH", help=words)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Return the order of work: tests of a file on one worker, and all of `--one-worker` on one."""
+    from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]
+
+    shared = tuple(config.getoption("--one-worker"))
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return "one worker" if shared and nodeid.startswith(shared) else nodeid.split("::")[0]
+
+    return Scheduling(config, log) if shared else None
 
 
 def pytest_configure(config: pytest.Config) -> None:

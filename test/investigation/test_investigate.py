@@ -28,13 +28,13 @@ from lagrangian_ff.investigation.motions import size_of
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
 
-DRAG, LARGE = 0.3, 0.9  # N·m s²/rad²
+DRAG = 0.9  # N·m s²/rad²
 FAINT = 0.08
 """N·m s²/rad²: one motion alone does not show that adding it helps."""
 
 
 @cache
-def found(drag: float = DRAG) -> tuple[PendulumRig, Investigation, list[Proposal]]:
+def found(drag: float) -> tuple[PendulumRig, Investigation, list[Proposal]]:
     """Return an arm with a drag, its story, and what was asked for."""
     rig, proposals = PendulumRig(drag), list[Proposal]()
 
@@ -57,7 +57,7 @@ def test_it_adds_the_drag_that_is_hidden(hidden: float) -> None:
 
 
 def test_the_error_falls() -> None:
-    _, story, _ = found(LARGE)
+    _, story, _ = found(DRAG)
     assert story.turns[-1].errors["elbow"] < 0.5 * story.before["elbow"]
 
 
@@ -83,7 +83,7 @@ def test_it_ends_within_its_budget_and_leaves_no_limit() -> None:
 
 
 def test_it_asks_before_the_first_motion_and_before_the_larger_range() -> None:
-    rig, _, (first, second) = found()
+    rig, _, (first, second) = found(DRAG)
     assert (first.share, second.share) == (0.5, 1.0)
     np.testing.assert_allclose(first.start, START)
     assert (first.limits.q_high < second.limits.q_high).all()
@@ -116,7 +116,7 @@ def test_what_was_confirmed_stays_so_unless_motion_speaks_against_it() -> None:
 
 
 def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:
-    _, story, _ = found()
+    _, story, _ = found(DRAG)
     last = story.turns[-1]
     (one,) = [one for one in last.diagnosis.findings if one.joint == "elbow"]
     spread = float(np.std(last.model.data.tau[:, 1]))
