@@ -29,7 +29,7 @@ from lagrangian_ff.investigation.motions import (
 )
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
-from lagrangian_ff.investigation.stretches import learned_and_unseen
+from lagrangian_ff.investigation.stretches import closely, learned_and_unseen
 from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
@@ -102,7 +102,7 @@ class _Story:
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
         self._assumed: Assumed | None = None
-        self._first_motions = 0
+        self._first_motions = self._known = 0
         self._used = 0.0
 
     @property
@@ -223,10 +223,11 @@ class _Story:
         base = identify(learned, Settings(model=name, train=1.0)).model
         self._say("looking for what is missing")
         with one_blas_thread():
-            found = diagnose(base, learned, unseen)
+            found = diagnose(base, self._newest_closely(learned), self._newest_closely(unseen))
             if self._looks:
                 found = standing(found, self._looks[-1].diagnosis)
             found = with_consequences(found, confirmed_only=True)
+        self._known = len(learned)
         look, self._assumed = _Look(base, found, apply(found)), None
         self._looks.append(look)
         names = tuple(one.name for one, _ in found.tried)
@@ -261,6 +262,14 @@ class _Story:
         """Return what is learned from and searched of each motion, and what is not."""
         motions = condition_alike(self._recordings, self._plan.conditioning)
         return learned_and_unseen([motion.select(self._rig.joints) for motion in motions])
+
+    def _newest_closely(self, stretches: Sequence[Motion]) -> list[Motion]:
+        """Return the stretches; those since the last look, for a question, are looked at closely.
+
+        They would drown in all that came before.
+        """
+        new = stretches[self._known :]
+        return [*stretches[: self._known], *(closely(one) for one in new)]
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)

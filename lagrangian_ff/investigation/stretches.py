@@ -1,6 +1,7 @@
 """The parts of motions that are learned from, and those that confirm."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,3 +33,8 @@ def learned_and_unseen(
             learned.append(motion.take(slice(begin, cut)))
             unseen.append(motion.take(slice(cut, end)))
     return learned, unseen
+
+
+def closely(motion: Motion) -> Motion:
+    """Return a motion that is looked at more closely than others."""
+    return replace(motion, closely=np.ones(len(motion), dtype=bool))

@@ -114,6 +114,8 @@ class Motion:
         notes: remarks of the reader and of conditioning, in words.
         conditioning: its settings, so that other recordings can be treated alike.
         temperature: (M, N) °C of each joint; NaN where it was not measured, None if none was.
+        closely: (M,) samples that a diagnosis looks at more closely than at the others, since they
+            were recorded for its question; None if all are alike.
     """
 
     joints: tuple[str, ...]
@@ -127,6 +129,7 @@ class Motion:
     notes: tuple[str, ...] = ()
     conditioning: Mapping[str, object] = field(default_factory=dict)
     temperature: Floats | None = None
+    closely: Flags | None = None
 
     def __post_init__(self) -> None:
         tables = self._tables
@@ -147,6 +150,8 @@ class Motion:
     def take(self, index: "Ints | Flags | slice") -> "Motion":
         """Return the samples at these indices, in the order given."""
         part: dict[str, Any] = {name: table[index] for name, table in self._tables.items()}
+        if self.closely is not None:
+            part["closely"] = self.closely[index]
         return replace(self, time=self.time[index], segment=self.segment[index], **part)
 
     def select(self, joints: Sequence[str]) -> "Motion":
@@ -233,7 +238,16 @@ def concatenate(motions: Sequence[Motion]) -> Motion:
         notes=tuple(dict.fromkeys(note for m in motions for note in m.notes)),
         conditioning=ordered[0].conditioning,
         temperature=_temperatures(ordered),
+        closely=_closely(ordered),
     )
+
+
+def _closely(motions: Sequence[Motion]) -> Flags | None:
+    """Return the samples (M,) of motions that are looked at closely; None if all are alike."""
+    if all(motion.closely is None for motion in motions):
+        return None
+    parts = [np.zeros(len(m), bool) if m.closely is None else m.closely for m in motions]
+    return np.concatenate(parts)
 
 
 def _temperatures(motions: Sequence[Motion]) -> Floats | None:

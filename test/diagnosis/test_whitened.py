@@ -11,12 +11,12 @@ from sines import sines
 from whitened_examples import friction, inputs, quickly, whitened_of
 
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, whiten
-from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
-from lagrangian_ff.diagnosis.whitening.whitened import LOAD_SECONDS
+from lagrangian_ff.diagnosis.whitening.hyperparameters import used, with_sign_speeds
+from lagrangian_ff.diagnosis.whitening.whitened import AVERAGED, LOAD_SECONDS
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.posterior import exact
-from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.recording.motion import Motion, concatenate
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -44,6 +44,22 @@ def test_what_is_left_is_white_and_of_the_size_of_the_noise(whitened: Whitened) 
     assert whitened.x.window > 1
     averaged = two_rods.NOISE / np.sqrt(whitened.x.window)
     np.testing.assert_allclose(whitened.noise, averaged, rtol=0.25)
+
+
+def test_what_is_to_be_looked_at_closely_is_looked_at_whole() -> None:
+    one = two_rods.motion(1)
+    part = one.take(one.elapsed < 15.0)
+    before, close = concatenate([part] * 5), replace(part, closely=np.ones(len(part), dtype=bool))
+    with quickly(1000):
+        index = used(concatenate([before, close]))
+        evenly = used(concatenate([before, part]))
+        np.testing.assert_array_equal(used(close), used(part))
+    assert len(index) == len(evenly) == 500
+    near = index[index >= len(before)]
+    step = float(np.median(np.diff(part.time)))
+    assert np.diff(near).max() * step < 1.5 * AVERAGED
+    assert len(near) > 2 * np.sum(evenly >= len(before))
+    assert np.all(np.diff(index) > 0)
 
 
 def test_the_width_of_the_coulomb_step_is_found(whitened: Whitened) -> None:

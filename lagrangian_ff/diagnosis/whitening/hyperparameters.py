@@ -10,7 +10,7 @@ from scipy.linalg import solve_triangular
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
-from lagrangian_ff.diagnosis.whitening.whitened import Whitened, whiten, window_of
+from lagrangian_ff.diagnosis.whitening.whitened import AVERAGED, Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.inputs import SIGN_SPEED
 from lagrangian_ff.identification.basis import Basis
@@ -18,7 +18,7 @@ from lagrangian_ff.identification.choosing.evidence import Logarithms, loud, max
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
 from lagrangian_ff.identification.problem import Nuisance, Prior, Problem, Scaling
-from lagrangian_ff.identification.samples import Samples, moving
+from lagrangian_ff.identification.samples import Samples, evenly, moving
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.solving.system import System
@@ -36,6 +36,8 @@ AGAIN = 2
 """Largest number of steps of a refit."""
 FEWEST = 200
 """Samples that are whitened at least, however low the low-pass."""
+CLOSELY = 0.5
+"""Share of the samples that are whitened, which may be of what is looked at closely."""
 LEAST_NOISE = 1e-7
 """Least noise relative to the prior variance; with less, many samples have no factor."""
 FAILED = 1e12
@@ -84,11 +86,11 @@ def fit(
         inputs = replace(inputs, sign_speed=problem.basis.sign_speed(inputs.joints))
         problem = _with_gains(problem.of(_few(motion, inputs, COARSE)))
     progress(0.8, "factoring")
-    whitened = _whitened(motion, inputs, problem)
+    whitened = _whitened(motion, inputs, problem, used(motion))
     inputs = whitened.inputs_of(motion)
     whitened = replace(whitened, inputs=inputs)
     if any(term.effect.uses for term in problem.basis.terms):
-        whitened = _whitened(motion, inputs, problem, whitened.system)
+        whitened = _whitened(motion, inputs, problem, whitened.index, whitened.system)
     progress(0.9, "predicting the load")
     samples = replace(whitened.problem.samples, x=whitened.inputs_left_out())
     progress(1.0, "predicting the load")
@@ -164,20 +166,30 @@ def _few(motion: Motion, inputs: Inputs, count: int) -> Samples:
 def used(motion: Motion) -> Ints:
     """Return the samples (S,) of a motion that are whitened.
 
-    Not more than the low-pass has left independent: two in each period of its bandwidth.
+    Not more than the low-pass has left independent: two in each period of its bandwidth. Of what is
+    to be looked at closely nothing is left out that moves, if that takes no more than `CLOSELY` of
+    all samples.
     """
     bandwidth = motion.conditioning.get("bandwidth")
     most = thresholds.EFFORT.rows // len(motion.joints)
+    step = usual_step(motion.time, motion.segment)
     if isinstance(bandwidth, float):
-        moves = len(motion) * usual_step(motion.time, motion.segment)
-        most = min(most, max(FEWEST, round(2.0 * bandwidth * moves)))
-    return moving(motion, most)
+        most = min(most, max(FEWEST, round(2.0 * bandwidth * len(motion) * step)))
+    every = moving(motion, len(motion))
+    closely = motion.closely
+    if closely is None or len(every) * step <= most * AVERAGED:
+        return moving(motion, most)
+    near, rest = every[closely[every]], every[~closely[every]]
+    count = min(round(len(near) * step / AVERAGED), round(CLOSELY * most))
+    count = max(count, most - len(rest))
+    parts = near[evenly(len(near), count)], rest[evenly(len(rest), most - count)]
+    return np.sort(np.concatenate(parts))
 
 
 def _whitened(
-    motion: Motion, inputs: Inputs, problem: Problem, like: System | None = None
+    motion: Motion, inputs: Inputs, problem: Problem, index: Ints, like: System | None = None
 ) -> Whitened:
-    made = whiten(motion, used(motion), LONGEST, inputs, problem, like=like)
+    made = whiten(motion, index, LONGEST, inputs, problem, like=like)
     return replace(made, seconds=block_seconds(made))
 
 
