@@ -24,6 +24,7 @@ MANIFEST = ElementTree.parse(ROOT / "package.xml").getroot()
 ROSDEP = {"pyyaml": "python3-yaml"}
 OPTIONAL = ("arm", "bags", "threads", "urdf", "onnx", "cluster")
 DISTRIBUTION = {
+    "xdist": "pytest-xdist",
     "sklearn": "scikit-learn",
     "pinocchio": "pin",
     "pybullet_data": "pybullet",
