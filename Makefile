@@ -16,9 +16,9 @@ PATIENT = test/nodes/test_your_robot.py test/nodes/test_ros_rig.py \
 	test/nodes/test_feedforward_action.py test/demo test/workbench/test_investigate_live.py \
 	test/workbench/test_live_page.py test/nodes/test_familiar.py \
 	test/nodes/test_identify_services.py test/nodes/test_job_work.py
-PROMPT = test/nodes/test_fault_table.py test/nodes/test_soak.py \
-	$(filter-out $(PATIENT) test/nodes/test_fault_table.py test/nodes/test_soak.py,\
-	$(wildcard test/nodes/test_*.py))
+# The soak keeps a processor busy: beside it comes what is least in a hurry.
+BEFORE = test/nodes/test_soak.py test/nodes/test_identify_node.py test/nodes/test_fault_table.py
+PROMPT = $(BEFORE) $(filter-out $(PATIENT) $(BEFORE),$(wildcard test/nodes/test_*.py))
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Files in the order given. A worker that crashed could leave pytest waiting for ever: none is replaced.
