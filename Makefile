@@ -21,8 +21,8 @@ BEFORE = test/nodes/test_soak.py test/nodes/test_identify_node.py test/nodes/tes
 PROMPT = $(BEFORE) $(filter-out $(PATIENT) $(BEFORE),$(wildcard test/nodes/test_*.py))
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
-# Files in the order given. A worker that crashed could leave pytest waiting for ever: none is replaced.
-SIDE_BY_SIDE = --dist loadfile --no-loadscope-reorder --max-worker-restart 0 --durations 12
+# Without this limit a worker that crashed can leave pytest waiting for ever.
+SIDE_BY_SIDE = --dist loadfile --max-worker-restart 0 --durations 12
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py

@@ -50,16 +50,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Return the order of work: tests of a file on one worker, and all of `--one-worker` on one."""
+    """Return a scheduler that gives one worker all tests of `--one-worker`; None without any."""
     from xdist.scheduler import LoadFileScheduling  # type: ignore[import-untyped]
 
     shared = tuple(config.getoption("--one-worker"))
+    if not shared:
+        return None
 
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return "one worker" if shared and nodeid.startswith(shared) else nodeid.split("::")[0]
+            return "one worker" if nodeid.startswith(shared) else nodeid.split("::")[0]
 
-    return Scheduling(config, log) if shared else None
+    return Scheduling(config, log)
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -122,32 +122,34 @@ def _thinned(motion: Motion) -> Motion:
 
 @dataclass
 class _Look:
-    """What is left to be seen of a scan, while touches are taken out of it.
+    """A scan from which touches are removed one by one.
 
     Attributes:
-        z: (F, M, N) the outputs, 0 where a touch was taken out.
-        blocks: the largest of each block in which there is any.
-        best: the largest of all.
+        z: (F, M, N) the outputs, 0 where a touch was removed.
+        blocks: the largest output of each block that still has any.
     """
 
     scan: Scan
     z: Floats
     blocks: Floats
-    best: float
 
     @classmethod
     def of(cls, scan: Scan) -> "_Look":
-        """Return the whole of a scan."""
-        blocks = scan.largest(scan.z)
-        return cls(scan, scan.z, blocks, float(blocks.max(initial=0.0)))
+        """Return a whole scan."""
+        z = scan.z
+        return cls(scan, z, scan.largest(z))
 
-    def take_out(self) -> Peak:
-        """Return the peak that stands out most, and take its touch out."""
+    @property
+    def best(self) -> float:
+        """Return the largest output that is left."""
+        return float(self.blocks.max(initial=0.0))
+
+    def remove(self) -> Peak:
+        """Remove the touch that stands out most, and return its peak."""
         first = np.unravel_index(int(np.argmax(self.z)), self.z.shape)
         peak = _middle(self.scan, (int(first[0]), int(first[1]), int(first[2])))
         _leave_out(self.scan, self.z, *peak[:2])
         self.blocks = self.scan.largest(self.z)
-        self.best = float(self.blocks.max(initial=0.0))
         return peak
 
 
@@ -166,7 +168,7 @@ def _beyond_chance(looks: list[_Look], usual: Floats) -> list[Contact]:
     while len(taken) < TAIL * blocks:
         k = max(range(len(looks)), key=lambda k: looks[k].best)
         value = looks[k].best
-        taken.append((value, k, looks[k].take_out()))
+        taken.append((value, k, looks[k].remove()))
         rest = np.concatenate([look.blocks for look in looks])
         if len(rest) < FEWEST[1]:
             break
@@ -212,7 +214,7 @@ def _leave_out(scan: Scan, z: Floats, f: int, m: int) -> None:
 
 @dataclass(frozen=True)
 class _Chance:
-    """What chance gives in recordings.
+    """How large the outputs of the filters are by chance, without a touch.
 
     Attributes:
         blocks: of all recordings.

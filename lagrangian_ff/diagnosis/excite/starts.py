@@ -16,7 +16,7 @@ SHARES = (1.0, 0.85, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0)
 SLOWEST = (0.03, 0.1, 0.3)
 """Shares of the highest speed that the slowest strokes have."""
 COUNTS = (2, 5)
-"""How many speeds strokes have, in equal ratios up to the highest."""
+"""Numbers of speeds that strokes are made with: each is the one before times the same factor."""
 WIDTHS = (0.1, 0.4, 0.9)
 """Shares of a joint's range that strokes take."""
 

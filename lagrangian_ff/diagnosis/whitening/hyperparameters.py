@@ -175,11 +175,12 @@ def used(motion: Motion) -> Ints:
     step = usual_step(motion.time, motion.segment)
     if isinstance(bandwidth, float):
         most = min(most, max(FEWEST, round(2.0 * bandwidth * len(motion) * step)))
-    every = moving(motion, len(motion))
-    closely = motion.closely
-    if closely is None or len(every) * step <= most * AVERAGED:
+    if motion.closely is None:
         return moving(motion, most)
-    near, rest = every[closely[every]], every[~closely[every]]
+    every = moving(motion, len(motion))
+    if len(every) * step <= most * AVERAGED:
+        return every[evenly(len(every), most)]
+    near, rest = every[motion.closely[every]], every[~motion.closely[every]]
     count = min(round(len(near) * step / AVERAGED), round(CLOSELY * most))
     count = max(count, most - len(rest))
     parts = near[evenly(len(near), count)], rest[evenly(len(rest), most - count)]
