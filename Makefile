@@ -14,11 +14,11 @@ ARGS ?=
 # processors with the numerics. The others are kept from those. What takes longest comes first.
 PATIENT = test/nodes/test_your_robot.py test/nodes/test_ros_rig.py \
 	test/nodes/test_feedforward_action.py test/demo test/workbench/test_investigate_live.py \
-	test/workbench/test_live_page.py test/nodes/test_familiar.py \
-	test/nodes/test_identify_services.py test/nodes/test_job_work.py
+	test/nodes/test_familiar.py test/nodes/test_identify_services.py test/nodes/test_job_work.py
 # The soak keeps a processor busy: beside it comes what is least in a hurry.
 BEFORE = test/nodes/test_soak.py test/nodes/test_identify_node.py test/nodes/test_fault_table.py
-PROMPT = $(BEFORE) $(filter-out $(PATIENT) $(BEFORE),$(wildcard test/nodes/test_*.py))
+PROMPT = $(BEFORE) test/workbench/test_live_page.py \
+	$(filter-out $(PATIENT) $(BEFORE),$(wildcard test/nodes/test_*.py))
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
 # Without this limit a worker that crashed can leave pytest waiting for ever.
