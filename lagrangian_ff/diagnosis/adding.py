@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from lagrangian_ff.diagnosis.consequence import consequence_of, errors_of
+from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
     Doubt,
@@ -221,7 +221,7 @@ def _worth(
     useful, useless = list(tried), []
     for finding in reversed(tried):
         made = finding.consequence
-        if made is None or made.worth:
+        if made is None or _helps(finding, made):
             continue
         if len(useful) > 1:
             less = without(model, finding.effect, finding.joint)
@@ -229,7 +229,7 @@ def _worth(
             made = replace(made, beside=consequence_of(model, motion, finding.joint, before, error))
         place = useful.index(finding)
         finding = replace(finding, consequence=made)
-        if made.worth:
+        if _helps(finding, made):
             useful[place] = finding
             continue
         useless.append(_useless(finding))
@@ -237,6 +237,14 @@ def _worth(
             model, error = less, before
         del useful[place]
     return useful, useless, model
+
+
+def _helps(finding: Finding, made: Consequence) -> bool:
+    """Return whether a finding is worth adding; one that stands is unless the error surely rises.
+
+    Where its joint hardly moves, no error falls surely.
+    """
+    return not made.harms if finding.stands else made.worth
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

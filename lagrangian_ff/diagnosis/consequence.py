@@ -55,10 +55,20 @@ class Consequence:
         """
         if self.beside is not None:
             return self.beside.worth
-        if not self.whole_before > 0.0:
-            return False
-        fall = 1.0 - (self.whole_after / self.whole_before) ** 2
-        return fall > self.deviation and not self.rises
+        return self._fall > self.deviation and not self.rises
+
+    @property
+    def harms(self) -> bool:
+        """Return whether the error surely rises, on its joint or over all of them."""
+        if self.beside is not None:
+            return self.beside.harms
+        return self._fall < -self.deviation or self.rises
+
+    @property
+    def _fall(self) -> float:
+        """Return the fall of the joint's squared error, relative to that error before."""
+        before = self.whole_before
+        return 1.0 - (self.whole_after / before) ** 2 if before > 0.0 else -np.inf
 
     @property
     def raised(self) -> str:

@@ -44,6 +44,7 @@ from lagrangian_ff.diagnosis.whitening import Whitened, fit, in_full, outweighed
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.spec import sliding_of
@@ -58,6 +59,7 @@ def diagnose(
     effects: Mapping[str, Effect] | None = None,
     steps: int = MOST_STEPS,
     progress: Progress = silent,
+    known: Sequence[Term] = (),
 ) -> Diagnosis:
     """Return the diagnosis of a model: the physical effects that it lacks.
 
@@ -67,6 +69,8 @@ def diagnose(
         effects: those that may be missing; None takes the whole catalogue.
         steps: the largest number of effects to find.
         progress: receives the share done, 0 to 1.
+        known: effects that other motion of the same arm confirmed. They are found again unless this
+            motion speaks against them: where it hardly shows one, that takes nothing back.
 
     Raises:
         ModelError: a recording lacks a joint of the model.
@@ -76,10 +80,9 @@ def diagnose(
     sliding = sliding_of(model.kernel, len(model.joints))
     inputs = model.inputs_of(first)
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
-    whitened = fit(first, inputs, model.basis, fitting, sliding)
-    ended = search(
-        whitened, effects or searched_for(model.data.effort, model.basis), steps, searching
-    )
+    whitened = fit(first, inputs, Basis((*model.basis.terms, *known)), fitting, sliding)
+    effects = effects or searched_for(model.data.effort, model.basis)
+    ended = search(whitened, effects, steps, searching, len(known))
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")
     weighed = ended.whitened.problem.samples.weight is not None
@@ -250,6 +253,7 @@ def _finding(
     if found.whitened.motion.effort == WITHOUT_GRAVITY:
         left += [name for name in of_unseen_load(effect) if name not in left]
     alike = [one.candidate.source.name for one in step.rivals]
+    stands = step.stands and not left and not _against(hold_out)
     return Finding(
         effect=effect,
         joints=tuple(model.joints[n] for n in (joint, *candidate.others)),
@@ -265,9 +269,16 @@ def _finding(
         hold_out=hold_out,
         rivals=tuple(left),
         ruled_out=tuple(name for name in alike if name not in left),
-        doubt=hold_out.doubt or doubt_of(found, step, model),
+        doubt=None if stands else hold_out.doubt or doubt_of(found, step, model),
+        stands=stands,
         partial_residual=partial_residual(found.whitened, candidate, values),
     )
+
+
+def _against(hold_out: HoldOut) -> bool:
+    """Return whether unseen motion speaks against an effect that other motion confirmed."""
+    other = hold_out.doubt is not None and hold_out.doubt.reason is Reason.OTHER_SIZE
+    return other or hold_out.gained.sum() <= 0.0
 
 
 def of_unseen_load(effect: Effect) -> list[str]:

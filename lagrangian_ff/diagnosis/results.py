@@ -190,12 +190,14 @@ class Finding(Found):
         size: N·m, root mean square of its torque.
         hold_out: the judgement on motion that was not used to find it.
         ruled_out: names of rivals that the hold-out motion ruled out.
+        stands: whether other motion confirmed it, and this does not speak against it.
     """
 
     partial_residual: PartialResidual
     size: float
     hold_out: HoldOut
     ruled_out: tuple[str, ...]
+    stands: bool = False
 
     @property
     def joint(self) -> str:

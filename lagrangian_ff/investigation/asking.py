@@ -89,9 +89,26 @@ def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool
     wanted = question.suspect.effect, question.suspect.joint
     if wanted in [(one.effect.name, one.joint) for one in found.findings]:
         return True
-    leads = [one for one in found.waiting if (one.name, one.joint) == wanted]
-    has = max((one.log_bayes_factor for one in leads), default=0.0)
-    return TWICE * nats >= max(HOPE, limits.floor - has)
+    return TWICE * nats >= max(HOPE, limits.floor - _evidence(found, question.suspect))
+
+
+def answered(question: Question, before: Diagnosis, after: Diagnosis) -> bool:
+    """Return whether a motion made for an effect says no: all motions with it show no more of it.
+
+    Args:
+        before, after: of all motions without it and with it.
+    """
+    if not isinstance(question, For):
+        return False
+    return _evidence(after, question.suspect) <= _evidence(before, question.suspect)
+
+
+def _evidence(found: Diagnosis, suspect: Suspect) -> float:
+    """Return the log Bayes factor of an effect in nats, whether it was found or not; 0 for none."""
+    wanted = suspect.effect, suspect.joint
+    leads = [one.log_bayes_factor for one in found.waiting if (one.name, one.joint) == wanted]
+    there = [one for one in found.findings if (one.effect.name, one.joint) == wanted]
+    return max([0.0, *leads, *(one.log_bayes_factor for one in there)])
 
 
 def _there(one: Finding) -> bool:

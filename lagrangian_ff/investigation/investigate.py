@@ -14,11 +14,12 @@ from lagrangian_ff.diagnosis.excite import (
     limits_of,
 )
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, Key
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, sorted_findings
+from lagrangian_ff.diagnosis.results import Diagnosis
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.identification.settings import usual_model
-from lagrangian_ff.investigation.asking import TWICE, next_question, promising
+from lagrangian_ff.investigation.asking import TWICE, answered, next_question, promising
 from lagrangian_ff.investigation.motions import (
     SHORTEST,
     Named,
@@ -53,6 +54,11 @@ class _Look:
     diagnosis: Diagnosis
     model: Model
     made: dict[tuple[Named, ...], Model] = field(default_factory=dict)
+
+    @property
+    def found(self) -> tuple[Term, ...]:
+        """Return the effects that were confirmed."""
+        return self.model.basis.terms[len(self.base.basis.terms) :]
 
 
 def investigate(
@@ -152,7 +158,9 @@ class _Story:
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
-            look = self._look()
+            before, look = look, self._look()
+            if answered(question, before.diagnosis, look.diagnosis):
+                questions.append(question)
 
     def told(self, ended: Ended, words: str) -> Investigation:
         """Return the story so far, all models judged on the same unseen motion."""
@@ -223,9 +231,12 @@ class _Story:
         base = identify(learned, Settings(model=name, train=1.0)).model
         self._say("looking for what is missing")
         with one_blas_thread():
-            found = diagnose(base, self._newest_closely(learned), self._newest_closely(unseen))
-            if self._looks:
-                found = standing(found, self._looks[-1].diagnosis)
+            found = diagnose(
+                base,
+                self._newest_closely(learned),
+                self._newest_closely(unseen),
+                known=self._looks[-1].found if self._looks else (),
+            )
             found = with_consequences(found, confirmed_only=True)
         self._known = len(learned)
         look, self._assumed = _Look(base, found, apply(found)), None
@@ -273,24 +284,6 @@ class _Story:
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
-
-
-def standing(found: Diagnosis, before: Diagnosis) -> Diagnosis:
-    """Return a diagnosis in which what was confirmed stays so, unless motion speaks against it.
-
-    Of motion in which its joint is held, or another joint's friction is larger, less is to be seen
-    of an effect; that takes nothing back. What has rivals now is open again.
-    """
-    known = {(one.effect.name, one.joint) for one, _ in before.tried}
-
-    def judged(one: Finding) -> Finding:
-        stands = (one.effect.name, one.joint) in known and not one.rivals
-        against = one.hold_out.gained.sum() <= 0.0 or (
-            one.doubt is not None and one.doubt.reason is Reason.OTHER_SIZE
-        )
-        return replace(one, doubt=None) if stands and not against else one
-
-    return replace(found, findings=sorted_findings([judged(one) for one in found.findings]))
 
 
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:

@@ -39,7 +39,23 @@ def test_what_a_held_joint_shows_counts_for_nothing() -> None:
     assert made.whole_before == np.float64(np.sqrt(np.nanmean(before[:, 1] ** 2)))
     assert made.time.max() < 9.0 + BLOCK_SECONDS
     assert len(made.time) == len(made.before) == len(made.after)
-    assert not consequence_of(model(), motion, JOINTS[1], before, residual(0.4, 0.0)).worth
+    more = consequence_of(model(), motion, JOINTS[1], before, residual(0.4, 0.0))
+    assert more.harms
+    assert not made.harms
+    assert not more.worth
+
+
+def test_a_fall_that_is_not_sure_is_neither_worth_it_nor_harm() -> None:
+    """The error falls much in one block, and rises in others."""
+    motion = pendulum.motion(18.0)
+    before = np.random.default_rng(0).normal(size=(len(motion), 2))
+    first = motion.blocks(BLOCK_SECONDS) == 0
+    before[first] *= 3.0
+    after = before * np.where(first, 0.6, 1.1)[:, None]
+    made = consequence_of(model(), motion, JOINTS[1], before, after)
+    assert made.whole_after < made.whole_before
+    assert not made.worth
+    assert not made.harms
 
 
 @pytest.mark.parametrize(("rise", "worth"), [("by chance", True), ("in every block", False)])

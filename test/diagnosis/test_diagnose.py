@@ -32,7 +32,7 @@ from lagrangian_ff.diagnosis.whitening import fit, whiten
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model, Settings, identify
-from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
 
 FEW = Settings(train=1.0, samples=120, evaluations=20)
@@ -91,6 +91,36 @@ def test_a_threshold_decides_the_verdict(
     assert finding.verdict is Verdict.SUGGESTED
     assert finding.doubt is not None
     assert finding.doubt.reason is reason
+
+
+@pytest.mark.parametrize(
+    ("limits", "stays"),
+    [
+        (Thresholds(size_ratio=(3.0, 4.0)), False),
+        (Thresholds(held_out_share=1.1), True),
+        (Thresholds(fewest_groups=99), True),
+        (Thresholds(large_rest=-1.0), True),
+    ],
+)
+def test_what_other_motion_confirmed_stays_unless_this_one_speaks_against_it(
+    stuck: Diagnosis, stuck_search: Search, limits: Thresholds, stays: bool
+) -> None:
+    known = tuple(replace(step, stands=True) for step in stuck_search.steps)
+    with using(limits):
+        (finding,) = findings_of(
+            replace(stuck_search, steps=known), stuck.held_out, stuck.model, None
+        )
+    assert finding.confirmed == finding.stands == stays
+
+
+def test_a_known_effect_is_found_again(stuck: Diagnosis) -> None:
+    known = Term(EFFECTS["stribeck"], 1, {"v_s": 0.3})
+    (again,) = diagnose(stuck.model, stuck.motion, stuck.held_out, known=[known]).findings
+    (first,) = stuck.findings
+    assert again.name == first.name
+    assert again.stands > first.stands
+    assert again.shape["v_s"] == pytest.approx(first.shape["v_s"], rel=0.1)
+    assert again.size == pytest.approx(first.size, rel=0.1)
 
 
 def test_an_effect_and_a_curve_are_compared_by_the_noise_that_is_left() -> None:

@@ -10,6 +10,7 @@ from scipy.stats import multivariate_normal
 from whitened_examples import begun, clean_rods, dense, friction, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.search.backward import Needed, superfluous
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     PRIOR_SHARE,
     BayesFactor,
@@ -18,12 +19,12 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparametric
 from lagrangian_ff.diagnosis.search.change import change_of
-from lagrangian_ff.diagnosis.search.forward import Needed, search, superfluous
+from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.search.judging import possible_first
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.recording.motion import concatenate
 
 
@@ -229,3 +230,26 @@ def test_what_is_needed_too_little_is_taken_out_again() -> None:
     assert superfluous([gear, ripple._replace(joint=0)]) is None
     assert superfluous([gear, ripple._replace(log_bf=100.0)]) is None
     assert superfluous([gear, ripple, Needed(2, 0, thresholds.USED.floor - 12.0)]) == 2
+    # What other motion confirmed: little of it is to be seen, which is not against it.
+    assert superfluous([gear, ripple._replace(log_bf=1.0, stands=True)]) is None
+    assert superfluous([gear, ripple._replace(log_bf=-1.0, stands=True)]) == 1
+
+
+def test_what_other_motion_confirmed_is_a_step_unless_motion_speaks_against_it() -> None:
+    """A tenth of the bump is too little to be found, and there all the same."""
+
+    def faint(
+        t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
+    ) -> two_rods.Floats:
+        return 0.1 * two_rods.stick(t, q, qd, qdd)
+
+    bump = Term(EFFECTS["stribeck"], 1, {"v_s": 0.15})
+    known = Basis((*friction().terms, bump))
+    wave = Basis((*friction().terms, Term(EFFECTS["ripple"], 1, {"order": 7.0})))
+    motion = two_rods.motion(2, 30.0, faint)
+    assert not search(whitened_of(motion)).steps
+    (step,) = search(whitened_of(motion, known), known=1).steps
+    assert step.score.candidate.key == ("stribeck", 1)
+    assert step.stands
+    assert 0.0 < step.score.log_bf < thresholds.USED.floor
+    assert not search(whitened_of(motion, wave), known=1).steps

@@ -19,7 +19,7 @@ from lagrangian_ff.diagnosis.excite import (
 from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
-from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, promising
+from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, answered, promising
 
 STRIBECK = For(Suspect("stribeck", "elbow"))
 
@@ -102,6 +102,18 @@ def test_one_question_is_asked_twice_at_most() -> None:
     found = diagnosis(findings=(finding(doubt=doubt()),))
     assert asked(found, (STRIBECK,)) == STRIBECK
     assert asked(found, (STRIBECK,) * TWICE) is None
+
+
+def test_a_motion_that_shows_no_more_of_an_effect_says_no() -> None:
+    lead = Ranked("stribeck", "elbow", 12.0, named=True, stands_out=False)
+    before = diagnosis(waiting=(lead,))
+    for nats, no in ((11.0, True), (13.0, False)):
+        after = diagnosis(waiting=(replace(lead, log_bayes_factor=nats),))
+        assert answered(STRIBECK, before, after) == no
+    assert answered(STRIBECK, before, diagnosis())
+    assert not answered(STRIBECK, before, diagnosis(findings=(finding(),)))
+    between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
+    assert not answered(between, before, diagnosis())
 
 
 @pytest.mark.parametrize(("nats", "question"), [(9.0, STRIBECK), (3.0, None)])

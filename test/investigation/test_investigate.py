@@ -6,13 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_examples import diagnosis, doubt, finding
 from pendulum_rig import START, PendulumRig, limits, plan
 
 from lagrangian_ff.diagnosis.excite import For, Suspect
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
-from lagrangian_ff.diagnosis.results import Doubt, Reason
 from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.investigation import (
@@ -23,7 +21,6 @@ from lagrangian_ff.investigation import (
     StoppedError,
     investigate,
 )
-from lagrangian_ff.investigation.investigate import standing
 from lagrangian_ff.investigation.motions import size_of
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
@@ -99,20 +96,6 @@ def test_it_tells_each_question_before_the_motion_and_its_answer_after_it() -> N
     assert (before.words, before.answer) == ("What does the arm do?", "")
     assert before.seconds == float(rig.moved[0].time[-1])
     assert after == replace(before, answer=story.turns[0].answer)
-
-
-def test_what_was_confirmed_stays_so_unless_motion_speaks_against_it() -> None:
-    before = diagnosis(findings=(finding(),))
-    weaker = finding(doubt=doubt())
-    (now,) = standing(diagnosis(findings=(weaker,)), before).findings
-    assert now.confirmed
-    against = replace(weaker.hold_out, gained=-weaker.hold_out.gained)
-    other_size = finding(doubt=Doubt(Reason.OTHER_SIZE, "it is half as large"))
-    new = finding("ripple", doubt=doubt())
-    rivals = finding(rivals=("ripple",), doubt=doubt())
-    for one in (replace(weaker, hold_out=against), other_size, new, rivals):
-        (same,) = standing(diagnosis(findings=(one,)), before).findings
-        assert same.doubt == one.doubt
 
 
 def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:

@@ -1,4 +1,4 @@
-"""Forward search: find the best candidate, explain it, refit, look again; then backward.
+"""Forward search: find the best candidate, explain it, refit, look again; backward in the end.
 
 The same Bayes factors show which effects the motion could not have shown.
 """
@@ -6,12 +6,17 @@ The same Bayes factors show which effects the motion could not have shown.
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.results import Change, NotObservable
+from lagrangian_ff.diagnosis.search.backward import (
+    backward,
+    basis_without,
+    judged_again,
+    reconsidered,
+)
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor, bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import bends_over_speed
 from lagrangian_ff.diagnosis.search.change import change_of
@@ -24,7 +29,6 @@ from lagrangian_ff.diagnosis.search.judging import (
     judge,
     judge_alike,
     possible,
-    reconsider,
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
@@ -32,7 +36,6 @@ from lagrangian_ff.diagnosis.whitening import Whitened, outweighed, refit
 from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
-from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.sampling import recorded_seconds
 
@@ -80,28 +83,31 @@ def search(
     effects: Mapping[str, Effect] | None = None,
     steps: int = MOST_STEPS,
     progress: Progress = silent,
+    known: int = 0,
 ) -> Search:
     """Return the search, which takes one step after the other until nothing stands out.
 
     Args:
-        whitened: the motion, with the model's effects.
+        whitened: the motion, with the model's effects, and with those known of other motion.
         effects: those that may be missing; None takes the catalogue.
         steps: the largest number of steps.
         progress: receives the share done, 0 to 1.
+        known: the number of effects that are known of other motion, the last ones: they are steps
+            like those that are found, and judged again beside them.
     """
-    own = len(whitened.basis.terms)
+    own = len(whitened.basis.terms) - known
     way = _Forward(effects, steps, own, progress)
     whitened = way.go(whitened)
-    way.taken, whitened = _backward(way.taken, whitened, own)
-    way.taken, whitened = _reconsidered(way.taken, whitened, own, effects)
+    way.taken, whitened = backward(way.taken, whitened, own)
+    way.taken, whitened = reconsidered(way.taken, whitened, own, effects)
     lighter = None if way.wanting or len(way.taken) >= steps else outweighed(whitened)
     if lighter is not None:
         way.late = True
-        known = len(way.taken)
+        before = len(way.taken)
         lighter = way.go(lighter)
-        if len(way.taken) > known:
-            way.taken, lighter = _backward(way.taken, lighter, own, known)
-            way.taken, whitened = _reconsidered(way.taken, lighter, own, effects, known)
+        if len(way.taken) > before:
+            way.taken, lighter = backward(way.taken, lighter, own, before)
+            way.taken, whitened = reconsidered(way.taken, lighter, own, effects, before)
     (every, ranking, null), (_, last, _) = way.rounds[0], way.rounds[-1]
     return Search(
         tuple(way.taken),
@@ -135,6 +141,7 @@ class _Forward:
         self.rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
         self.wanting = 0.0
         self.late = False
+        self._began = False
         self._bent: Counter[tuple[str, int]] = Counter()
         self._effects, self._steps, self._own, self._progress = effects, steps, own, progress
 
@@ -151,6 +158,11 @@ class _Forward:
             best = best_of_each(moving, causes)
             null = MaximumNull.of([score for score in moving if not score.once])
             self.rounds.append((found, best, null))
+            if not self._began:
+                self._began, known = True, len(whitened.basis.terms) - self._own
+                self.taken, whitened = judged_again(whitened, self._own, null, effects)
+                if len(self.taken) < known:
+                    continue  # what the others are compared with has changed
             strong = [score for score in best if _stands_out(score, null, whitened)]
             eligible = [score for score in strong if possible(score, causes, whitened.x)]
             self.wanting = _wanting(whitened)
@@ -265,91 +277,6 @@ def _wanting(whitened: Whitened) -> float:
     return max(0.0, (thresholds.USED.fewest_blocks / blocks - 1.0) * lasts)
 
 
-def _backward(
-    taken: list[Step], whitened: Whitened, own: int, known: int = 0
-) -> tuple[list[Step], Whitened]:
-    """Return the steps without those that later ones made superfluous, and the motion with them.
-
-    Args:
-        known: the number of steps, from the first on, that stay.
-    """
-    while sum(step.named for step in taken) > 1:
-        needed: list[Needed] = []
-        for number, step in enumerate(taken):
-            if step.named:
-                basis = _without(whitened.basis, own, step)
-                less = whitened.explaining(basis, whitened.problem.nuisance)
-                (score,) = bayes_factors(less, [step.score.candidate])
-                needed.append(Needed(number, score.candidate.joint, score.log_bf))
-        last = superfluous(needed, known)
-        if last is None:
-            break
-        basis = _without(whitened.basis, own, taken[last])
-        taken = taken[:last] + taken[last + 1 :]
-        whitened = whitened.explaining(basis, whitened.problem.nuisance)
-    return taken, whitened
-
-
-def _reconsidered(
-    taken: list[Step],
-    whitened: Whitened,
-    own: int,
-    effects: Mapping[str, Effect] | None,
-    known: int = 0,
-) -> tuple[list[Step], Whitened]:
-    """Return the steps, each judged again beside all others, and the motion with them.
-
-    Args:
-        known: the number of steps, from the first on, that stay.
-    """
-    if len(taken) < 2:
-        return taken, whitened
-    nuisance = whitened.problem.nuisance
-    for number, step in enumerate(taken):
-        if number < known or not step.named:
-            continue
-        if not step.score.candidate.effect.plain and not step.score.once:
-            less = whitened.explaining(_without(whitened.basis, own, step), nuisance)
-            found, whitened = reconsider(less, step, effects)
-            taken[number] = replace(found, late=step.late)
-    terms = [step.score.candidate.term() for step in taken if step.named]
-    basis = Basis((*whitened.basis.terms[:own], *terms))  # in the order of the steps
-    return taken, whitened.explaining(basis, nuisance)
-
-
-class Needed(NamedTuple):
-    """The log Bayes factor of a step beside all others, in nats, and its joint."""
-
-    number: int
-    joint: int
-    log_bf: float
-
-
-def superfluous(needed: Sequence[Needed], known: int = 0) -> int | None:
-    """Return the number of the step needed least, if it is needed too little; else None.
-
-    A step is needed too little below the floor, or if it gains little beside another effect on the
-    same joint: a slightly wrong form of that effect leaves as much.
-
-    Args:
-        known: the number of steps, from the first on, that stay.
-    """
-
-    def share(one: Needed) -> float:
-        largest = max(other.log_bf for other in needed if other.joint == one.joint)
-        return one.log_bf / max(thresholds.USED.floor, thresholds.USED.remainder * largest)
-
-    least = min((one for one in needed if one.number >= known), key=share, default=None)
-    return least.number if least is not None and share(least) <= 1.0 else None
-
-
-def _without(basis: Basis, own: int, step: Step) -> Basis:
-    """Return the basis without the term of a step; the model's own terms come first in it."""
-    key = step.score.candidate.key
-    found = [term for term in basis.terms[own:] if (term.effect.name, term.joint) != key]
-    return Basis((*basis.terms[:own], *found))
-
-
 def beside_others(found: Search, step: Step) -> float:
     """Return the log Bayes factor of a step beside all others, with the noise that is left.
 
@@ -358,7 +285,7 @@ def beside_others(found: Search, step: Step) -> float:
     whitened, nuisance = found.whitened, found.whitened.problem.nuisance
     basis = whitened.basis
     if step.named:
-        basis = _without(basis, found.own, step)
+        basis = basis_without(basis, found.own, step.score.candidate)
     else:
         unnamed = [one for one in found.steps if not one.named]
         nuisance = tuple(one for one, of in zip(nuisance, unnamed, strict=True) if of is not step)

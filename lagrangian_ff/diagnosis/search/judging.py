@@ -49,6 +49,7 @@ class Step:
         p_value: how often the null reaches that, over all candidates.
         free: the best nonparametric alternative on the same joint, if any helped.
         late: whether it was found only once outliers counted less.
+        stands: whether other motion confirmed it: it stays unless the evidence is against it.
     """
 
     score: BayesFactor
@@ -57,6 +58,7 @@ class Step:
     p_value: float
     free: BayesFactor | None
     late: bool = False
+    stands: bool = False
 
     @property
     def named(self) -> bool:
@@ -230,7 +232,7 @@ def reconsider(
     mine = max([mine, *(one for one in names if one.candidate.key == candidate.key)], key=_log_bf)
     first = possible_first(sorted([mine, *names], key=_log_bf, reverse=True), less.x)[0]
     if first is not mine and not rivals(first, [mine]):
-        step = replace(step, score=first, rivals=tuple(rivals(first, names)))
+        step = replace(step, score=first, rivals=tuple(rivals(first, names)), stands=False)
     elif first is not mine or step.rivals:
         step = replace(step, rivals=tuple(rivals(mine, names)))
     return step, less.explaining(*explained_with(less, step.score.candidate))
