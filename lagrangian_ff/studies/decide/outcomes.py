@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrangian_ff.investigation import Ended
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome
 from lagrangian_ff.studies.study import Line
 
@@ -62,6 +63,7 @@ class Investigated:
         case, group: of the line.
         judgement: of what was confirmed in the end.
         moved: s of motion.  when: s after which the truth was named for good; None for never.
+        early: whether it ended since nothing was left to decide, not since its time was used.
         left: samples in which a motion left its limits or the motors saturated.
         error: N·m rms before and after; the latter None without a turn.
         promised: nats that 30 s more would give, designed for what stayed hidden; None for nothing.
@@ -76,6 +78,7 @@ class Investigated:
     judgement: Judgement
     moved: float
     when: float | None
+    early: bool
     left: int
     error: tuple[float, float | None]
     promised: float | None = None
@@ -92,6 +95,7 @@ class Investigated:
             Judgement.of(line["judgement"]),
             line["moved"],
             line["when"],
+            line["story"]["ended"] == Ended.NOTHING_LEFT.value,
             line["left"],
             (before, after),
             line.get("promised"),

@@ -104,6 +104,7 @@ class DecideResults(Results):
                         "false": list(one.judgement.false),
                         "moved": one.moved,
                         "when": one.when,
+                        "early": one.early,
                         "left": one.left,
                         "error": one.error,
                         "promised": one.promised,
@@ -132,11 +133,16 @@ class DecideResults(Results):
             nats = [one.nats[place] for one in self.opened if one.nats]
             middle = f"{np.median(nats):.0f}" if nats else "-"
             lines.append(row(name, [*_counted(judged), middle], 20))
-        lines += ["", row("investigated", ["arms", "named", "class", "wrong", "s moved"], 20)]
+        lines += [
+            "",
+            row("investigated", ["arms", "named", "class", "wrong", "early", "s moved"], 20),
+        ]
         for group, some in self.investigated.items():
             named, alike, wrong, _ = _counted([one.judgement for one in some])
             moved = f"{np.median([one.moved for one in some]):.0f}" if some else "-"
-            lines.append(row(WORDS[group], [str(len(some)), named, alike, wrong, moved], 20))
+            early = str(sum(one.early for one in some))
+            counts = [str(len(some)), named, alike, wrong, early, moved]
+            lines.append(row(WORDS[group], counts, 20))
         lines += ["", row("named, by its visible part", ["hardly", "shows", "plain"], 26)]
         opened = [(one.visible, one.designed) for one in self.opened]
         lines.append(row("the designed one", _by_visibility(opened), 26))
@@ -267,7 +273,7 @@ def _of_investigations(groups: Mapping[str, Sequence[Investigated]]) -> dict[str
             )
     if len(groups["clean"]) >= FEWEST:
         wrong_names = sum(bool(one.judgement.false) for one in groups["clean"])
-        early = sum(one.moved < BUDGET for one in groups["clean"])
+        early = sum(one.early for one in groups["clean"])
         found["clean"] = Finding(
             wrong_names == 0 and early == len(groups["clean"]),
             f"of {len(groups['clean'])} clean arms {wrong_names} have a name, {early} ended early",

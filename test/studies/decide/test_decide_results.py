@@ -10,7 +10,7 @@ pytest.importorskip("pybullet")
 from lagrangian_ff.arm import HOME, JOINTS, Trajectory
 from lagrangian_ff.arm.hidden import HIDDEN
 from lagrangian_ff.diagnosis.excite import excite
-from lagrangian_ff.investigation import StoppedError
+from lagrangian_ff.investigation import Ended, StoppedError
 from lagrangian_ff.studies.decide.cases import NEVER, cases
 from lagrangian_ff.studies.decide.results import DecideResults
 from lagrangian_ff.studies.decide.rig import Clearance, SimulatedRig, arm_limits
@@ -46,6 +46,7 @@ def moved(number: int, group: str, outcome: Outcome, when: float | None, *false:
         "when": when,
         "left": 0,
         "error": [0.3, 0.2],
+        "story": {"ended": Ended.NOTHING_LEFT.value},
     }
 
 
@@ -90,6 +91,12 @@ def test_a_wrong_name_or_a_missed_effect_is_no_success() -> None:
     assert found.findings["limits"].holds
     assert "two" not in found.findings
     assert found.figure() is not None
+    # An arm that moved for all of its time but a few seconds did not end early.
+    lines[-1]["story"]["ended"] = Ended.BUDGET.value
+    later = DecideResults.of(lines).findings
+    assert later is not None
+    assert not later["clean"].holds
+    assert later["clean"].figures == {"wrong": 0, "early": 4}
 
 
 def test_the_arms_of_the_study_stay_the_same_and_hide_what_motion_can_show() -> None:
