@@ -141,7 +141,6 @@ class _Forward:
         self.rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
         self.wanting = 0.0
         self.late = False
-        self._began = False
         self._bent: Counter[tuple[str, int]] = Counter()
         self._effects, self._steps, self._own, self._progress = effects, steps, own, progress
 
@@ -158,11 +157,11 @@ class _Forward:
             best = best_of_each(moving, causes)
             null = MaximumNull.of([score for score in moving if not score.once])
             self.rounds.append((found, best, null))
-            if not self._began:
-                self._began, known = True, len(whitened.basis.terms) - self._own
+            if len(self.rounds) == 1:
+                known = len(whitened.basis.terms) - self._own
                 self.taken, whitened = judged_again(whitened, self._own, null, effects)
                 if len(self.taken) < known:
-                    continue  # what the others are compared with has changed
+                    continue  # all others are to be compared with less now
             strong = [score for score in best if _stands_out(score, null, whitened)]
             eligible = [score for score in strong if possible(score, causes, whitened.x)]
             self.wanting = _wanting(whitened)
