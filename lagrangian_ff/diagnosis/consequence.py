@@ -12,6 +12,8 @@ from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.recording.recording import columns_of
 
 BLOCK_SECONDS = 3.0
+SURELY = 2.0
+"""Deviations over blocks by which an error rises at the least, for a confirmed effect to go."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +28,8 @@ class Consequence:
         every_before, every_after: N·m, over the whole motion and all joints.
         deviation: of the fall of the joint's squared error, relative to that error before, over
             blocks.
-        rises: whether the error over all joints surely rises, in N·m or in the mean of its relative
-            changes: by more than its deviation over blocks.
+        rise: of the error over all joints, in N·m or in the mean of its relative changes, whichever
+            is larger, relative to its deviation over blocks; negative if it falls.
         joints_before, joints_after: N·m, over the whole motion, by joint name.
         beside: the consequence of adding it to all others, those after it too, where that decides
             whether it is worth it; else None.
@@ -42,7 +44,7 @@ class Consequence:
     every_before: float
     every_after: float
     deviation: float = 0.0
-    rises: bool = False
+    rise: float = 0.0
     joints_before: Mapping[str, float] = field(default_factory=dict)
     joints_after: Mapping[str, float] = field(default_factory=dict)
     beside: "Consequence | None" = None
@@ -55,14 +57,14 @@ class Consequence:
         """
         if self.beside is not None:
             return self.beside.worth
-        return self._fall > self.deviation and not self.rises
+        return self._fall > self.deviation and self.rise <= 1.0
 
     @property
     def harms(self) -> bool:
         """Return whether the error surely rises, on its joint or over all of them."""
         if self.beside is not None:
             return self.beside.harms
-        return self._fall < -self.deviation or self.rises
+        return self._fall < -SURELY * self.deviation or self.rise > SURELY
 
     @property
     def _fall(self) -> float:
@@ -108,10 +110,11 @@ def consequence_of(
     whole = squares[0].sum(axis=0)
     rise = squares[1] - squares[0]
     relative = np.divide(rise, whole, out=np.zeros_like(rise), where=whole > 0.0)
-    rises = any(
-        one.sum() > _deviation(one, counts.sum(axis=1))
+    every, tiny = counts.sum(axis=1), np.finfo(np.float64).tiny
+    risen = [
+        float(one.sum()) / max(_deviation(one, every), tiny)
         for one in (rise.sum(axis=1), relative.sum(axis=1))
-    )
+    ]
     kept = counts[:, column] > 0
     moves = counts[kept, column]
     old, new = (np.sqrt(one[kept, column] / moves) for one in squares)
@@ -125,7 +128,7 @@ def consequence_of(
         rms(before),
         rms(after),
         _deviation(relative[kept, column], moves),
-        rises,
+        max(risen),
         by_joint(model, before),
         by_joint(model, after),
     )

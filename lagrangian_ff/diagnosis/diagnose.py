@@ -225,11 +225,15 @@ def findings_of(
     named = [number for number, step in enumerate(found.steps) if step.named]
     findings = [_finding(found, model, n, *views[n], parameters[n]) for n in named]
     pairs = zip(findings, named, strict=True)
-    return sorted_findings([one for one, n in pairs if not found.steps[n].late or _may_be(one)])
+    return sorted_findings([one for one, n in pairs if _may_be(one, found.steps[n])])
 
 
-def _may_be(one: Finding) -> bool:
-    """Return whether unseen motion does not contradict a finding."""
+def _may_be(one: Finding, step: Step) -> bool:
+    """Return whether a finding counts that was found late, or is known of other motion."""
+    if step.stands and not one.stands and step.score.log_bf <= thresholds.USED.floor:
+        return False
+    if not step.late:
+        return True
     doubt = one.hold_out.doubt
     return doubt is None or doubt.reason not in (Reason.NOT_HELD_OUT, Reason.OTHER_SIZE)
 
@@ -253,7 +257,7 @@ def _finding(
     if found.whitened.motion.effort == WITHOUT_GRAVITY:
         left += [name for name in of_unseen_load(effect) if name not in left]
     alike = [one.candidate.source.name for one in step.rivals]
-    stands = step.stands and not left and not _against(hold_out)
+    stands = step.stands and not left and _upheld(step, hold_out)
     return Finding(
         effect=effect,
         joints=tuple(model.joints[n] for n in (joint, *candidate.others)),
@@ -275,10 +279,11 @@ def _finding(
     )
 
 
-def _against(hold_out: HoldOut) -> bool:
-    """Return whether unseen motion speaks against an effect that other motion confirmed."""
+def _upheld(step: Step, hold_out: HoldOut) -> bool:
+    """Return whether this motion, searched and unseen, upholds what other motion confirmed."""
+    unseen = float(hold_out.gained.sum())
     other = hold_out.doubt is not None and hold_out.doubt.reason is Reason.OTHER_SIZE
-    return other or hold_out.gained.sum() <= 0.0
+    return unseen > 0.0 and step.score.log_bf + unseen > thresholds.USED.floor and not other
 
 
 def of_unseen_load(effect: Effect) -> list[str]:

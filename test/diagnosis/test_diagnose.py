@@ -113,6 +113,18 @@ def test_what_other_motion_confirmed_stays_unless_this_one_speaks_against_it(
     assert finding.confirmed == finding.stands == stays
 
 
+@pytest.mark.parametrize(("least", "stays"), [(0.9, True), (1.1, False)])
+def test_known_effects_need_the_nats_of_a_claim_on_searched_and_unseen_motion_together(
+    stuck: Diagnosis, stuck_search: Search, least: float, stays: bool
+) -> None:
+    (step,), (finding,) = stuck_search.steps, stuck.findings
+    known = replace(stuck_search, steps=(replace(step, stands=True),))
+    together = step.score.log_bf + float(finding.hold_out.gained.sum())
+    with using(Thresholds(floor=least * together)):
+        found = findings_of(known, stuck.held_out, stuck.model, None)
+    assert [one.stands for one in found] == [True] * stays
+
+
 def test_a_known_effect_is_found_again(stuck: Diagnosis) -> None:
     known = Term(EFFECTS["stribeck"], 1, {"v_s": 0.3})
     (again,) = diagnose(stuck.model, stuck.motion, stuck.held_out, known=[known]).findings
@@ -324,22 +336,25 @@ def test_whatever_is_still_claimed_lowers_the_error(
 
 
 @pytest.mark.parametrize(
-    ("worth", "change"),
+    ("worth", "harms", "change"),
     [
-        (True, {}),
-        (False, {"whole_after": 1.0}),
-        (False, {"deviation": 0.8}),
-        (False, {"rises": True}),
+        (True, False, {}),
+        (False, False, {"whole_after": 1.0}),
+        (False, False, {"deviation": 0.8}),
+        (False, False, {"rise": 1.5}),
+        (False, True, {"rise": 2.5}),
+        (False, False, {"whole_after": 1.5, "deviation": 0.8}),
+        (False, True, {"whole_after": 1.5, "deviation": 0.6}),
     ],
-    ids=["falls", "stays", "chance", "others rise"],
+    ids=["falls", "stays", "chance", "others rise", "others surely", "rises", "surely"],
 )
 def test_an_addition_is_worth_it_if_the_error_surely_falls(
-    stuck: Diagnosis, worth: bool, change: dict[str, Any]
+    stuck: Diagnosis, worth: bool, harms: bool, change: dict[str, Any]
 ) -> None:
     blocks = np.array([1.0, 1.0])
     errors = {"whole_before": 1.0, "whole_after": 0.5, "every_before": 2.0, "every_after": 1.8}
     made = Consequence(stuck.model, blocks, blocks, 0.5 * blocks, **{**errors, **change})
-    assert made.worth is worth
+    assert (made.worth, made.harms) == (worth, harms)
 
 
 def test_nothing_is_added_twice(stuck: Diagnosis) -> None:

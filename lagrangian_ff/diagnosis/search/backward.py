@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors, log_bayes_factor_of, refined
+from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors, refined
 from lagrangian_ff.diagnosis.search.candidates import Candidate
-from lagrangian_ff.diagnosis.search.judging import SURE, Step, evidence_without, reconsider
+from lagrangian_ff.diagnosis.search.judging import Step, reconsider
 from lagrangian_ff.diagnosis.search.significance import MaximumNull
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import Effect
@@ -39,14 +39,10 @@ def judged_again(
         score = refined(less, max(bayes_factors(less, tried), key=lambda one: one.log_bf))
         step = Step(score, (), score.log_bf, null.p_value(score.log_bf), None, stands=True)
         step, more = reconsider(less, step, effects)
-        without = less.system.log_evidence
-        if step.score.log_bf < SURE * thresholds.USED.floor:
-            without = max(without, evidence_without(less))
-        log_bf = min(step.score.log_bf, log_bayes_factor_of(step.score, less, without))
-        if log_bf <= (0.0 if step.stands else thresholds.USED.floor):
+        if step.score.log_bf <= (0.0 if step.stands else thresholds.USED.floor):
             whitened = less
             continue
-        taken.append(replace(step, score=replace(step.score, log_bf=log_bf)))
+        taken.append(step)
         whitened = more
     return taken, whitened
 
