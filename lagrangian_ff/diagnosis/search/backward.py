@@ -8,10 +8,11 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors, refined
-from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
 from lagrangian_ff.diagnosis.search.judging import Step, reconsider
 from lagrangian_ff.diagnosis.search.significance import MaximumNull
 from lagrangian_ff.diagnosis.whitening import Whitened
+from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import Effect
 from lagrangian_ff.identification.basis import Basis
 
@@ -34,6 +35,9 @@ def judged_again(
         candidate = Candidate(term.effect, term.joint, term.shape)
         basis = basis_without(whitened.basis, own, candidate)
         less = whitened.explaining(basis, whitened.problem.nuisance)
+        bends = bends_over_speed(term.effect)
+        if bends:  # the width of the step was fitted beside it, and makes it seem needed
+            less = with_sign_speeds(less, {term.joint})
         shapes = term.effect.candidates(less.x, term.joint)
         tried = [candidate, *(replace(candidate, shape=shape) for shape in shapes)]
         score = refined(less, max(bayes_factors(less, tried), key=lambda one: one.log_bf))
@@ -43,7 +47,7 @@ def judged_again(
             whitened = less
             continue
         taken.append(step)
-        whitened = more
+        whitened = with_sign_speeds(more, {term.joint}) if bends else more
     return taken, whitened
 
 
