@@ -31,20 +31,21 @@ def next_question(
     Args:
         found: of all motions so far.
         unseen: returns whether an effect that should be seen could be there unseen; called if
-            nothing else is open.
+            nothing that was found is open.
         asked: so far.
         gears: by joint, the kind of its gear; what is usual in it is asked for first.
     """
+    everything = Everything()
     for question in _open(found, gears or {}):
         if asked.count(question) < TWICE:
             return question
-    everything = Everything()
     if asked.count(everything) < MOST_EVERYTHING and unseen():
         return everything
-    return None
+    return next((one for one in _faint(found) if asked.count(one) < TWICE), None)
 
 
 def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
+    """Yield the questions that what was found leaves open."""
     for one in found.findings:
         if not shown_by_motion(one.effect):
             continue
@@ -54,6 +55,10 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
         yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
         if not rivals and not one.confirmed and not _there(one):
             yield For(suspect)
+
+
+def _faint(found: Diagnosis) -> Iterator[Question]:
+    """Yield the questions for what is too faint to be found, or to lower the error."""
     known = {(one.effect.name, joint) for one in found.findings for joint in one.joints}
     looked: set[str] = set()
     for ranked in found.waiting:
@@ -62,7 +67,7 @@ def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
         if new and not judged and ranked.joint not in looked and ranked.log_bayes_factor > HOPE:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
-    # Known to be there: more of it only sharpens its parameters, until the error falls.
+    # More of what is there only sharpens its parameters, until the error falls.
     there = [one for one in found.findings if _there(one) and not one.rivals]
     yield from (For(Suspect(one.effect.name, one.joint)) for one in there)
 

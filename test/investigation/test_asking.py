@@ -133,11 +133,13 @@ def test_a_candidate_that_nearly_stands_out_is_worth_a_motion(
     assert asked(found) is None
 
 
-def test_what_could_be_there_unseen_is_asked_for_last_and_not_for_ever() -> None:
+def test_what_could_be_there_unseen_comes_before_what_is_faint_and_not_for_ever() -> None:
     found, everything = diagnosis(findings=(finding(doubt=doubt()),)), Everything()
     assert asked(found, unseen=True) == STRIBECK
-    assert asked(diagnosis(), unseen=True) == everything
-    assert asked(diagnosis(), (everything,) * (MOST_EVERYTHING - 1), unseen=True) == everything
+    faint = diagnosis(waiting=(Ranked("stribeck", "elbow", 12.0, named=True, stands_out=False),))
+    for before in range(MOST_EVERYTHING):
+        assert asked(faint, (everything,) * before, unseen=True) == everything
+    assert asked(faint, (everything,) * MOST_EVERYTHING, unseen=True) == STRIBECK
     assert asked(diagnosis(), (everything,) * MOST_EVERYTHING, unseen=True) is None
 
 

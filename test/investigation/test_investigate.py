@@ -68,9 +68,9 @@ def test_it_asks_for_what_one_motion_does_not_decide() -> None:
     assert last.gained > 10.0
 
 
-def test_it_ends_within_its_budget_and_leaves_no_limit() -> None:
+def test_it_ends_where_nothing_is_left_within_its_budget_and_leaves_no_limit() -> None:
     rig, story, _ = found(FAINT)
-    assert story.ended is Ended.BUDGET
+    assert story.ended is Ended.NOTHING_LEFT
     assert story.seconds == pytest.approx(rig.seconds)
     assert 24.0 < story.seconds <= 36.0
     assert rig.left(limits()) == 0
@@ -96,6 +96,7 @@ def test_it_tells_each_question_before_the_motion_and_its_answer_after_it() -> N
     assert (before.words, before.answer) == ("What does the arm do?", "")
     assert before.seconds == float(rig.moved[0].time[-1])
     assert after == replace(before, answer=story.turns[0].answer)
+    assert story.ended is Ended.BUDGET
 
 
 def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:
