@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
@@ -240,11 +241,15 @@ def _worth(
 
 
 def _helps(finding: Finding, made: Consequence) -> bool:
-    """Return whether a finding is worth adding; one that stands is unless the error surely rises.
+    """Return whether a finding is worth adding.
 
-    Where its joint hardly moves, no error falls surely.
+    For one that stands the evidence of this motion will do, searched and unseen together, or else
+    the error: of many motions the search holds a part. But the error must not surely rise.
     """
-    return not made.harms if finding.stands else made.worth
+    if not finding.stands:
+        return made.worth
+    nats = finding.log_bayes_factor + float(finding.hold_out.gained.sum())
+    return not made.harms and (nats > thresholds.USED.floor or made.worth)
 
 
 def for_history(finding: Finding, diagnosis: Diagnosis) -> dict[str, object]:

@@ -257,7 +257,9 @@ def _finding(
     if found.whitened.motion.effort == WITHOUT_GRAVITY:
         left += [name for name in of_unseen_load(effect) if name not in left]
     alike = [one.candidate.source.name for one in step.rivals]
-    stands = step.stands and not left and _upheld(step, hold_out)
+    doubt = hold_out.doubt or doubt_of(found, step, model)
+    other_size = doubt is not None and doubt.reason is Reason.OTHER_SIZE
+    stands = step.stands and not left and not other_size
     return Finding(
         effect=effect,
         joints=tuple(model.joints[n] for n in (joint, *candidate.others)),
@@ -273,17 +275,10 @@ def _finding(
         hold_out=hold_out,
         rivals=tuple(left),
         ruled_out=tuple(name for name in alike if name not in left),
-        doubt=None if stands else hold_out.doubt or doubt_of(found, step, model),
+        doubt=None if stands else doubt,
         stands=stands,
         partial_residual=partial_residual(found.whitened, candidate, values),
     )
-
-
-def _upheld(step: Step, hold_out: HoldOut) -> bool:
-    """Return whether this motion, searched and unseen, upholds what other motion confirmed."""
-    unseen = float(hold_out.gained.sum())
-    other = hold_out.doubt is not None and hold_out.doubt.reason is Reason.OTHER_SIZE
-    return unseen > 0.0 and step.score.log_bf + unseen > thresholds.USED.floor and not other
 
 
 def of_unseen_load(effect: Effect) -> list[str]:

@@ -33,7 +33,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
+from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion, concatenate
 
 FEW = Settings(train=1.0, samples=120, evaluations=20)
 
@@ -113,16 +113,39 @@ def test_what_other_motion_confirmed_stays_unless_this_one_speaks_against_it(
     assert finding.confirmed == finding.stands == stays
 
 
-@pytest.mark.parametrize(("least", "stays"), [(0.9, True), (1.1, False)])
-def test_known_effects_need_the_nats_of_a_claim_on_searched_and_unseen_motion_together(
-    stuck: Diagnosis, stuck_search: Search, least: float, stays: bool
+def test_what_is_no_longer_known_needs_the_nats_of_a_claim(
+    stuck: Diagnosis, stuck_search: Search
 ) -> None:
     (step,), (finding,) = stuck_search.steps, stuck.findings
     known = replace(stuck_search, steps=(replace(step, stands=True),))
-    together = step.score.log_bf + float(finding.hold_out.gained.sum())
-    with using(Thresholds(floor=least * together)):
-        found = findings_of(known, stuck.held_out, stuck.model, None)
-    assert [one.stands for one in found] == [True] * stays
+    other_size, floor = (3.0, 4.0), finding.log_bayes_factor
+    for limits, left in (
+        (Thresholds(size_ratio=other_size, floor=0.9 * floor), 1),
+        (Thresholds(size_ratio=other_size, floor=1.1 * floor), 0),
+        (Thresholds(floor=1.1 * floor), 1),
+    ):
+        with using(limits):
+            found = findings_of(known, stuck.held_out, stuck.model, None)
+        assert len(found) == left
+
+
+@pytest.mark.parametrize(
+    ("stands", "nats", "stays"), [(False, 90.0, False), (True, 90.0, True), (True, 1.0, False)]
+)
+def test_a_known_effect_stays_by_its_evidence_or_by_the_error(
+    stuck: Diagnosis, stands: bool, nats: float, stays: bool
+) -> None:
+    """Half of the motion has the friction: the error neither falls nor rises surely."""
+    (finding,) = stuck.findings
+    hold_out = replace(finding.hold_out, gained=np.zeros(1))
+    one = replace(finding, stands=stands, log_bayes_factor=nats, hold_out=hold_out)
+    half = concatenate([stuck.held_out, two_rods.motion(3)])
+    judged = replace(stuck, findings=(one,), held_out=half)
+    found = with_consequences(judged, confirmed_only=True)
+    (made,) = [one.consequence for one in found.findings]
+    assert made is not None
+    assert (made.worth, made.harms) == (False, False)
+    assert [one.confirmed for one in found.findings] == [stays]
 
 
 def test_a_known_effect_is_found_again(stuck: Diagnosis) -> None:
