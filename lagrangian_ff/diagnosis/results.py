@@ -190,7 +190,7 @@ class Finding(Found):
         size: N·m, root mean square of its torque.
         hold_out: the judgement on motion that was not used to find it.
         ruled_out: names of rivals that the hold-out motion ruled out.
-        stands: whether other motion confirmed it, and this does not speak against it.
+        stands: whether it is known of other motion, and this is not against it.
     """
 
     partial_residual: PartialResidual
@@ -284,8 +284,7 @@ class Remainder:
 
     Attributes:
         joint: its name.
-        size: N·m, root mean square without the noise.
-        share: of the joint's torque.
+        size: N·m, root mean square without the noise.  share: of the joint's torque.
     """
 
     joint: str
@@ -298,8 +297,7 @@ class NotObservable:
     """An effect that this motion cannot show.
 
     Attributes:
-        effect, joint: their names.  reason: why it cannot.
-        next_motion: the motion that would show it.
+        effect, joint: their names.  reason: why it cannot.  next_motion: which one would.
     """
 
     effect: str

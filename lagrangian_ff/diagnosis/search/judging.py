@@ -219,7 +219,8 @@ def reconsider(
     """Return a step judged again beside what was found after it, and the motion with it explained.
 
     The first effect that is found has to do for others, too: its form and its rivals are those of
-    all of them together. Another effect takes its place if that rules it out now.
+    all of them together. Another effect takes its place if that rules it out now. What other motion
+    confirmed is not reopened by what is too faint here to be claimed.
 
     Args:
         less: the motion with all steps but this one explained.
@@ -231,6 +232,8 @@ def reconsider(
     less.forget()
     mine = max([mine, *(one for one in names if one.candidate.key == candidate.key)], key=_log_bf)
     first = possible_first(sorted([mine, *names], key=_log_bf, reverse=True), less.x)[0]
+    if step.stands and first.log_bf <= thresholds.USED.floor:
+        first = mine
     if first is not mine and not rivals(first, [mine]):
         step = replace(step, score=first, rivals=tuple(rivals(first, names)), stands=False)
     elif first is not mine or step.rivals:
