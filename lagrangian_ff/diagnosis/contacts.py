@@ -214,7 +214,7 @@ def _leave_out(scan: Scan, z: Floats, f: int, m: int) -> None:
 
 @dataclass(frozen=True)
 class _Chance:
-    """How large the outputs of the filters are by chance, without a touch.
+    """The largest filter outputs where nothing touched the arm.
 
     Attributes:
         blocks: of all recordings.

@@ -257,8 +257,7 @@ def _finding(
     if found.whitened.motion.effort == WITHOUT_GRAVITY:
         left += [name for name in of_unseen_load(effect) if name not in left]
     alike = [one.candidate.source.name for one in step.rivals]
-    doubt = hold_out.doubt or doubt_of(found, step, model)
-    other_size = doubt is not None and doubt.reason is Reason.OTHER_SIZE
+    other_size = hold_out.doubt is not None and hold_out.doubt.reason is Reason.OTHER_SIZE
     stands = step.stands and not left and not other_size
     return Finding(
         effect=effect,
@@ -275,7 +274,7 @@ def _finding(
         hold_out=hold_out,
         rivals=tuple(left),
         ruled_out=tuple(name for name in alike if name not in left),
-        doubt=None if stands else doubt,
+        doubt=None if stands else hold_out.doubt or doubt_of(found, step, model),
         stands=stands,
         partial_residual=partial_residual(found.whitened, candidate, values),
     )

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from diagnosed_rods import diagnosed
+from whitened_examples import quickly
 
 from lagrangian_ff.diagnosis import (
     Diagnosis,
@@ -15,24 +17,19 @@ from lagrangian_ff.diagnosis import (
     with_consequences,
 )
 from lagrangian_ff.diagnosis.sentences import curve_command
-from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.errors import EffectError
-from lagrangian_ff.identification import Settings, identify
-
-FEW = Settings(train=1.0, samples=120, evaluations=20)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
+    with quickly(1200):
         yield
 
 
 @pytest.fixture(scope="module")
 def sore() -> Diagnosis:
     """Return the diagnosis of an arm with friction that no catalogue has."""
-    first, second = (two_rods.motion(seed, hidden=two_rods.sore_spot) for seed in (1, 2))
-    return with_consequences(diagnose(identify(first, FEW).model, first, second))
+    return with_consequences(diagnosed(two_rods.sore_spot))
 
 
 def test_what_no_effect_explains_is_named_by_its_coordinate(sore: Diagnosis) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import two_rods
+from diagnosed_rods import FEW, diagnosed, search_of
 
 from lagrangian_ff.diagnosis import (
     Diagnosis,
@@ -31,11 +32,9 @@ from lagrangian_ff.diagnosis.thresholds import Effort, Thresholds, using
 from lagrangian_ff.diagnosis.whitening import fit, whiten
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
-from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification import Model, identify
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
-
-FEW = Settings(train=1.0, samples=120, evaluations=20)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -51,8 +50,7 @@ def model_of(hidden: two_rods.Hidden | None, seed: int = 1) -> Model:
 @pytest.fixture(scope="module")
 def stuck() -> Diagnosis:
     """Return the diagnosis of an arm whose elbow sticks, confirmed on a second recording."""
-    first, second = (two_rods.motion(seed, hidden=two_rods.stick) for seed in (1, 2))
-    return diagnose(model_of(two_rods.stick), first, second)
+    return diagnosed(two_rods.stick)
 
 
 def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:
@@ -68,8 +66,7 @@ def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:
 @pytest.fixture(scope="module")
 def stuck_search(stuck: Diagnosis) -> Search:
     """Return the search behind `stuck`."""
-    model, motion = stuck.model, stuck.motion
-    return search(fit(motion, model.inputs_of(motion), model.basis))
+    return search_of(stuck)
 
 
 @pytest.mark.parametrize(

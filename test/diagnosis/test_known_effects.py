@@ -1,4 +1,4 @@
-"""What other motion confirmed stays, unless this one speaks against it."""
+"""An effect confirmed on earlier motion stays, unless the new motion speaks against it."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -6,38 +6,34 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import two_rods
+from diagnosed_rods import diagnosed, search_of
+from whitened_examples import quickly
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose, with_consequences
 from lagrangian_ff.diagnosis.diagnose import findings_of
-from lagrangian_ff.diagnosis.search.forward import Search, search
-from lagrangian_ff.diagnosis.thresholds import Effort, Thresholds, using
-from lagrangian_ff.diagnosis.whitening import fit
+from lagrangian_ff.diagnosis.search.forward import Search
+from lagrangian_ff.diagnosis.thresholds import Thresholds, using
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.recording.motion import concatenate
-
-FEW = Settings(train=1.0, samples=120, evaluations=20)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
+    with quickly(1200):
         yield
 
 
 @pytest.fixture(scope="module")
 def stuck() -> Diagnosis:
     """Return the diagnosis of an arm whose elbow sticks."""
-    first, second = (two_rods.motion(seed, hidden=two_rods.stick) for seed in (1, 2))
-    return diagnose(identify(first, FEW).model, first, second)
+    return diagnosed(two_rods.stick)
 
 
 @pytest.fixture(scope="module")
 def stuck_search(stuck: Diagnosis) -> Search:
     """Return the search behind `stuck`."""
-    model, motion = stuck.model, stuck.motion
-    return search(fit(motion, model.inputs_of(motion), model.basis))
+    return search_of(stuck)
 
 
 @pytest.mark.parametrize(

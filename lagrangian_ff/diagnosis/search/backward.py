@@ -33,8 +33,7 @@ def judged_again(
     taken: list[Step] = []
     for term in whitened.basis.terms[own:]:
         candidate = Candidate(term.effect, term.joint, term.shape)
-        basis = basis_without(whitened.basis, own, candidate)
-        less = whitened.explaining(basis, whitened.problem.nuisance)
+        less = _less(whitened, own, candidate)
         bends = bends_over_speed(term.effect)
         if bends:  # the width of the step was fitted beside it, and makes it seem needed
             less = with_sign_speeds(less, {term.joint})
@@ -52,27 +51,25 @@ def judged_again(
 
 
 def backward(
-    taken: list[Step], whitened: Whitened, own: int, known: int = 0
+    taken: list[Step], whitened: Whitened, own: int, kept: int = 0
 ) -> tuple[list[Step], Whitened]:
     """Return the steps without those that later ones made superfluous, and the motion with them.
 
     Args:
-        known: the number of steps, from the first on, that stay.
+        kept: the number of steps, from the first on, that stay.
     """
     while sum(step.named for step in taken) > 1:
         needed: list[Needed] = []
         for number, step in enumerate(taken):
             if step.named:
-                basis = basis_without(whitened.basis, own, step.score.candidate)
-                less = whitened.explaining(basis, whitened.problem.nuisance)
+                less = _less(whitened, own, step.score.candidate)
                 (score,) = bayes_factors(less, [step.score.candidate])
                 needed.append(Needed(number, score.candidate.joint, score.log_bf, step.stands))
-        last = superfluous(needed, known)
+        last = superfluous(needed, kept)
         if last is None:
             break
-        basis = basis_without(whitened.basis, own, taken[last].score.candidate)
+        whitened = _less(whitened, own, taken[last].score.candidate)
         taken = taken[:last] + taken[last + 1 :]
-        whitened = whitened.explaining(basis, whitened.problem.nuisance)
     return taken, whitened
 
 
@@ -81,27 +78,31 @@ def reconsidered(
     whitened: Whitened,
     own: int,
     effects: Mapping[str, Effect] | None,
-    known: int = 0,
+    kept: int = 0,
 ) -> tuple[list[Step], Whitened]:
     """Return the steps, each judged again beside all others, and the motion with them.
 
     Args:
-        known: the number of steps, from the first on, that stay.
+        kept: the number of steps, from the first on, that stay.
     """
     if len(taken) < 2:
         return taken, whitened
-    nuisance = whitened.problem.nuisance
     for number, step in enumerate(taken):
-        if number < known or not step.named:
+        if number < kept or not step.named:
             continue
         if not step.score.candidate.effect.plain and not step.score.once:
-            basis = basis_without(whitened.basis, own, step.score.candidate)
-            less = whitened.explaining(basis, nuisance)
+            less = _less(whitened, own, step.score.candidate)
             found, whitened = reconsider(less, step, effects)
             taken[number] = replace(found, late=step.late)
     terms = [step.score.candidate.term() for step in taken if step.named]
     basis = Basis((*whitened.basis.terms[:own], *terms))  # in the order of the steps
-    return taken, whitened.explaining(basis, nuisance)
+    return taken, whitened.explaining(basis, whitened.problem.nuisance)
+
+
+def _less(whitened: Whitened, own: int, one: Candidate) -> Whitened:
+    """Return the motion with all explained but one candidate."""
+    basis = basis_without(whitened.basis, own, one)
+    return whitened.explaining(basis, whitened.problem.nuisance)
 
 
 class Needed(NamedTuple):
@@ -113,7 +114,7 @@ class Needed(NamedTuple):
     stands: bool = False
 
 
-def superfluous(needed: Sequence[Needed], known: int = 0) -> int | None:
+def superfluous(needed: Sequence[Needed], kept: int = 0) -> int | None:
     """Return the number of the step needed least, if it is needed too little; else None.
 
     A step is needed too little below the floor, or if it gains little beside another effect on the
@@ -121,7 +122,7 @@ def superfluous(needed: Sequence[Needed], known: int = 0) -> int | None:
     needed unless the evidence is against it.
 
     Args:
-        known: the number of steps, from the first on, that stay.
+        kept: the number of steps, from the first on, that stay.
     """
 
     def share(one: Needed) -> float:
@@ -130,7 +131,7 @@ def superfluous(needed: Sequence[Needed], known: int = 0) -> int | None:
         largest = max(other.log_bf for other in needed if other.joint == one.joint)
         return one.log_bf / max(thresholds.USED.floor, thresholds.USED.remainder * largest)
 
-    least = min((one for one in needed if one.number >= known), key=share, default=None)
+    least = min((one for one in needed if one.number >= kept), key=share, default=None)
     return least.number if least is not None and share(least) <= 1.0 else None
 
 

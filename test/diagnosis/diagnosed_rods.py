@@ -1,0 +1,22 @@
+"""The diagnosis of two rods that hide an effect, and the search behind it."""
+
+import two_rods
+
+from lagrangian_ff.diagnosis import Diagnosis, diagnose
+from lagrangian_ff.diagnosis.search.forward import Search, search
+from lagrangian_ff.diagnosis.whitening import fit
+from lagrangian_ff.identification import Settings, identify
+
+FEW = Settings(train=1.0, samples=120, evaluations=20)
+
+
+def diagnosed(hidden: two_rods.Hidden) -> Diagnosis:
+    """Return the diagnosis of one recording, confirmed on a second."""
+    first, second = (two_rods.motion(seed, hidden=hidden) for seed in (1, 2))
+    return diagnose(identify(first, FEW).model, first, second)
+
+
+def search_of(found: Diagnosis) -> Search:
+    """Return the search behind a diagnosis."""
+    model, motion = found.model, found.motion
+    return search(fit(motion, model.inputs_of(motion), model.basis))
