@@ -46,7 +46,7 @@ def found(
         served = serve(tmp_path_factory.mktemp("bench") / "session")
         for page in opened(browser):
             page.goto(served.address)
-            assert page.get_by_text("Drop recordings here").is_visible()
+            page.get_by_text("Drop recordings here").wait_for()
             uploaded(page, recordings)
             learn(page)
             page.get_by_role("button", name="See where it fails").click()
@@ -54,7 +54,7 @@ def found(
             page.locator("#view").get_by_role("button", name="Find what is missing").click()
             add = page.get_by_role("button", name="Add it").first
             add.wait_for(timeout=LONG)
-            assert page.get_by_text("quadratic drag on b", exact=False).first.is_visible()
+            page.get_by_text("quadratic drag on b", exact=False).first.wait_for()
             add.click()
             idle(page)
         yield served
@@ -71,7 +71,7 @@ def test_the_error_falls_and_the_step_can_be_undone(found: Served, page: Any) ->
     page.get_by_role("button", name="Undo").wait_for()
     before, after = errors_shown(page)
     assert after < 0.6 * before
-    assert page.get_by_text("confirmed, log Bayes factor").is_visible()
+    page.get_by_text("confirmed, log Bayes factor").wait_for()
     change = page.locator("section", has_text="Two models").locator("tbody tr").last
     assert "-" in change.locator("td").last.inner_text()
     page.get_by_role("button", name="Undo").click()
@@ -110,7 +110,7 @@ def test_two_tabs_do_not_disturb_each_other(found: Served, page: Any, browser: A
         assert theirs.get_attribute("aria-pressed") == "true"
         assert ours.get_attribute("aria-pressed") == "false"
         other.goto(found.address + "#data")
-    assert page.get_by_role("heading", name="Where does it fail?").is_visible()
+    page.get_by_role("heading", name="Where does it fail?").wait_for()
 
 
 def test_the_curves_zoom_by_keys_and_keep_their_window(found: Served, page: Any) -> None:
@@ -277,7 +277,7 @@ def test_work_can_be_cancelled(
     page.get_by_role("button", name="Learn a model").click()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_text("learning a model: cancelled").wait_for()
-    assert page.get_by_text("not learned yet").is_visible()
+    page.get_by_text("not learned yet").wait_for()
     served.stop()
 
 

@@ -60,12 +60,12 @@ def repeated(page: Any, served: Served, folder: Path) -> float:
 
 def test_a_curve_is_a_step_that_can_be_undone(served: Served, page: Any, tmp_path: Path) -> None:
     page.goto(served.address + "#diagnose")
-    assert page.get_by_text("changing sign with direction, and no effect").is_visible()
+    page.get_by_text("changing sign with direction, and no effect").wait_for()
     page.get_by_role("button", name="Take the curve in").click()
     page.get_by_text("+ curve over position").first.wait_for(timeout=LONG)
     before, after = errors_shown(page, served)
     assert after < 0.2 * before
-    assert page.get_by_text("unexplained, log Bayes factor").is_visible()
+    page.get_by_text("unexplained, log Bayes factor").wait_for()
     assert repeated(page, served, tmp_path) == pytest.approx(after, rel=0.02)
     page.goto(served.address + "#history")
     page.get_by_role("button", name="Undo").click()
