@@ -128,7 +128,7 @@ class FeedforwardNode(LifecycleNode, ClosingNode):
         """Fade out, send zeros, and release the model."""
         link, self._link = self._link, None
         if link is not None:
-            link.close()
+            self.unanswered = link.close()
 
     def _once_a_second(self) -> None:
         self._warnings.flush()

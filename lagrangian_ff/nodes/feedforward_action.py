@@ -6,7 +6,7 @@
 Answers, feedback, results, cancelling and preemption are those of the controller.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -107,15 +107,27 @@ class GoalProxy:
             callback_group=group,
         )
 
-    def close(self) -> None:
-        """Cancel what is under way, since nobody can reach it any more, and release everything."""
+    def close(self) -> Sequence[Future]:
+        """Cancel what is under way, since nobody can reach it any more, and release everything.
+
+        Returns:
+            the answers of the controller that are still to come.
+        """
         if self._kind is None:
-            return
-        for relay in self._relays.values():
-            relay.controller.cancel_goal_async()
+            return ()
+        asked = [relay.controller.cancel_goal_async() for relay in self._relays.values()]
+
+        def release(_: Future | None = None) -> None:
+            if all(answer.done() for answer in asked):
+                self._client.destroy()
+
         self._server.destroy()
-        self._client.destroy()
         self._worker.shutdown(wait=False, cancel_futures=True)
+        for answer in asked:
+            answer.add_done_callback(release)
+        if not asked:
+            release()
+        return asked
 
     async def _on_goal(self, request: Any) -> GoalResponse:
         """Answer with what the controller answers."""

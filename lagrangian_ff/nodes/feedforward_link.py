@@ -1,10 +1,12 @@
 """The configured part of the feedforward node: a model, its stream, and their topics."""
 
 import time
+from collections.abc import Sequence
 
 import numpy as np
 from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleNode
+from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String
 from std_srvs.srv import SetBool
@@ -151,11 +153,10 @@ class FeedforwardLink:
             self._commands.publish(topics.command(np.zeros(len(self._joints))))
         self._commands.wait_for_all_acked(Duration(seconds=0.2))
 
-    def close(self) -> None:
-        """Stop and release everything."""
+    def close(self) -> Sequence[Future]:
+        """Stop and release everything; return what the controller must still answer."""
         self.stop()
-        if self._proxy is not None:
-            self._proxy.close()
+        unanswered = () if self._proxy is None else self._proxy.close()
         self._facts.close()
         self.references.close()
         for publisher in (self._commands, self._stamped):
@@ -163,6 +164,7 @@ class FeedforwardLink:
         self._node.destroy_subscription(self._description)
         self._states.destroy()
         self._node.destroy_service(self._service)
+        return unanswered
 
     def refresh(self) -> None:
         """Apply changed parameters and limits."""

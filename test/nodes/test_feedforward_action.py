@@ -1,6 +1,7 @@
 """Goals of FollowJointTrajectory through the feedforward to a controller with the rules of JTC."""
 
 import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -259,7 +260,10 @@ def test_a_node_that_ends_cancels_what_nobody_can_reach_any_more(
 ) -> None:
     robot = Robot(bench, action, folder, "ending")
     assert robot.send(move([q + 0.1 for q in HOME], 20.0)).accepted
+    robot.controller.signal(signal.SIGSTOP)  # a busy machine: it reads when the node has ended
     robot.node.signal(signal.SIGTERM)
+    time.sleep(0.4)
+    robot.controller.signal(signal.SIGCONT)
     assert robot.node.wait() == 0
     bench.until(lambda: "goal canceled" in robot.controller.output, "the cancelled goal")
 

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -28,6 +29,7 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 import lagrangian_ff
@@ -48,9 +50,15 @@ PACKAGE = Path(lagrangian_ff.__file__).parent
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 """The signals that end a node cleanly: Ctrl-C, ROS, a terminal that is closed, Ctrl-\\."""
 
+ANSWERS = 1.0
+"""Seconds for which the end of a node waits for answers."""
+
 
 class ClosingNode(Node):
     """A node that can leave the machine in a safe state."""
+
+    unanswered: Sequence[Future] = ()
+    """What `close` has asked. A request is lost if its sender ends before it is taken."""
 
     def close(self) -> None:
         """Publish last zeros and save what must be saved; the context is still valid."""
@@ -87,6 +95,13 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         stop = True
         executor.wake()
 
+    def spin_once(node: ClosingNode) -> None:
+        try:
+            executor.spin_once(timeout_sec=0.1)
+        except Exception as error:
+            said = f"a callback failed and was skipped: {_reason(error)}"
+            node.get_logger().error(said, throttle_duration_sec=1.0)
+
     for number in ENDING:
         # nohup leaves the hang-up ignored; a shell's background leaves Ctrl-C so, but not launch's.
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
@@ -97,11 +112,7 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
         node = make_node()
         executor.add_node(node)
         while not stop:
-            try:
-                executor.spin_once(timeout_sec=0.1)
-            except Exception as error:
-                said = f"a callback failed and was skipped: {_reason(error)}"
-                node.get_logger().error(said, throttle_duration_sec=1.0)
+            spin_once(node)
     except (UserError, *BAD_PARAMETER) as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         code = 2
@@ -110,6 +121,9 @@ def run(make_node: Callable[[], ClosingNode], args: list[str] | None = None) -> 
             signal.signal(number, signal.SIG_IGN)
         if node is not None:
             node.close()
+            deadline = time.monotonic() + ANSWERS
+            while time.monotonic() < deadline and not all(f.done() for f in node.unanswered):
+                spin_once(node)
             executor.remove_node(node)
             node.destroy_node()
         executor.shutdown(timeout_sec=0.0)
