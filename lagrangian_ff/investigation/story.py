@@ -11,7 +11,7 @@ from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Unexplained
 from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation.unlisted import Unlisted
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.words import spoken
+from lagrangian_ff.words import sentence, spoken
 
 
 class Ended(str, Enum):
@@ -76,8 +76,9 @@ class Turn:
 
     @property
     def answer(self) -> str:
-        """Return the verdict of the diagnosis in words."""
-        return verdict(self.diagnosis)
+        """Return the answer to the question, and the verdict of the diagnosis, in words."""
+        direct, said = _direct(self.question, self.diagnosis), verdict(self.diagnosis)
+        return f"{direct} {sentence(said)}" if direct else said
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:
@@ -194,6 +195,22 @@ def of_question(question: Question | None) -> tuple[tuple[str, str], ...]:
     if isinstance(question, Between):
         return tuple((one.effect, one.joint) for one in (question.first, question.second))
     return ()
+
+
+def _direct(question: Question | None, found: Diagnosis) -> str:
+    """Return what became of the effects that a question names, in words."""
+    suspects = of_question(question)
+    several = len(suspects) > 1
+    of_them = [one for one in found.findings if (one.effect.name, one.joint) in suspects]
+    added = {one.name for one, _ in found.tried}
+    for one in of_them:
+        if one.name in added:
+            return f"It is {spoken(one.name)}." if several else "Yes."
+    if of_them:
+        return f"{sentence(spoken(of_them[0].name))[:-1]} is no more than {of_them[0].said}."
+    if several:
+        return "Neither shows."
+    return "It does not show." if suspects else ""
 
 
 def asked(question: Question | None) -> str:

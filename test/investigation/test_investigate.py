@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pendulum_rig import START, PendulumRig, limits, plan
 
-from lagrangian_ff.diagnosis.excite import For, Suspect
+from lagrangian_ff.diagnosis.excite import Between, For, Suspect
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
 from lagrangian_ff.effects.user import load_effects
@@ -97,6 +97,21 @@ def test_it_tells_each_question_before_the_motion_and_its_answer_after_it() -> N
     assert before.seconds == float(rig.moved[0].time[-1])
     assert after == replace(before, answer=story.turns[0].answer)
     assert story.ended is Ended.BUDGET
+
+
+def test_an_answer_begins_with_what_became_of_the_effect_that_was_asked_for() -> None:
+    _, story, _ = found(DRAG)
+    last = story.turns[-1]
+    (one,) = last.confirmed
+    it, other = Suspect(one.effect.name, one.joint), Suspect("ripple", "elbow")
+    for question, words in (
+        (None, "Missing and confirmed: "),
+        (For(it), "Yes. Missing and confirmed: "),
+        (For(other), "It does not show. Missing"),
+        (Between(it, other), f"It is quadratic drag on {one.joint}. Missing"),
+        (Between(other, other), "Neither shows. Missing"),
+    ):
+        assert replace(last, question=question).answer.startswith(words)
 
 
 def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.numbers import DASH, chance, typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.colours import AFTER, FAINT, RUNS, faded
+from lagrangian_ff.report.colours import AFTER, FAINT, faded, of_joint
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, embed, line
 from lagrangian_ff.words import sentence, spoken
@@ -128,8 +128,7 @@ def joints_fall_plot(names: Sequence[str], joints: Mapping[str, Sequence[float]]
     data = []
     for k, (joint, errors) in enumerate(joints.items()):
         shares = [100.0 * error / errors[0] if errors[0] else 100.0 for error in errors]
-        colour = RUNS[(k + 1) % len(RUNS)]
-        data.append(line(places, shares, joint, colour, customdata=list(errors), **look))
+        data.append(line(places, shares, joint, of_joint(k), customdata=list(errors), **look))
     layout = {
         "xaxis": _steps(names),
         "yaxis": axis("% of the first error", rangemode="tozero"),

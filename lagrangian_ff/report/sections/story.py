@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from lagrangian_ff.numbers import DASH, typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.colours import RUNS
+from lagrangian_ff.report.colours import of_joint
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, embed, line
 from lagrangian_ff.report.sections.history import fall_plot, joints_fall_plot
@@ -134,8 +134,7 @@ def motion_plot(turn: "Turn") -> Plot:
     moving = [n for n in range(q.shape[1]) if abs(q[:, n]).max() > 1e-3]
     joints = turn.model.joints
     data = [
-        line(time.tolist(), q[:, n].tolist(), joints[n], RUNS[k % len(RUNS)], width=1.4)
-        for k, n in enumerate(moving)
+        line(time.tolist(), q[:, n].tolist(), joints[n], of_joint(n), width=1.4) for n in moving
     ]
     layout = {
         "xaxis": axis("time [s]"),
