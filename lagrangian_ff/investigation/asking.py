@@ -1,6 +1,6 @@
 """The next question: what a diagnosis leaves open, the most promising first."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Suspect
@@ -25,6 +25,7 @@ def next_question(
     unseen: Callable[[], bool],
     asked: Sequence[Question],
     gears: Mapping[str, str] | None = None,
+    denied: Collection[Suspect] = (),
 ) -> Question | None:
     """Return what to ask next; None if nothing is open.
 
@@ -34,9 +35,11 @@ def next_question(
             nothing that was found is open.
         asked: so far.
         gears: by joint, the kind of its gear; what is usual in it is asked for first.
+        denied: what a motion that would have shown it did not show. It is no longer asked about,
+            nor told from its rivals.
     """
     everything = Everything()
-    for question in _open(found, gears or {}):
+    for question in _open(found, gears or {}, denied):
         if asked.count(question) < TWICE:
             return question
     if asked.count(everything) < MOST_EVERYTHING and unseen():
@@ -44,12 +47,14 @@ def next_question(
     return next((one for one in _faint(found) if asked.count(one) < TWICE), None)
 
 
-def _open(found: Diagnosis, gears: Mapping[str, str]) -> Iterator[Question]:
+def _open(
+    found: Diagnosis, gears: Mapping[str, str], denied: Collection[Suspect]
+) -> Iterator[Question]:
     """Yield the questions that what was found leaves open."""
     for one in found.findings:
-        if not shown_by_motion(one.effect):
-            continue
         suspect = Suspect(one.effect.name, one.joint)
+        if not shown_by_motion(one.effect) or suspect in denied:
+            continue
         gear = gears.get(one.joint)
         rivals = sorted(filter(_shown, one.rivals), key=lambda name: -weight(name, gear))
         yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
@@ -97,7 +102,7 @@ def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool
     return TWICE * nats >= max(HOPE, limits.floor - _evidence(found, question.suspect))
 
 
-def answered(question: Question, before: Diagnosis, after: Diagnosis) -> bool:
+def denies(question: Question, before: Diagnosis, after: Diagnosis) -> bool:
     """Return whether a motion made for an effect says no: all motions with it show no more of it.
 
     Args:

@@ -3,13 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from lagrangian_ff.diagnosis import apply, diagnose, thresholds, verdict, with_consequences
+from lagrangian_ff.diagnosis import apply, diagnose, thresholds, with_consequences
 from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Everything,
+    For,
     Question,
     Reference,
+    Suspect,
     design,
     limits_of,
 )
@@ -19,7 +21,7 @@ from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.identification.settings import usual_model
-from lagrangian_ff.investigation.asking import TWICE, answered, next_question, promising
+from lagrangian_ff.investigation.asking import TWICE, denies, next_question, promising
 from lagrangian_ff.investigation.motions import (
     SHORTEST,
     Named,
@@ -29,7 +31,15 @@ from lagrangian_ff.investigation.motions import (
     size_of,
 )
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
-from lagrangian_ff.investigation.story import Asked, Ended, Investigation, Listener, Turn, asked
+from lagrangian_ff.investigation.story import (
+    Asked,
+    Ended,
+    Investigation,
+    Listener,
+    Turn,
+    answered,
+    asked,
+)
 from lagrangian_ff.investigation.stretches import closely, learned_and_unseen
 from lagrangian_ff.investigation.unlisted import take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
@@ -108,6 +118,7 @@ class _Story:
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
         self._assumed: Assumed | None = None
+        self._denied: list[Suspect] = []
         self._first_motions = self._known = 0
         self._used = 0.0
 
@@ -159,8 +170,10 @@ class _Story:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
             before, look = look, self._look()
-            if answered(question, before.diagnosis, look.diagnosis):
+            if denies(question, before.diagnosis, look.diagnosis):
                 questions.append(question)
+                if isinstance(question, For) and made.nats >= thresholds.USED.floor:
+                    self._denied.append(question.suspect)
 
     def told(self, ended: Ended, words: str) -> Investigation:
         """Return the story so far, all models judged on the same unseen motion."""
@@ -242,7 +255,8 @@ class _Story:
         look, self._assumed = _Look(base, found, apply(found)), None
         self._looks.append(look)
         names = tuple(one.name for one, _ in found.tried)
-        self._listen(replace(self._asked, answer=verdict(found), confirmed=names))
+        answer = answered(self._motions[-1][0], found)
+        self._listen(replace(self._asked, answer=answer, confirmed=names))
         return look
 
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
@@ -251,7 +265,8 @@ class _Story:
                 self._assumed = Assumed.of(for_design(look.diagnosis, Everything(), look.made))
             return any(nats < thresholds.USED.floor for nats in self._seen.values())
 
-        return next_question(look.diagnosis, unseen, asked_before, self._plan.gears)
+        gears = self._plan.gears
+        return next_question(look.diagnosis, unseen, asked_before, gears, self._denied)
 
     def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")

@@ -77,8 +77,7 @@ class Turn:
     @property
     def answer(self) -> str:
         """Return the answer to the question, and the verdict of the diagnosis, in words."""
-        direct, said = _direct(self.question, self.diagnosis), verdict(self.diagnosis)
-        return f"{direct} {sentence(said)}" if direct else said
+        return answered(self.question, self.diagnosis)
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:
@@ -195,6 +194,12 @@ def of_question(question: Question | None) -> tuple[tuple[str, str], ...]:
     if isinstance(question, Between):
         return tuple((one.effect, one.joint) for one in (question.first, question.second))
     return ()
+
+
+def answered(question: Question | None, found: Diagnosis) -> str:
+    """Return the answer to a question, and the verdict of the diagnosis, in words."""
+    direct, said = _direct(question, found), verdict(found)
+    return f"{direct} {sentence(said)}" if direct else said
 
 
 def _direct(question: Question | None, found: Diagnosis) -> str:

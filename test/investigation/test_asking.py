@@ -19,7 +19,7 @@ from lagrangian_ff.diagnosis.excite import (
 from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
-from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, answered, promising
+from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, denies, promising
 
 STRIBECK = For(Suspect("stribeck", "elbow"))
 
@@ -109,11 +109,18 @@ def test_a_motion_that_shows_no_more_of_an_effect_says_no() -> None:
     before = diagnosis(waiting=(lead,))
     for nats, no in ((11.0, True), (13.0, False)):
         after = diagnosis(waiting=(replace(lead, log_bayes_factor=nats),))
-        assert answered(STRIBECK, before, after) == no
-    assert answered(STRIBECK, before, diagnosis())
-    assert not answered(STRIBECK, before, diagnosis(findings=(finding(),)))
+        assert denies(STRIBECK, before, after) == no
+    assert denies(STRIBECK, before, diagnosis())
+    assert not denies(STRIBECK, before, diagnosis(findings=(finding(),)))
     between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
-    assert not answered(between, before, diagnosis())
+    assert not denies(between, before, diagnosis())
+
+
+def test_what_its_motion_did_not_show_is_not_told_from_its_rivals() -> None:
+    found = diagnosis(findings=(finding("spring", rivals=("ripple",)),))
+    spring, ripple = Suspect("spring", "elbow"), Suspect("ripple", "elbow")
+    for denied, question in (([spring], None), ([ripple], Between(spring, ripple))):
+        assert next_question(found, lambda: False, (), denied=denied) == question
 
 
 @pytest.mark.parametrize(("nats", "question"), [(9.0, STRIBECK), (3.0, None)])

@@ -15,7 +15,7 @@ NEVER = ("payload", "contact", "saturation", "delay", "eccentricity", "spring", 
 what needs minutes at work."""
 BUDGET = 240.0
 """s of motion of an investigation."""
-COUNTS = {"motion": 12, "five": 6, "two": 5, "clean": 5, "sooner": 12}
+COUNTS = {"motion": 12, "five": 12, "two": 5, "clean": 5, "sooner": 12}
 """Arms of each group."""
 SMALL = {"motion": 1, "five": 1, "two": 1, "clean": 1, "sooner": 1}
 
