@@ -186,7 +186,7 @@ def _chosen(
     fits = np.array([float(passed(hertz, counted).mean()) <= NOISE for hertz in tried])
     hertz = float(f"{tried[np.flatnonzero(fits)[-1]] if fits.any() else low:.2g}")
     worst = int(np.argmax(passed(top, counted)))
-    above = middle > hertz
+    above = middle >= min(hertz, middle[-1])  # bands are coarse where samples are few
     reason = f"bandwidth {hertz:g} Hz: "
     if fits[-1]:
         limit = "the widest that is chosen" if top == USUAL else "a quarter of the sampling rate"

@@ -1,5 +1,6 @@
 """The bandwidth follows the noise of position and torque, on a motion whose physics is known."""
 
+import re
 import time
 
 import numpy as np
@@ -66,6 +67,12 @@ def test_noise_of_torque_lowers_it_and_is_said_to_be_unrelated() -> None:
     found = measured_bandwidth([arm(torque_noise=40.0)])
     assert found.hertz < 15.0
     assert "torque is unrelated to the motion" in found.reason
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_is_unrelated_is_a_number_also_where_samples_are_few() -> None:
+    found = measured_bandwidth([arm(torque_noise=5.0, rate=40.0, seconds=60.0)])
+    assert re.search(r"above it \d+ % of elbow's torque is unrelated", found.reason)
 
 
 def test_the_noise_that_passes_is_what_was_added() -> None:
