@@ -9,7 +9,7 @@ import two_rods
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.results import Reason
 from lagrangian_ff.diagnosis.thresholds import Effort, using
-from lagrangian_ff.effects import EFFECTS, Effect, Parameter
+from lagrangian_ff.effects import EFFECTS, Effect, Parameter, Shape
 from lagrangian_ff.identification import Settings, identify
 
 FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
@@ -98,6 +98,32 @@ def test_an_effect_of_ones_own_says_what_is_positive() -> None:
         first, second = (two_rods.motion(seed, hidden=rail) for seed in (1, 2))
         done = diagnose(model, first, second, {"rail": Rail()}, steps=1)
         assert bool(done.confirmed) == (sign > 0.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_shape_that_hardly_shows_leaves_the_sign_sure(sign: float) -> None:
+    """In a small range a sine is a line: many amplitudes explain it, but none below zero."""
+
+    class Magnet(Effect):
+        name = "magnet"
+        formula = "k sin(q/w)"
+        parameters = (Parameter("k", "N·m", "torque of a magnet", positive=True),)
+        shapes = (Shape("w", "rad", "width of its pole", low=3.0, high=12.0, start=6.0),)
+        part = "gravity"
+
+        def columns(self, x, joint, shape):  # type: ignore[no-untyped-def]
+            return np.sin(x.q[:, [joint]] / shape["w"])
+
+    def magnet(
+        t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
+    ) -> two_rods.Floats:
+        return on_elbow(sign * 20.0 * np.sin(q[:, 1] / 6.0))
+
+    model = identify(two_rods.motion(1), FEW).model
+    first, second = (two_rods.motion(seed, hidden=magnet) for seed in (1, 2))
+    done = diagnose(model, first, second, {"magnet": Magnet()}, steps=1)
+    print([(f.doubt, f.said, f.log_bayes_factor, f.parameters, f.hold_out) for f in done.findings])
+    assert [one.confirmed for one in done.findings] == ([True] if sign > 0.0 else [])
 
 
 def test_two_of_one_shaft_are_judged_by_their_power() -> None:

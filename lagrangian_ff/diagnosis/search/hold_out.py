@@ -11,6 +11,7 @@ from lagrangian_ff.diagnosis.intervals import reach_of_all
 from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
+from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
@@ -157,10 +158,14 @@ def without(
 
 
 def frozen(found: Search) -> list[tuple[Floats, Floats, Floats]]:
-    """Return each step's parameters, and the ends of their 90 % intervals, fitted together."""
+    """Return each step's parameters, and the ends of their 90 % intervals, fitted together.
+
+    The parameters belong to the shapes that were found; the intervals allow for wrong ones.
+    """
     whitened = found.whitened
     places = [place for _, place in whitened.basis.slices()][found.own :]
-    half, values = reach_of_all(whitened), whitened.system.coefficients
+    half = reach_of_all(whitened)
+    values = Fitted.of(whitened).holding(whitened.basis.terms[found.own :]).values
     out = []
     waiting = iter(places)
     for step in found.steps:

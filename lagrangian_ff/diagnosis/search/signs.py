@@ -1,14 +1,17 @@
 """What nature has above zero: dissipation, stiffness, mass and inertia.
 
 An effect says which sums of its parameters these are (`Effect.signs`). In the search their estimate
-decides, in a verdict their 90 % interval. Friction is judged once more, with all other friction of
-its joint: an amplitude over position may have any sign as long as all of it together brakes.
+decides, in a verdict their 90 % interval for the shape that was fitted: where a shape is hardly
+known, the interval of the amplitude reaches below zero, although an amplitude of zero explains
+nothing with any shape. Friction is judged once more, with all other friction of its joint: an
+amplitude over position may have any sign as long as all of it together brakes.
 """
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
+from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import Inputs
 
@@ -35,72 +38,69 @@ def unnatural(whitened: Whitened, score: BayesFactor) -> str:
     Args:
         whitened: with all findings in its basis, fitted together.  score: of the effect.
     """
-    candidate, fitted = score.candidate, _Fitted(whitened, score)
+    candidate, fitted = score.candidate, Fitted.of(whitened, score.variance_inflation)
+    held = fitted.holding([candidate.term()])
     if candidate.cause != candidate.key:  # what a gear does to another joint has either sign
         return ""
     effect, joint, x = candidate.effect, candidate.joint, whitened.x
     place = next(place for term, place in whitened.basis.slices() if term == candidate.term())
     for number, one in zip(range(place.start, place.stop), effect.parameters, strict=True):
-        _, high = fitted.interval(np.eye(whitened.basis.size)[number])
+        _, high = _interval(held, np.eye(whitened.basis.size)[number])
         if one.positive and high < 0.0:
             return f"its {one.name}, {one.meaning}, is below zero, as no {effect.name} has it"
     for words, weights in effect.signs(x, joint, candidate.shape).items():
         whole = np.zeros(whitened.basis.size)
         whole[place] = weights
-        low, high = fitted.interval(whole)
+        low, high = _interval(held, whole)
         if low <= 0.0:
             return (
                 f"{words} is between {low:.3g} and {high:.3g}, not surely above zero as "
                 f"{effect.name} has it"
             )
-    return fitted.driving(joint) if effect.part == "friction" else ""
+    return _driving(fitted, joint) if effect.part == "friction" else ""
 
 
-class _Fitted:
-    """The basis of a motion with the covariance of its parameters."""
+def _interval(fitted: Fitted, weights: Floats) -> tuple[float, float]:
+    """Return the 90 % interval of a sum of parameters, for weights of the first columns."""
+    low, high = _intervals(fitted, weights[None])
+    return float(low[0]), float(high[0])
 
-    def __init__(self, whitened: Whitened, score: BayesFactor) -> None:
-        system, own = whitened.system, slice(0, whitened.basis.size)  # nuisance columns follow
-        scale = score.variance_inflation * system.amplitude
-        self._whitened = whitened
-        self._values = system.coefficients[own]
-        self._covariance = scale * system.covariance[own, own]
 
-    def interval(self, weights: Floats) -> tuple[float, float]:
-        """Return the 90 % interval of a sum of parameters, for weights (B,)."""
-        low, high = self._intervals(weights[None])
-        return float(low[0]), float(high[0])
+def _intervals(fitted: Fitted, weights: Floats) -> tuple[Floats, Floats]:
+    few = weights.shape[1]
+    middle = weights @ fitted.values[:few]
+    variance = np.einsum("kb,kb->k", weights @ fitted.covariance[:few, :few], weights)
+    reach = REACH * np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray(middle - reach), np.asarray(middle + reach)
 
-    def _intervals(self, weights: Floats) -> tuple[Floats, Floats]:
-        middle = weights @ self._values
-        variance = np.einsum("kb,kb->k", weights @ self._covariance, weights)
-        reach = REACH * np.sqrt(np.maximum(variance, 0.0))
-        return np.asarray(middle - reach), np.asarray(middle + reach)
 
-    def driving(self, joint: int) -> str:
-        """Return where all friction of a joint together drives it; empty if it surely brakes."""
-        x, basis = self._whitened.x, self._whitened.basis
-        power = np.zeros((len(x), basis.size))
-        remembers = False
-        for term, place in basis.slices():
-            if term.joint == joint and term.effect.part == "friction":
-                speed = term.effect.speed(x, joint, term.shape)
-                power[:, place] = term.columns(x) * speed[:, None]
-                remembers |= term.effect.remembers
-        low, high = self.interval(power.mean(axis=0))
-        if low <= 0.0:
-            return (
-                f"all friction of the joint takes between {low:.3g} and {high:.3g} W out of the "
-                "motion, not surely more than nothing as friction does"
-            )
-        if remembers:  # what bends before it slides gives a part back
-            return ""
-        values = power @ self._values
-        _, highest = self._intervals(power)
-        driven = float(-np.sum(values[highest < 0.0]) / np.sum(np.abs(values)))
-        if driven <= DRIVES:
-            return ""
+def _driving(fitted: Fitted, joint: int) -> str:
+    """Return where all friction of a joint together drives it; empty if it surely brakes."""
+    x, basis = fitted.whitened.x, fitted.whitened.basis
+    power = np.zeros((len(x), len(fitted.values)))
+    remembers = False
+    for term, place in basis.slices():
+        if term.joint == joint and term.effect.part == "friction":
+            speed = term.effect.speed(x, joint, term.shape)
+            power[:, place] = term.columns(x) * speed[:, None]
+            remembers |= term.effect.remembers
+    for n, term, column in fitted.errors_of_shapes(x, joint):
+        if term.effect.part == "friction":
+            power[:, n] = column * term.effect.speed(x, joint, term.shape)
+    low, high = _interval(fitted, power.mean(axis=0))
+    if low <= 0.0:
         return (
-            f"with it, friction would drive the joint in a part of the motion, by {driven:.0%} of "
-            "its work, where friction only brakes"
+            f"all friction of the joint takes between {low:.3g} and {high:.3g} W out of the "
+            "motion, not surely more than nothing as friction does"
         )
+    if remembers:  # what bends before it slides gives a part back
+        return ""
+    values = power @ fitted.values
+    _, highest = _intervals(fitted, power)
+    driven = float(-np.sum(values[highest < 0.0]) / np.sum(np.abs(values)))
+    if driven <= DRIVES:
+        return ""
+    return (
+        f"with it, friction would drive the joint in a part of the motion, by {driven:.0%} of "
+        "its work, where friction only brakes"
+    )

@@ -1,0 +1,64 @@
+"""The parameters that a motion was fitted with, while shapes may be wrong or are held.
+
+A motion is whitened with the first-order errors of the shapes as further columns, so that nothing
+is found that only makes up for a shape. But an effect in use has one shape, and its parameters
+are those that belong to it. Where a shape hardly shows, the difference is large.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.whitening import Whitened
+from lagrangian_ff.diagnosis.whitening.whitened import TANGENT
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.identification.basis import Term
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What a motion was fitted with: the basis, nuisance columns, and the errors of shapes, last.
+
+    Attributes:
+        whitened: the motion.
+        values: (C,) of all these columns.
+        covariance: (C, C) of them.
+    """
+
+    whitened: Whitened
+    values: Floats
+    covariance: Floats
+
+    @classmethod
+    def of(cls, whitened: Whitened, variance_inflation: float = 1.0) -> "Fitted":
+        """Return what a motion was fitted with, its noise as much larger as is given."""
+        system = whitened.system
+        scale = variance_inflation * system.amplitude
+        return cls(whitened, system.coefficients, scale * system.covariance)
+
+    def holding(self, terms: Sequence[Term]) -> "Fitted":
+        """Return the same with the shapes of some terms as they were fitted."""
+        names = {(term.effect.name, term.joint) for term in terms}
+        own = [n for n, up, _ in self._errors if (up.effect.name, up.joint) in names]
+        if not own:
+            return self
+        rows = self.covariance[own]
+        moves = np.linalg.solve(rows[:, own], rows).T
+        values, covariance = self.values - moves @ self.values[own], self.covariance - moves @ rows
+        return replace(self, values=values, covariance=covariance)
+
+    def errors_of_shapes(self, x: Inputs, joint: int) -> list[tuple[int, Term, Floats]]:
+        """Return each shape's error on a joint: its place, the term, and its column (M,)."""
+        return [
+            (n, up, (up.columns(x) - down.columns(x))[:, 0] / TANGENT)
+            for n, up, down in self._errors
+            if up.joint == joint
+        ]
+
+    @property
+    def _errors(self) -> list[tuple[int, Term, Term]]:
+        tangents = self.whitened.basis.tangents(TANGENT)
+        first = len(self.values) - len(tangents)
+        return [(first + n, up, down) for n, (up, down) in enumerate(tangents)]
