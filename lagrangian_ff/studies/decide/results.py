@@ -173,8 +173,10 @@ class DecideResults(Results):
             left.loglog(np.maximum(nats[:, 1], least), np.maximum(nats[:, 0], least), "o",
                         color=AFTER, alpha=0.7)  # fmt: skip
             ends = np.array([least, max(10.0, float(nats.max(initial=10.0)))])
-            left.loglog(ends, ends, color=BEFORE)
-            left.loglog(ends, RATIO * ends, color=BEFORE, linestyle="--")
+            left.loglog(ends, ends, color=BEFORE, label="as many")
+            left.loglog(ends, RATIO * ends, color=BEFORE, linestyle="--",
+                        label=f"{RATIO:g} times as many: wanted")  # fmt: skip
+            left.legend()
             left.set_xlabel("nats with the template's motion")
             left.set_ylabel("with the designed one")
             left.set_title("the true effect's log Bayes factor, equal time")
@@ -189,7 +191,8 @@ class DecideResults(Results):
             right.set_xlabel("s of motion")
             right.set_ylabel("share found and added")
             right.set_title("investigations")
-            right.legend()
+            if right.lines:
+                right.legend()
         return figure
 
 
