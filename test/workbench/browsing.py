@@ -38,7 +38,8 @@ def opened(browser: Any, **options: Any) -> Iterator[Any]:
     made.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
     yield made
     made.close()
-    assert not [error for error in errors if "Failed to load resource" not in error]
+    said = [error for error in errors if "Failed to load resource" not in error]
+    assert not said, said
 
 
 def idle(page: Any) -> None:

@@ -142,6 +142,14 @@ def test_a_region_and_a_part_of_the_map_light_up_in_the_curves(found: Served, pa
     page.get_by_role("button", name="quadratic drag").click()
 
 
+def test_a_map_that_has_not_come_yet_chooses_nothing(found: Served, page: Any) -> None:
+    page.route("**/api/map/**", lambda route: None)
+    page.goto(found.address + "#compare")
+    page.locator("canvas").last.focus()
+    page.keyboard.press("Enter")
+    assert page.get_by_text("Marked: ").count() == 0
+
+
 def test_news_do_not_break_a_drag(found: Served, page: Any, browser: Any) -> None:
     page.goto(found.address + "#compare")
     curves = page.locator("canvas").first

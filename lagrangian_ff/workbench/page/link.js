@@ -61,14 +61,23 @@ export async function upload(file) {
   }
 }
 
+// Returns what the server has at an address, read as "json" or "arrayBuffer"; null if it has nothing.
+export async function got(address, kind) {
+  try {
+    const response = await fetch(address);
+    return response.ok ? await response[kind]() : null;
+  } catch {
+    return null; // that the server has gone, its events say
+  }
+}
+
 // Curves between two times: {time, series: {name: [joint] -> {low, high}}}.
 export async function trace(node, start, end, width, names) {
   const query = names.map((name) => "&series=" + name).join("");
-  const response = await fetch(`api/trace/${node}?start=${start}&end=${end}&width=${width}${query}`);
-  if (!response.ok) {
+  const data = await got(`api/trace/${node}?start=${start}&end=${end}&width=${width}${query}`, "arrayBuffer");
+  if (!data) {
     return null;
   }
-  const data = await response.arrayBuffer();
   const [count, joints] = new Int32Array(data, 0, 3);
   const numbers = new Float32Array(data, 12);
   let at = 0;

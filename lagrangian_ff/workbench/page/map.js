@@ -1,6 +1,6 @@
 // The error of a joint over two quantities; a rectangle drawn on it chooses those samples everywhere.
 import { drawing, em, h, number } from "./dom.js";
-import { say } from "./link.js";
+import { got, say } from "./link.js";
 
 const SIDES = { size: 300, left: 46, below: 34, top: 8, right: 8 };
 const QUANTITIES = { q: ["position", "rad"], qd: ["speed", "rad/s"], tau: ["torque", "N·m"], load: ["load", "N·m"] };
@@ -63,9 +63,9 @@ export class ErrorMap {
   }
 
   async fetch() {
-    const response = await fetch(`api/map/${this.node.id}?${this.query}`);
-    if (response.ok) {
-      this.found = await response.json();
+    const found = await got(`api/map/${this.node.id}?${this.query}`, "json");
+    if (found) {
+      this.found = found;
       this.from = this.to = null;
       await this.light(this.spans);
     }
@@ -96,22 +96,28 @@ export class ErrorMap {
   }
 
   async ask() {
+    if (!this.found) {
+      return;
+    }
     const at = (ends, share) => ends[0] + share * (ends[1] - ends[0]);
     const { x, y } = this.found, [left, right, below, above] = this.box;
     const ends = `left=${at(x, left)}&right=${at(x, right)}&below=${at(y, below)}&above=${at(y, above)}`;
-    const response = await fetch(`api/chosen/${this.node.id}?${this.query}&${ends}`);
-    if (!response.ok) {
+    const chosen = await got(`api/chosen/${this.node.id}?${this.query}&${ends}`, "json");
+    if (!chosen) {
       say("What was chosen cannot be shown.");
       return;
     }
     this.spans = [];
     this.lit = [];
     this.draw();
-    this.chosen((await response.json()).spans, `${number(at(x, left))} to ${number(at(x, right))}, ${number(at(y, below))} to ${number(at(y, above))}`);
+    this.chosen(chosen.spans, `${number(at(x, left))} to ${number(at(x, right))}, ${number(at(y, below))} to ${number(at(y, above))}`);
   }
 
   // Chooses the bin with the largest error, for those who do not use a mouse.
   worst() {
+    if (!this.found) {
+      return;
+    }
     const { rms, count, bins } = this.found;
     let best = 0, most = -1;
     rms.forEach((value, k) => {
@@ -131,9 +137,9 @@ export class ErrorMap {
     this.box = null;
     this.lit = [];
     if (spans.length) {
-      const response = await fetch(`api/lit/${this.node.id}?${this.query}&spans=${spans.map(([from, to]) => `${from}:${to}`).join()}`);
-      if (response.ok && this.spans === spans) {
-        this.lit = (await response.json()).bins;
+      const lit = await got(`api/lit/${this.node.id}?${this.query}&spans=${spans.map(([from, to]) => `${from}:${to}`).join()}`, "json");
+      if (lit && this.spans === spans) {
+        this.lit = lit.bins;
       }
     }
     this.draw();
