@@ -122,7 +122,6 @@ def test_a_shape_that_hardly_shows_leaves_the_sign_sure(sign: float) -> None:
     model = identify(two_rods.motion(1), FEW).model
     first, second = (two_rods.motion(seed, hidden=magnet) for seed in (1, 2))
     done = diagnose(model, first, second, {"magnet": Magnet()}, steps=1)
-    print([(f.doubt, f.said, f.log_bayes_factor, f.parameters, f.hold_out) for f in done.findings])
     assert [one.confirmed for one in done.findings] == ([True] if sign > 0.0 else [])
 
 

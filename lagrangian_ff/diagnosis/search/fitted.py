@@ -12,18 +12,20 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.diagnosis.whitening.whitened import TANGENT
+from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, errors_of_shapes
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Term
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """What a motion was fitted with: the basis, nuisance columns, and the errors of shapes, last.
+    """The fitted parameters of a motion.
+
+    They stand in this order: those of the basis, of the nuisance columns, of the shapes' errors.
 
     Attributes:
         whitened: the motion.
-        values: (C,) of all these columns.
+        values: (C,) the parameters.
         covariance: (C, C) of them.
     """
 
@@ -41,7 +43,7 @@ class Fitted:
     def holding(self, terms: Sequence[Term]) -> "Fitted":
         """Return the same with the shapes of some terms as they were fitted."""
         names = {(term.effect.name, term.joint) for term in terms}
-        own = [n for n, up, _ in self._errors if (up.effect.name, up.joint) in names]
+        own = [n for n, term in self._errors if (term.effect.name, term.joint) in names]
         if not own:
             return self
         rows = self.covariance[own]
@@ -51,14 +53,16 @@ class Fitted:
 
     def errors_of_shapes(self, x: Inputs, joint: int) -> list[tuple[int, Term, Floats]]:
         """Return each shape's error on a joint: its place, the term, and its column (M,)."""
+        columns = errors_of_shapes(self.whitened.basis, x)
         return [
-            (n, up, (up.columns(x) - down.columns(x))[:, 0] / TANGENT)
-            for n, up, down in self._errors
-            if up.joint == joint
+            (n, term, one.columns[:, 0])
+            for (n, term), one in zip(self._errors, columns, strict=True)
+            if term.joint == joint
         ]
 
     @property
-    def _errors(self) -> list[tuple[int, Term, Term]]:
+    def _errors(self) -> list[tuple[int, Term]]:
+        """Return the place of each shape's error, and the term whose shape it is."""
         tangents = self.whitened.basis.tangents(TANGENT)
         first = len(self.values) - len(tangents)
-        return [(first + n, up, down) for n, (up, down) in enumerate(tangents)]
+        return [(first + n, term) for n, (term, _) in enumerate(tangents)]

@@ -270,7 +270,7 @@ def whiten(
     """
     x = x or inputs.take(index, window_of(index, motion))
     problem = assumed.of(Samples(x, x.mean(motion.tau), weight=weight))
-    tangents = (*problem.nuisance, *_tangents(problem.basis, x))
+    tangents = (*problem.nuisance, *errors_of_shapes(problem.basis, x))
     system = exact(replace(problem, nuisance=tangents), like=like).system
     explained, triangle = np.linalg.qr(system.white_design)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
@@ -379,7 +379,7 @@ def _samples(rows: int, joints: int) -> int:
     return -(-rows // joints)
 
 
-def _tangents(basis: Basis, x: Inputs) -> list[Nuisance]:
+def errors_of_shapes(basis: Basis, x: Inputs) -> list[Nuisance]:
     """Return the derivatives of the columns by the shapes: to first order, the shapes' errors."""
     return [
         Nuisance(up.joint, (up.columns(x) - down.columns(x)) / TANGENT)

@@ -58,7 +58,7 @@ class ClosingNode(Node):
     """A node that can leave the machine in a safe state."""
 
     unanswered: Sequence[Future] = ()
-    """What `close` has asked. A request is lost if its sender ends before it is taken."""
+    """Answers that `close` waits for: if the node ends first, its requests may never arrive."""
 
     def close(self) -> None:
         """Publish last zeros and save what must be saved; the context is still valid."""
