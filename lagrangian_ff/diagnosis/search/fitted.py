@@ -60,6 +60,14 @@ class Fitted:
             if term.joint == joint
         ]
 
+    def beside(self, terms: Sequence[Term]) -> list[int]:
+        """Return the places of the nuisance columns, and of the errors of some terms' shapes."""
+        names = {(term.effect.name, term.joint) for term in terms}
+        errors = self._errors
+        first = len(self.values) - len(errors)
+        mine = [n for n, term in errors if (term.effect.name, term.joint) in names]
+        return [*range(self.whitened.basis.size, first), *mine]
+
     @property
     def _errors(self) -> list[tuple[int, Term]]:
         """Return the place of each shape's error, and the term whose shape it is."""

@@ -1,6 +1,6 @@
 """The hold-out: frozen findings judged on motion that the search did not use."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,11 +11,13 @@ from lagrangian_ff.diagnosis.intervals import reach_of_all
 from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
+from lagrangian_ff.diagnosis.search.carried import Carried
 from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
+from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.reversals import travelled
 from lagrangian_ff.identification.basis import Basis, shares
 from lagrangian_ff.identification.problem import Nuisance
@@ -34,12 +36,19 @@ class HoldOutMotion:
     """Hold-out motion, whitened as the searched one, with all findings subtracted.
 
     Attributes:
-        whitened: the motion; its residual has every frozen finding subtracted.
-        torques: for each finding, its torque (S,) N·m at the samples used.
+        whitened: the motion; its residual has every frozen finding subtracted, and the model's own
+            effects fitted to this motion alone.
+        residual: (S N,) the same, with them as the searched motion leaves them.
+        found: the motion of the search, with all findings.
+        carried: what it says of the model's own effects.
+        taken: for each finding, its torque (S,) N·m on this motion and (S',) on that of the search.
     """
 
     whitened: Whitened
-    torques: tuple[Floats, ...]
+    residual: Floats
+    found: Whitened
+    carried: Carried | None
+    taken: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
     def of(
@@ -74,45 +83,78 @@ class HoldOutMotion:
         for candidate, parameters in taken:
             if not candidate.named or not len(parameters):
                 nuisance.append(Nuisance(candidate.joint, candidate.columns(x)))
-                torques.append(np.zeros(len(index)))
+                torques.append((np.zeros(len(index)), np.zeros(len(found.x))))
                 continue
             torque = candidate.columns(x.whole or x) @ parameters
             tau -= np.outer(torque, candidate.term().on(len(motion.joints)))
-            torques.append(x.mean(torque))
+            torques.append((x.mean(torque), candidate.columns(found.x) @ parameters))
         system = whitened.system
         assumed = replace(assumed.having(basis=model), nuisance=tuple(nuisance))
         left = replace(motion, tau=tau)
         whitened = whiten(left, index, seconds, inputs, assumed, x, system)
         if found.problem.samples.weight is not None:
             whitened = counting_less(whitened)
-        return cls(replace(whitened, seconds=shortest_seconds(whitened)), tuple(torques))
+        whitened = replace(whitened, seconds=shortest_seconds(whitened))
+        carried = Carried.of(found, model.terms, whitened) if model.size else None
+        residual = whitened.residual if carried is None else carried.residual
+        return cls(whitened, residual, found, carried, tuple(torques))
 
     def judged(
-        self, parts: Sequence[tuple[int, Candidate]], share: Floats | None = None
+        self,
+        parts: Sequence[tuple[int, Candidate]],
+        share: Callable[[Inputs], Floats] | None = None,
     ) -> HoldOut:
         """Return how findings do together: the log Bayes factor with them, over that without.
 
         Args:
             parts: the number of each finding, and the finding.
-            share: (S,) by which the torque counts at each sample; None is 1.
+            share: returns by how much the torque counts at each sample (S,); None is 1.
         """
-        z = np.zeros_like(self.whitened.residual)
+        z = np.zeros_like(self.residual)
         for number, candidate in parts:
-            torque = self.torques[number]
-            z += self._white(torque if share is None else torque * share, candidate)
-        return _judged(self.whitened, z)
-
-    def _white(self, torque: Floats, candidate: Candidate) -> Floats:
-        """Return the whitened and projected torque (S N,) of a finding, (S,) N·m on its joint."""
-        on = shares(self.whitened.joints, candidate.joint, candidate.others)[None]
-        return self.whitened.project(self.whitened.shared(torque[:, None], on))[:, 0]
+            here, there = self.taken[number]
+            if share is not None:
+                here, there = here * share(self.whitened.x), there * share(self.found.x)
+            z += self._white(here, there, candidate)
+        return _judged(self.whitened, self.residual, z)
 
     def rival(self, score: BayesFactor, number: int, instead_of: Candidate) -> Floats:
         """Return the log Bayes factor by block (B,) of a frozen rival instead of a finding."""
-        whitened, candidate = self.whitened, score.candidate
-        w = whitened.residual + self._white(self.torques[number], instead_of)
-        z = self._white(candidate.columns(whitened.x) @ score.coefficients, candidate)
-        return np.asarray(np.add.reduceat(z * (w - 0.5 * z), whitened.starts))
+        w = self.residual + self._white(*self.taken[number], instead_of)
+        z = self._white(*self._torques(score), score.candidate)
+        return np.asarray(np.add.reduceat(z * (w - 0.5 * z), self.whitened.starts))
+
+    def less(self, score: BayesFactor) -> "HoldOutMotion":
+        """Return the same with one more torque subtracted, the last of those taken."""
+        torques = self._torques(score)
+        residual = self.residual - self._white(*torques, score.candidate)
+        return replace(self, residual=residual, taken=(*self.taken, torques))
+
+    def alone(self) -> "HoldOutMotion":
+        """Return the same with the model's own effects, and no curve, fitted to this motion."""
+        whitened = self.whitened.explaining(self.whitened.basis, ())
+        return replace(self, whitened=whitened, residual=whitened.residual, carried=None)
+
+    def _torques(self, score: BayesFactor) -> tuple[Floats, Floats]:
+        here, there = (score.candidate.columns(one.x) for one in (self.whitened, self.found))
+        return here @ score.coefficients, there @ score.coefficients
+
+    def _white(self, here: Floats, there: Floats, candidate: Candidate) -> Floats:
+        """Return the whitened and projected torque (S N,) of a finding, N·m on its joint.
+
+        Args:
+            here, there: (S,) on this motion, (S',) on that of the search.
+        """
+        z = _whitened(self.whitened, here, candidate)
+        if self.carried is None:
+            return np.asarray(self.whitened.project(z[:, None])[:, 0])
+        return self.carried.white(z, _whitened(self.found, there, candidate))
+
+
+def _whitened(whitened: Whitened, torque: Floats, candidate: Candidate) -> Floats:
+    """Return the whitened torque (S N,) of a finding, (S,) N·m on its joint."""
+    on = shares(whitened.joints, candidate.joint, candidate.others)[None]
+    return whitened.shared(torque[:, None], on)[:, 0]
 
 
 def judge_hold_out(
@@ -145,7 +187,7 @@ def without(
 ) -> HoldOutMotion:
     """Return hold-out motion with all findings subtracted.
 
-    The model's own effects stay free, and so do the steps whose numbers are in `fitted`.
+    The steps whose numbers are in `fitted` stay free.
     """
     model = Basis(found.whitened.basis.terms[: found.own])
     parameters = (
@@ -195,9 +237,13 @@ def _of_step(found: Search, motion: HoldOutMotion, number: int) -> HoldOut:
     reach = max((term.effect.reach(term.shape) for term in terms), default=0.0)
     if reach <= 0.0:
         return held
-    x = motion.whitened.inputs
-    far = travelled(x.q[:, joint], x.qd[:, joint], x.segment) > BEYOND * reach
-    away = motion.judged([(number, candidate)], motion.whitened.x.mean(far.astype(np.float64)))
+
+    def far(x: Inputs) -> Floats:
+        whole = x.whole or x
+        beyond = travelled(whole.q[:, joint], whole.qd[:, joint], whole.segment) > BEYOND * reach
+        return x.mean(beyond.astype(np.float64))
+
+    away = motion.judged([(number, candidate)], far)
     if away.holds:
         return held
     words = (
@@ -220,10 +266,14 @@ def _alone_or_together(found: Search, motion: HoldOutMotion, number: int) -> Hol
     return together if together.holds else alone
 
 
-def _judged(whitened: Whitened, z: Floats) -> HoldOut:
-    """Return how effects with the whitened torque z (S N,) do on hold-out motion."""
+def _judged(whitened: Whitened, residual: Floats, z: Floats) -> HoldOut:
+    """Return how effects with the whitened torque z (S N,) do on hold-out motion.
+
+    Args:
+        residual: (S N,) that they leave.
+    """
     limits = thresholds.USED
-    w = whitened.residual + z
+    w = residual + z
     gained = np.add.reduceat(z * (w - 0.5 * z), whitened.starts)
     expected = np.add.reduceat(0.5 * z * z, whitened.starts)
     enough = min(len(expected), float(expected.sum()) / limits.group_nats[0]) / limits.fewest_groups

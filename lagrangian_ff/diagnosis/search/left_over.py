@@ -93,12 +93,11 @@ def _comes_again(step: Step, motion: HoldOutMotion) -> bool:
     A tone has another phase there, and is fitted again. A curve over time never comes again:
     noise that changes slowly makes one in every recording.
     """
-    candidate = step.score.candidate
-    bare = motion.whitened.explaining(motion.whitened.basis, ())
+    candidate, bare = step.score.candidate, motion.alone()
     if isinstance(candidate.source, Sinusoid):
-        (score,) = bayes_factors(bare, [candidate])
+        (score,) = bayes_factors(bare.whitened, [candidate])
         return score.log_bf > thresholds.USED.floor
-    return _held_out(replace(motion, whitened=bare), step.score)[0]
+    return _held_out(bare, step.score)[0]
 
 
 def more_than_noise(whitened: Whitened) -> Floats:
@@ -192,11 +191,8 @@ def _refitted(whitened: Whitened, first: BayesFactor) -> tuple[BayesFactor, Whit
 
 def _held_out(motion: HoldOutMotion, score: BayesFactor) -> tuple[bool, HoldOutMotion]:
     """Return whether a frozen torque holds on unseen motion, and that motion without it."""
-    whitened = motion.whitened
-    z = _whitened_torque(whitened, score)
-    torque = score.candidate.columns(whitened.x) @ score.coefficients
-    less = HoldOutMotion(replace(whitened, residual=whitened.residual - z), (torque,))
-    return less.judged([(0, score.candidate)]).holds, less
+    less = motion.less(score)
+    return less.judged([(len(less.taken) - 1, score.candidate)]).holds, less
 
 
 def _whitened_torque(whitened: Whitened, score: BayesFactor) -> Floats:
