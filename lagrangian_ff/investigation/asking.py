@@ -96,6 +96,7 @@ def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool
         return sum(new) >= NEW * len(gains)
     if isinstance(question, Between):
         return TWICE * nats >= limits.rival_nats
+    assert isinstance(question, For)
     wanted = question.suspect.effect, question.suspect.joint
     if wanted in [(one.effect.name, one.joint) for one in found.findings]:
         return True

@@ -107,6 +107,8 @@ def test_a_file_that_is_no_design(tmp_path: Path, model: Path) -> None:
         ([], ["name one", "--for"]),
         (["chirp", "--everything"], ["name one"]),
         (["--everything"], ["needs --model"]),
+        (["--parameters"], ["needs --model"]),
+        (["--parameters", "--everything", "--model", "M"], ["not allowed with"]),
         (["--everything", "--arm"], ["needs --model"]),
         (["--for", "stribeck", "--model", "M"], ["expected EFFECT@JOINT"]),
         (["--for", "stribeck@hip", "--model", "M"], ["no joint hip"]),

@@ -32,9 +32,12 @@ from lagrangian_ff.diagnosis.excite import (
     Expected,
     For,
     Limits,
+    Parameters,
     Question,
+    Reference,
     Suspect,
     design,
+    excite,
     limits_of,
     outcomes,
     seen_pose,
@@ -185,13 +188,43 @@ def test_a_larger_effect_gains_more() -> None:
     assert small.of_torque(large.torque) == pytest.approx(large.nats)
 
 
-@pytest.mark.parametrize("question", [*QUESTIONS[1:], Everything()])
+@pytest.mark.parametrize("question", [*QUESTIONS[1:], Everything(), Parameters()])
 def test_every_question_has_its_motion(question: Question) -> None:
     found = design(rods(), question, seconds=SECONDS, assumed=assumed(), effort=TINY)
     assert_sound(found, limits_of(rods()))
     assert found.nats > 0.0
     assert found.question == question
     assert set(joints_of(question, rods())) <= set(found.joints)
+
+
+def test_a_motion_for_the_parameters_tells_more_of_them_than_exciting() -> None:
+    """Of the five base parameters of two rods, in less time."""
+    limits = limits_of(rods())
+    start = seen_pose(rods(), None, limits)
+    template = excite("exciting", rods().joints, limits, start=start, duration=SECONDS)
+    found = design(
+        rods(), Parameters(), start=start, seconds=SECONDS, assumed=assumed(), effort=TINY
+    )
+    assert found.reference.time[-1] < 1.1 * template.time[-1]
+    assert log_det(found.reference) > log_det(template)
+
+
+def log_det(made: Reference) -> float:
+    """Return the log determinant of the information about the base parameters of two rods."""
+    (a, b), (v, w), (f, g) = (one.T for one in made[1:])
+    c, s, none = np.cos(b), np.sin(b), np.zeros(len(a))
+    weight = 9.81 * np.cos(a + b)
+    shoulder = [
+        f,
+        f + g,
+        none,
+        0.5 * (2.0 * c * f + c * g - s * (2.0 * v * w + w**2)) + weight,
+        9.81 * np.cos(a),
+    ]
+    elbow = [none, f + g, g, 0.5 * (c * f + s * v**2) + weight, none]
+    noise = two_rods.NOISE[:, None]
+    both = np.hstack([np.array(shoulder) / noise[0], np.array(elbow) / noise[1]])
+    return float(np.linalg.slogdet(both @ both.T)[1])
 
 
 def test_the_joint_in_question_is_also_moved_alone() -> None:

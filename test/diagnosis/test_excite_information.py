@@ -7,7 +7,7 @@ import pytest
 from design_examples import QUESTIONS, SECONDS, SIZE, assumed, rods, swing
 from whitened_examples import SHORT, quickly
 
-from lagrangian_ff.diagnosis.excite import Question, Reference, limits_of, seen_pose
+from lagrangian_ff.diagnosis.excite import Parameters, Question, Reference, limits_of, seen_pose
 from lagrangian_ff.diagnosis.excite.objective import Objective, judge
 from lagrangian_ff.diagnosis.excite.questions import Case, cases_of
 from lagrangian_ff.diagnosis.excite.splines import AT_REST, Splines
@@ -103,7 +103,7 @@ def test_what_a_bend_shows_in_creeping_counts_for_little(
     assert least * signals[0] <= signals[1] <= most * signals[0], signals
 
 
-@pytest.mark.parametrize("question", QUESTIONS)
+@pytest.mark.parametrize("question", [*QUESTIONS, Parameters()])
 def test_the_slope_is_that_of_the_value(question: Question) -> None:
     splines = Splines(6.0, 24)
     index = np.arange(3, len(splines.time), 11)

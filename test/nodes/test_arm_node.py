@@ -150,7 +150,9 @@ def test_an_arm_with_its_own_clock_publishes_it_and_stops_at_its_end(
     clock = bench.collect(Clock, "/clock", BEST_EFFORT)
     bench.until(lambda: len(states) > 100 and clock, "joint states and the clock")
     last = clock[-1][1].clock
-    assert int(last.sec) * 10**9 + int(last.nanosec) in {stamp(message) for _, message in states}
+    at = int(last.sec) * 10**9 + int(last.nanosec)
+    bench.until(lambda: stamp(newest(states)) >= at, "the joint state of that moment")
+    assert at in {stamp(message) for _, message in states}
     assert bench.set_parameter("clocked/arm", "clock_speed", 0.0).successful
     bench.until_quiet(states, "joint states while the clock stands")
     stood = stamp(newest(states))

@@ -41,6 +41,7 @@ examples:
   lagrangian_ff excite --between backlash@elbow hysteresis@elbow --model model.npz \\
       --urdf robot.urdf --floor 0 --box 0.6 0 0.4  0.3 0.8 0.05 --output d.yaml
   lagrangian_ff excite --everything --model model.npz --output d.csv
+  lagrangian_ff excite --parameters --model model.npz --output masses.csv
 
 the templates:
   exciting     all joints through their ranges at once, slow and fast

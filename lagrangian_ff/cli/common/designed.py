@@ -47,6 +47,8 @@ def add_questions(parser: ArgumentParser) -> None:
     one.add_argument("--between", nargs=2, metavar="EFFECT@JOINT", help=two)
     everything = "of all effects and bodies, what do the model's own data not show?"
     one.add_argument("--everything", action="store_true", help=everything)
+    bodies = "which masses and inertias? With the least motion, to identify the arm"
+    one.add_argument("--parameters", action="store_true", help=bodies)
     options.add_rows(group, (
         ("--size", float, "SHARE",
          "torque of the effects on the model's own data, over that of the joint (default: 0.05)"),
@@ -82,10 +84,12 @@ def add_shapes(group: "_ActionsContainer") -> None:
 
 def check(arguments: Namespace) -> None:
     """Raise UserError for options that do not go together."""
-    asked = [arguments.suspect, arguments.between, arguments.everything or None, arguments.what]
+    flags = [getattr(arguments, name) or None for name in ("everything", "parameters")]
+    asked = [arguments.suspect, arguments.between, arguments.what, *flags]
     if sum(one is not None for one in asked) != 1:
         raise UserError(
-            "name one: an effect or a motion for a template, or --for, --between or --everything"
+            "name one: an effect or a motion for a template, or --for, --between, --everything or "
+            "--parameters"
         )
     own = ["size", "shape", "search", "urdf", "floor", "clearance", "box", *BOUNDS]
     given = [f"--{name}" for name in own if getattr(arguments, name) not in (None, [])]
@@ -145,7 +149,7 @@ def designed(arguments: Namespace) -> "Design":
 
 
 def _question(arguments: Namespace) -> "Question":
-    from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
+    from lagrangian_ff.diagnosis.excite import Between, Everything, For, Parameters, Suspect
 
     if arguments.suspect is not None:
         suspect = Suspect.parse(arguments.suspect)
@@ -154,7 +158,7 @@ def _question(arguments: Namespace) -> "Question":
     if arguments.between is not None:
         first, second = map(Suspect.parse, arguments.between)
         return Between(first, second)
-    return Everything()
+    return Parameters() if arguments.parameters else Everything()
 
 
 def _limits(arguments: Namespace, model: "Model") -> "Limits":
@@ -231,6 +235,7 @@ def record_of(design: "Design") -> dict[str, Any]:
 def say(design: "Design", record: dict[str, Any], console: Console) -> None:
     """Print what a design is expected to show, what it will not, and how far it goes."""
     from lagrangian_ff.diagnosis import thresholds
+    from lagrangian_ff.diagnosis.excite import Parameters
 
     size = design.expected[0].size if design.expected else 0.0
     console.say(f"{record['question']} {record['seconds']:.1f} s, climbed from {design.begun}")
@@ -241,9 +246,11 @@ def say(design: "Design", record: dict[str, Any], console: Console) -> None:
             f"{', '.join(design.beyond)} go farther or faster than the model has seen: torques and "
             "gains are a guess there"
         )
-    words = "to decide it, for an effect of"
-    console.say(f"expected: {number(design.nats)} nats {words} {size:.0%} of its joint's torque")
-    if design.nats < thresholds.USED.floor and not design.beyond:
+    of_bodies = isinstance(design.question, Parameters)
+    words = f"to decide it, for an effect of {size:.0%} of its joint's torque"
+    words = "about the rigid bodies" if of_bodies else words
+    console.say(f"expected: {number(design.nats)} nats {words}")
+    if design.nats < thresholds.USED.floor and not design.beyond and not of_bodies:
         console.note(
             "that is too little for a claim within what the model has seen: where the arm may move "
             "faster or farther, allow it (--speed, --acceleration, --jerk, --low, --high)"
@@ -299,8 +306,8 @@ def promised(path: Path | None) -> Promise:
         raise UserError(f"--expected {path}: {error.strerror or error}") from None
     except (ValueError, RecursionError):
         raise UserError(
-            f"--expected {path}: expected the file that lagrangian_ff excite --for, --between or "
-            "--everything writes with --json"
+            f"--expected {path}: expected the file that lagrangian_ff excite --for, or another "
+            "question, writes with --json"
         ) from None
     return design
 

@@ -9,7 +9,14 @@ from lagrangian_ff.diagnosis.excite.keeping import limits_of
 from lagrangian_ff.diagnosis.excite.motions import NEXT_MOTIONS, NextMotion
 from lagrangian_ff.diagnosis.excite.outcome import Outcome, design_record, outcomes
 from lagrangian_ff.diagnosis.excite.path import Limits, Reference
-from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.excite.questions import (
+    Between,
+    Everything,
+    For,
+    Parameters,
+    Question,
+    Suspect,
+)
 
 __all__ = [
     "NEXT_MOTIONS",
@@ -25,6 +32,7 @@ __all__ = [
     "Limits",
     "NextMotion",
     "Outcome",
+    "Parameters",
     "Question",
     "Reference",
     "Suspect",

@@ -13,6 +13,7 @@ from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
 from lagrangian_ff.diagnosis.excite.questions import (
     Everything,
     For,
+    Parameters,
     Question,
     cases_of,
     creeping_in,
@@ -36,7 +37,8 @@ class Design:
     Attributes:
         question: that it is to answer.  joints: N names.
         reference: the motion, every 0.01 s.
-        nats: expected to decide the question at the size asked for, the least of all ways to err.
+        nats: expected to decide the question at the size asked for, the least of all ways to err;
+            or those that it tells of the rigid bodies.
         expected: of every effect on every joint at this size.
         used: by limit, (N,) the share of it that the motion takes.
         begun: the motion that it was climbed from.
@@ -103,7 +105,8 @@ def design(
     index = samples_of(splines, effort, len(pose), seed)
     groups = cases_of(question, assumed, size)
     assumed = assumed.unsure_of_creep(creeping_in(question, model.joints))
-    objective = Objective(assumed, groups, splines, size, index, isinstance(question, Everything))
+    dynamics = isinstance(question, Everything | Parameters)
+    objective = Objective(assumed, groups, splines, size, index, dynamics)
     every = Way(objective, keeper, pose, effort, tuple(range(len(pose))))
     # Threads that share products as small as these mostly wait for each other.
     with limited(1), one_blas_thread():
@@ -172,7 +175,7 @@ def joints_of(question: Question, model: Model) -> Sequence[str]:
     Raises:
         ModelError: the model lacks one.
     """
-    if isinstance(question, Everything):
+    if isinstance(question, Everything | Parameters):
         return model.joints
     for one in question.suspects:
         if one.joint not in model.joints:

@@ -90,10 +90,9 @@ class Objective:
         judged = [judge(whitened, group, self.assumed, self.size) for group in self.groups]
         softened = [[one.worth for one in group] for group in judged]
         means = [float(np.mean([least for least, _ in group])) for group in softened]
-        value, of_groups = softmin(np.array(means))
+        value, of_groups = softmin(np.array(means)) if means else (0.0, np.zeros(0))
         if self.dynamics:
-            system = whitened.system
-            value += (system.log_det - float(np.sum(np.log(system.noise)))) / self._cases
+            value += 2.0 * learned(whitened) / self._cases
         look = Look(whitened, value)
         if slope:
             for number, (group, soft) in enumerate(zip(judged, softened, strict=True)):
@@ -165,7 +164,8 @@ class Objective:
         states = States.of(x.q, x.qd, x.qdd)
         kernel, joints = chain_of(whitened.problem), whitened.joints
         plain = kernel.cross(states, states)
-        flat = np.concatenate(look.weights, axis=2).reshape(-1, len(look.shares))
+        flat = np.concatenate([np.zeros((len(x), joints, 0)), *look.weights], axis=2)
+        flat = flat.reshape(len(plain), -1)
         pulled = flat * np.array(look.shares)
         precision = _inverse(whitened.system.upper) if self.dynamics else None
         here = [pull for pull in _merged(look.pulls) if not pull.term.effect.remembers]
@@ -194,7 +194,7 @@ class Objective:
 
     @property
     def _cases(self) -> int:
-        return sum(len(group) for group in self.groups)
+        return max(1, sum(len(group) for group in self.groups))
 
     def _slope_of_memory(self, look: Look, control: Floats, free: Sequence[int]) -> Floats:
         """Return (K, N) the slope by effects with a memory, by their own joint alone."""
@@ -292,14 +292,26 @@ def judge(whitened: Whitened, group: Sequence[Case], assumed: Assumed, size: flo
     return found
 
 
+def learned(whitened: Whitened) -> float:
+    """Return the nats that a motion tells of the rigid bodies, ½ log det (I + D⁻¹ K).
+
+    K is linear in the base parameters, so the most of them is D-optimal, with the kernel as prior.
+    """
+    system = whitened.system
+    return 0.5 * (system.log_det - float(np.sum(np.log(system.noise))))
+
+
 def nats_of(
     assumed: Assumed, groups: Sequence[Sequence[Case]], made: Reference, size: float
 ) -> float:
     """Return the nats that a motion is expected to give to decide a question.
 
     Of each effect against the rival that imitates it best, the typical one of the least group.
+    Without groups, those that it tells of the rigid bodies.
     """
     whitened = assumed.whitened(made)
+    if not groups:
+        return learned(whitened)
     judged = [judge(whitened, group, assumed, size) for group in groups]
     count = len(whitened.index)
     return min(

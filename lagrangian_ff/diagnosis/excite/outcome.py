@@ -7,7 +7,7 @@ from typing import Any
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite.assumed import Expected
 from lagrangian_ff.diagnosis.excite.design import Design
-from lagrangian_ff.diagnosis.excite.questions import Between, Everything, For, Question
+from lagrangian_ff.diagnosis.excite.questions import Between, For, Parameters, Question
 
 Record = dict[str, Any]
 
@@ -18,7 +18,8 @@ def words_of(question: Question) -> str:
         return f"is {question.suspect} there?"
     if isinstance(question, Between):
         return f"is it {question.first} or {question.second}?"
-    assert isinstance(question, Everything)
+    if isinstance(question, Parameters):
+        return "which masses and inertias does the arm have?"
     return "what is there of all that the model's own data do not show?"
 
 

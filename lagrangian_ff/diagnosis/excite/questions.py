@@ -80,7 +80,17 @@ class Everything:
         return ()
 
 
-Question = For | Between | Everything
+@dataclass(frozen=True)
+class Parameters:
+    """What are the parameters of the rigid bodies? The motion is D-optimal for them."""
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """Return the effects asked about."""
+        return ()
+
+
+Question = For | Between | Everything | Parameters
 
 
 @dataclass(frozen=True)
@@ -98,6 +108,8 @@ class Case:
 
 def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Case]]:
     """Return groups of cases: the least of the groups counts, of a group the mean.
+
+    A question about the parameters has none.
 
     Args:
         size: of the effects, which decides what the model's own data do not show.
@@ -126,6 +138,8 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
             ]
             for true, other in ways
         ]
+    if isinstance(question, Parameters):
+        return []
     return [[Case(one, (None,)) for one in _hidden(assumed, size)]]
 
 

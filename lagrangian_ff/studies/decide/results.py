@@ -266,12 +266,14 @@ def _of_investigations(groups: Mapping[str, Sequence[Investigated]]) -> dict[str
             share, floor = 1.0 - len(hidden) / len(some), thresholds.USED.floor
             little = sum((one.attainable or 0.0) < floor for one in hidden)
             never = sum((one.promised or 0.0) < floor for one in hidden)
+            others = (
+                f"; of the {len(hidden)} others, the true torque shows by less than {floor:g} nats "
+                f"in {little}, and 30 s designed for it promise no more in {never}"
+            )
             found[group] = Finding(
                 share >= wanted,
                 f"investigations find and add {share:.2f} of effects of {WORDS[group]} "
-                f"(wanted {wanted:g}); of the {len(hidden)} others, the true torque shows by less "
-                f"than {floor:g} nats in {little}, and 30 s designed for it promise no more in "
-                f"{never}",
+                f"(wanted {wanted:g}){others if hidden else ''}",
                 {"share": share, "hidden": len(hidden), "too little": little, "never": never},
             )
     if len(groups["clean"]) >= FEWEST:

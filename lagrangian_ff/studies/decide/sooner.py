@@ -6,7 +6,7 @@ import numpy as np
 
 from lagrangian_ff.arm import HOME, JOINTS, Trajectory, working_motion
 from lagrangian_ff.diagnosis import compare
-from lagrangian_ff.diagnosis.excite import Everything, Reference, design
+from lagrangian_ff.diagnosis.excite import Parameters, Reference, design
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.investigation.motions import first_motion
 from lagrangian_ff.recording import Motion, condition_alike
@@ -38,7 +38,7 @@ def errors(nuisances: Nuisances, seed: int, model: str) -> dict[str, list[float]
     (motion,) = condition_alike([usual])
     first = identify([_until(motion, FIRST)], settings).model
     made = design(
-        first, Everything(), limits, start=start, seconds=TIMES[-1] - FIRST, clear=clear, seed=seed
+        first, Parameters(), limits, start=start, seconds=TIMES[-1] - FIRST, clear=clear, seed=seed
     )
     designed = rig.follow(_trajectory(made.reference))
     unseen = rig.follow(working_motion("spline", UNSEEN, 0.0, 0.45, seed + 1, nuisances.parameters))
