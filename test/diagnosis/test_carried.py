@@ -10,7 +10,7 @@ from whitened_examples import friction, inputs, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.search.carried import DRIFTS, Carried
-from lagrangian_ff.diagnosis.whitening import whiten
+from lagrangian_ff.diagnosis.whitening import Whitened, whiten
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Settings, identify
 
@@ -48,6 +48,13 @@ def found(first: two_rods.Hidden, second: two_rods.Hidden, seconds: float) -> Di
     )
 
 
+def carried_of(searched: Whitened, unseen: Whitened) -> Carried:
+    """Return what a motion says of plain friction for another."""
+    carried = Carried.of(searched, friction().terms, unseen)
+    assert carried is not None
+    return carried
+
+
 def names(done: Diagnosis) -> list[tuple[str, str]]:
     """Return what is confirmed, and where."""
     return [(one.effect.name, one.joint) for one in done.confirmed]
@@ -76,7 +83,7 @@ def test_it_is_the_bayes_factor_of_the_unseen_motion_given_the_searched_one() ->
     motion = two_rods.motion(2, 10.0)
     parts = searched.index[:80], searched.seconds, inputs(motion)
     unseen = whiten(motion, *parts, searched.problem)
-    carried = Carried.of(searched, friction().terms, unseen)
+    carried = carried_of(searched, unseen)
     np.testing.assert_array_equal(carried.drift, 0.0)
 
     rng = np.random.default_rng(0)
@@ -126,7 +133,7 @@ def test_the_largest_drift_forgets_the_searched_motion() -> None:
     motion = two_rods.motion(2, 10.0, hidden=other_gears)
     parts = searched.index[:80], searched.seconds, inputs(motion)
     unseen = whiten(motion, *parts, searched.problem)
-    carried = Carried.of(searched, friction().terms, unseen)
+    carried = carried_of(searched, unseen)
     np.testing.assert_array_equal(carried.drift, DRIFTS[-1])
     torque = unseen.shared(unseen.x.q[:, [0]] ** 2, np.array([[0.0, 1.0]]))[:, 0]
     z = carried.white(torque, np.zeros(searched.residual.shape))
@@ -140,7 +147,7 @@ def test_one_way_only_tells_dry_friction_from_no_offset() -> None:
     motion = two_rods.motion(2, 10.0)
     onward = np.flatnonzero(motion.qd[:, 1] > 20 * two_rods.WIDTH)[::4]
     unseen = whiten(motion, onward, searched.seconds, inputs(motion), searched.problem)
-    carried = Carried.of(searched, friction().terms, unseen)
+    carried = carried_of(searched, unseen)
     assert np.isfinite(carried.drift).all()
     on = np.array([[0.0, 1.0]])
     here, there = (
@@ -149,3 +156,12 @@ def test_one_way_only_tells_dry_friction_from_no_offset() -> None:
     )
     z, alone = carried.white(here, there), unseen.project(here[:, None])[:, 0]
     assert 0.1 * float(alone @ alone) < float(z @ z) < 10.0 * float(here @ here)
+
+
+def test_a_model_without_friction_has_nothing_to_carry() -> None:
+    plain = Settings(train=1.0, samples=120, evaluations=20, model="chain")
+    model = identify(two_rods.motion(1), plain).model
+    first, second = (two_rods.motion(seed, 20.0) for seed in (1, 2))
+    sought = {name: EFFECTS[name] for name in ("viscous", "coulomb")}
+    done = diagnose(model, first, second, sought, steps=4)
+    assert {one.effect.name for one in done.confirmed} == set(sought)

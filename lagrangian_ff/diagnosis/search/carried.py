@@ -1,8 +1,8 @@
-"""What the searched motion says of the parameters that the model has, for unseen motion.
+"""What the searched motion says of the friction that the model has, for unseen motion.
 
-A finding is judged beside the model's own effects. Fitted to ten seconds of unseen motion alone,
-they would turn a drag into a little more viscous and Coulomb friction. But the searched motion
-knows them well, with the finding and without it. So both predict the unseen motion, and only as
+A finding is judged beside the model's own friction. Fitted to ten seconds of unseen motion alone,
+that would turn a drag into a little more viscous and Coulomb friction. But the searched motion
+knows it well, with the finding and without it. So both predict the unseen motion, and only as
 much is left open as friction differs between the motions: another temperature, another day.
 """
 
@@ -28,7 +28,7 @@ SHOWS = 1e-5
 
 @dataclass(frozen=True)
 class Carried:
-    """The model's own parameters on unseen motion, as the searched motion leaves them.
+    """The parameters of the model's friction on unseen motion, as the searched motion leaves them.
 
     Attributes:
         design: (S N, B) their whitened columns on the unseen motion.
@@ -45,8 +45,8 @@ class Carried:
     drift: Floats
 
     @classmethod
-    def of(cls, searched: Whitened, own: Sequence[Term], unseen: Whitened) -> "Carried":
-        """Return what one motion says of the parameters of effects, for another.
+    def of(cls, searched: Whitened, own: Sequence[Term], unseen: Whitened) -> "Carried | None":
+        """Return what one motion says of the friction of a model, for another; None for nothing.
 
         Args:
             searched: with all findings in its basis, after those of the model.
@@ -62,6 +62,8 @@ class Carried:
         mine, known = _outside(there[:, [*beside, *fitted.beside(terms)]], there[:, rubs])
         # What the searched motion does not show is fitted to the unseen one.
         rubs, joint, mine = rubs[known], joint[known], mine[:, known]
+        if not len(rubs):
+            return None
         seen, _ = _outside(np.delete(here, rubs, axis=1), here[:, rubs])
         free, values = _span(np.delete(here, rubs, axis=1)), fitted.values[rubs]
         left = unseen.system.white_target / unseen.amplitude - here[:, rubs] @ values

@@ -38,9 +38,9 @@ class HoldOutMotion:
     Attributes:
         whitened: the motion; its residual has every frozen finding subtracted, and the model's own
             effects fitted to this motion alone.
-        residual: (S N,) the same, with them as the searched motion leaves them.
+        residual: (S N,) the same, with its friction as the searched motion leaves it.
         found: the motion of the search, with all findings.
-        carried: what it says of the model's own effects.
+        carried: what it says of the model's friction; None for nothing.
         taken: for each finding, its torque (S,) N·m on this motion and (S',) on that of the search.
     """
 
@@ -64,7 +64,8 @@ class HoldOutMotion:
         Args:
             motion: not used in the search.
             found: the motion of the search, with all findings.
-            model: the basis of the model, its shapes fitted; its parameters stay free.
+            model: the basis of the model, its shapes fitted. Its parameters stay free, those of
+                friction as far as `Carried` leaves them.
             taken: the findings with frozen parameters. One with no parameters, (0,), is fitted to
                 this motion, as a curve always is, and the load is predicted without it.
             change: where this motion takes up a load, if the first one did.
@@ -95,7 +96,7 @@ class HoldOutMotion:
         if found.problem.samples.weight is not None:
             whitened = counting_less(whitened)
         whitened = replace(whitened, seconds=shortest_seconds(whitened))
-        carried = Carried.of(found, model.terms, whitened) if model.size else None
+        carried = Carried.of(found, model.terms, whitened)
         residual = whitened.residual if carried is None else carried.residual
         return cls(whitened, residual, found, carried, tuple(torques))
 
