@@ -9,6 +9,7 @@ which are searched; all others are parameters, which the torque is linear in.
 import ast
 import json
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -221,7 +222,9 @@ def _parsed(name: str, formula: str) -> ast.expr:
     if not formula.strip() or len(formula) > LONGEST:
         raise _error(name, f"expected a formula of 1 to {LONGEST} characters")
     try:
-        tree = ast.parse(formula.strip().replace("^", "**"), mode="eval").body
+        with warnings.catch_warnings():  # of Python, about its own syntax
+            warnings.simplefilter("error", SyntaxWarning)
+            tree = ast.parse(formula.strip().replace("^", "**"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         where = f" at character {error.offset}" if isinstance(error, SyntaxError) else ""
         raise _error(name, f"{formula!r} is no formula{where}") from None

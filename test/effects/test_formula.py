@@ -88,6 +88,7 @@ def test_units_and_the_number_of_values_come_from_the_file(tmp_path: Path) -> No
     [
         ("", {}, "expected a formula"),
         ("A*qd)", {}, "is no formula"),
+        ("A*qd if 1else 0", {}, "is no formula"),
         ("qd", {}, "no parameter"),
         ("A*qd + sin(q)", {}, "no parameter as a factor"),
         ("A*sin(B*q)", {}, "not linear in B"),
