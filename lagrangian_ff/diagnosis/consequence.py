@@ -28,8 +28,9 @@ class Consequence:
         every_before, every_after: N·m, over the whole motion and all joints.
         deviation: of the fall of the joint's squared error, relative to that error before, over
             blocks.
-        rise: of the error over all joints, in N·m or in the mean of its relative changes, whichever
-            is larger, relative to its deviation over blocks; negative if it falls.
+        rise: of the error over all joints, as the mean of its relative changes, relative to its
+            deviation over blocks; negative if it falls.
+        rise_in_torque: the same of its square in N·m, which the largest joint decides.
         joints_before, joints_after: N·m, over the whole motion, by joint name.
         beside: the consequence of adding it to all others, those after it too, where that decides
             whether it is worth it; else None.
@@ -45,6 +46,7 @@ class Consequence:
     every_after: float
     deviation: float = 0.0
     rise: float = 0.0
+    rise_in_torque: float = 0.0
     joints_before: Mapping[str, float] = field(default_factory=dict)
     joints_after: Mapping[str, float] = field(default_factory=dict)
     beside: "Consequence | None" = None
@@ -53,18 +55,20 @@ class Consequence:
     def worth(self) -> bool:
         """Return whether the error surely falls on its joint, and does not rise over all of them.
 
-        A small joint counts as much there as a large one.
+        A small joint counts as much there as a large one. Each refit moves the largest joint's
+        error a little, so that in N·m only a sure rise counts.
         """
         if self.beside is not None:
             return self.beside.worth
-        return self._fall > self.deviation and self.rise <= 1.0
+        return self._fall > self.deviation and self.rise <= 1.0 and self.rise_in_torque <= SURELY
 
     @property
     def harms(self) -> bool:
         """Return whether the error surely rises, on its joint or over all of them."""
         if self.beside is not None:
             return self.beside.harms
-        return self._fall < -SURELY * self.deviation or self.rise > SURELY
+        rise = max(self.rise, self.rise_in_torque)
+        return self._fall < -SURELY * self.deviation or rise > SURELY
 
     @property
     def _fall(self) -> float:
@@ -111,10 +115,10 @@ def consequence_of(
     rise = squares[1] - squares[0]
     relative = np.divide(rise, whole, out=np.zeros_like(rise), where=whole > 0.0)
     every, tiny = counts.sum(axis=1), np.finfo(np.float64).tiny
-    risen = [
+    risen, in_torque = (
         float(one.sum()) / max(_deviation(one, every), tiny)
-        for one in (rise.sum(axis=1), relative.sum(axis=1))
-    ]
+        for one in (relative.sum(axis=1), rise.sum(axis=1))
+    )
     kept = counts[:, column] > 0
     moves = counts[kept, column]
     old, new = (np.sqrt(one[kept, column] / moves) for one in squares)
@@ -128,7 +132,8 @@ def consequence_of(
         rms(before),
         rms(after),
         _deviation(relative[kept, column], moves),
-        max(risen),
+        risen,
+        in_torque,
         by_joint(model, before),
         by_joint(model, after),
     )

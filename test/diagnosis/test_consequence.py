@@ -8,7 +8,7 @@ import pytest
 from diagnosis_examples import JOINTS, model
 from numpy.typing import NDArray
 
-from lagrangian_ff.diagnosis.consequence import BLOCK_SECONDS, consequence_of, errors_of
+from lagrangian_ff.diagnosis.consequence import BLOCK_SECONDS, SURELY, consequence_of, errors_of
 from lagrangian_ff.recording.motion import Motion
 
 Floats = NDArray[np.float64]
@@ -69,6 +69,23 @@ def test_another_joint_may_err_more_by_chance_alone(rise: str, worth: bool) -> N
     made = consequence_of(model(), motion, JOINTS[1], before, after)
     assert made.every_after > made.every_before
     assert made.worth == worth
+
+
+@pytest.mark.parametrize(("often", "worth"), [(0.65, True), (0.75, False)])
+def test_a_refit_may_move_the_error_of_the_largest_joint(often: float, worth: bool) -> None:
+    """By up to two deviations in N·m, where the joint in question halves its error."""
+    motion = pendulum.motion(60.0)
+    before = np.random.default_rng(1).normal(size=(len(motion), 2)) * np.array([0.5, 0.02])
+    block = motion.blocks(BLOCK_SECONDS)
+    higher = np.random.default_rng(2).permutation(np.arange(block.max() + 1) % 20 < 20 * often)
+    sign = np.where(higher[block], 1.0, -1.0)
+    after = before * np.stack([1.0 + 0.03 * sign, np.full(len(motion), 0.5)], axis=1)
+    made = consequence_of(model(), motion, JOINTS[1], before, after)
+    assert made.rise < 0.0
+    assert made.rise_in_torque > 1.0
+    assert (made.rise_in_torque < SURELY) == worth
+    assert made.worth == worth
+    assert made.harms != worth
 
 
 @pytest.mark.parametrize(("small", "worth"), [(0.114, True), (0.3, False)])

@@ -5,12 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import two_rods
+from whitened_examples import whitened_of
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.results import Reason
+from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
+from lagrangian_ff.diagnosis.search.candidates import Candidate
+from lagrangian_ff.diagnosis.search.signs import unnatural
 from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS, Effect, Parameter, Shape
 from lagrangian_ff.identification import Settings, identify
+from lagrangian_ff.identification.basis import Basis
+from lagrangian_ff.identification.problem import Nuisance
 
 FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
 OWN = 0.8  # N·m, Coulomb friction of the elbow without what is hidden
@@ -139,3 +145,17 @@ def test_two_of_one_shaft_are_judged_by_their_power() -> None:
     assert finding.parameters["B"].low < 0.1
     reverse = found(lambda *x: -shaft(*x), "coupled")
     assert not reverse.confirmed
+
+
+def test_friction_that_a_curve_has_taken_over_counts_with_the_rest() -> None:
+    """Beside a curve over speed, viscous and Coulomb friction alone have no known power."""
+    stuck = Candidate(EFFECTS["stribeck"], 1, {"v_s": 0.15})
+    whitened = whitened_of(two_rods.motion(1, 30.0, hidden=two_rods.stick))
+    (score,) = bayes_factors(whitened, [stuck])
+    v = whitened.x.qd[:, 1]
+    basis = Basis((*whitened.basis.terms, stuck.term()))
+    curve = np.stack([v + 1e-4 * v**3, np.tanh(v / two_rods.WIDTH), v * np.abs(v)], axis=1)
+    both = whitened.explaining(basis, (Nuisance(1, curve),))
+    place = [term.effect.name for term in basis.terms].index("viscous", 1)
+    assert np.sqrt(both.system.covariance[place, place]) > 1.0
+    assert unnatural(both, score) == ""

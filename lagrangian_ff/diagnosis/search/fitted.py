@@ -51,6 +51,16 @@ class Fitted:
         values, covariance = self.values - moves @ self.values[own], self.covariance - moves @ rows
         return replace(self, values=values, covariance=covariance)
 
+    def curves(self, joint: int) -> list[tuple[int, Floats]]:
+        """Return what is explained on a joint without a name: each place, and its column (S,)."""
+        place, found = self.whitened.basis.size, []
+        for one in self.whitened.problem.nuisance:
+            for column in one.columns.T:
+                if one.joint == joint:
+                    found.append((place, column))
+                place += 1
+        return found
+
     def errors_of_shapes(self, x: Inputs, joint: int) -> list[tuple[int, Term, Floats]]:
         """Return each shape's error on a joint: its place, the term, and its column (M,)."""
         columns = errors_of_shapes(self.whitened.basis, x)

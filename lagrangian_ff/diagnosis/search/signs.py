@@ -87,7 +87,11 @@ def _driving(fitted: Fitted, joint: int) -> str:
     for n, term, column in fitted.errors_of_shapes(x, joint):
         if term.effect.part == "friction":
             power[:, n] = column * term.effect.speed(x, joint, term.shape)
-    low, high = _interval(fitted, power.mean(axis=0))
+    # A curve over speed takes over friction that has a name: only together are they known.
+    whole = power.mean(axis=0)
+    for n, column in fitted.curves(joint):
+        whole[n] = np.mean(column * x.qd[:, joint])
+    low, high = _interval(fitted, whole)
     if low <= 0.0:
         return (
             f"all friction of the joint takes between {low:.3g} and {high:.3g} W out of the "
