@@ -30,7 +30,7 @@ class Consequence:
             blocks.
         rise: of the error over all joints, as the mean of its relative changes, relative to its
             deviation over blocks; negative if it falls.
-        rise_in_torque: the same of its square in N·m, which the largest joint decides.
+        rise_in_torque: the same of the squared error in N·m, which the largest joint decides.
         joints_before, joints_after: N·m, over the whole motion, by joint name.
         beside: the consequence of adding it to all others, those after it too, where that decides
             whether it is worth it; else None.

@@ -1,4 +1,4 @@
-"""What a searched motion says of the model's friction serves on unseen motion."""
+"""Unseen motion is predicted with the friction of the searched motion."""
 
 from collections.abc import Iterator
 
@@ -8,11 +8,13 @@ import two_rods
 from two_rods import Floats
 from whitened_examples import friction, inputs, quickly, whitened_of
 
+from lagrangian_ff.arrays import Ints
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.search.carried import DRIFTS, Carried
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Settings, identify
+from lagrangian_ff.recording.motion import Motion
 
 FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
 DRAG = 0.3  # N·m·s²/rad²
@@ -48,6 +50,11 @@ def found(first: two_rods.Hidden, second: two_rods.Hidden, seconds: float) -> Di
     )
 
 
+def like(searched: Whitened, motion: Motion, index: Ints) -> Whitened:
+    """Return samples of another motion, whitened as the searched one."""
+    return whiten(motion, index, searched.seconds, inputs(motion), searched.problem)
+
+
 def carried_of(searched: Whitened, unseen: Whitened) -> Carried:
     """Return what a motion says of plain friction for another."""
     carried = Carried.of(searched, friction().terms, unseen)
@@ -81,8 +88,7 @@ def test_it_is_the_bayes_factor_of_the_unseen_motion_given_the_searched_one() ->
     """As from the dense covariance of both motions, with a nearly flat prior of the friction."""
     searched = whitened_of(two_rods.motion(1, 30.0))
     motion = two_rods.motion(2, 10.0)
-    parts = searched.index[:80], searched.seconds, inputs(motion)
-    unseen = whiten(motion, *parts, searched.problem)
+    unseen = like(searched, motion, searched.index[:80])
     carried = carried_of(searched, unseen)
     np.testing.assert_array_equal(carried.drift, 0.0)
 
@@ -131,8 +137,7 @@ def test_the_largest_drift_forgets_the_searched_motion() -> None:
 
     searched = whitened_of(two_rods.motion(1, 30.0))
     motion = two_rods.motion(2, 10.0, hidden=other_gears)
-    parts = searched.index[:80], searched.seconds, inputs(motion)
-    unseen = whiten(motion, *parts, searched.problem)
+    unseen = like(searched, motion, searched.index[:80])
     carried = carried_of(searched, unseen)
     np.testing.assert_array_equal(carried.drift, DRIFTS[-1])
     torque = unseen.shared(unseen.x.q[:, [0]] ** 2, np.array([[0.0, 1.0]]))[:, 0]
@@ -141,12 +146,12 @@ def test_the_largest_drift_forgets_the_searched_motion() -> None:
     assert float(z @ z) == pytest.approx(float(alone @ alone), rel=0.02)
 
 
-def test_one_way_only_tells_dry_friction_from_no_offset() -> None:
-    """Where a joint turns one way, the two columns are the same, up to rounding."""
+def test_a_joint_that_turns_one_way_does_not_tell_dry_friction_from_an_offset() -> None:
+    """Both are constant torques, up to rounding."""
     searched = whitened_of(two_rods.motion(1, 30.0))
     motion = two_rods.motion(2, 10.0)
     onward = np.flatnonzero(motion.qd[:, 1] > 20 * two_rods.WIDTH)[::4]
-    unseen = whiten(motion, onward, searched.seconds, inputs(motion), searched.problem)
+    unseen = like(searched, motion, onward)
     carried = carried_of(searched, unseen)
     assert np.isfinite(carried.drift).all()
     on = np.array([[0.0, 1.0]])

@@ -10,14 +10,7 @@ from lagrangian_ff.diagnosis.excite.excite import inside, seen_pose
 from lagrangian_ff.diagnosis.excite.keeping import Clear, Keeper, limits_of
 from lagrangian_ff.diagnosis.excite.objective import Objective, nats_of
 from lagrangian_ff.diagnosis.excite.path import GRID, Limits, Reference
-from lagrangian_ff.diagnosis.excite.questions import (
-    Everything,
-    For,
-    Parameters,
-    Question,
-    cases_of,
-    creeping_in,
-)
+from lagrangian_ff.diagnosis.excite.questions import For, Question, cases_of, creeping_in
 from lagrangian_ff.diagnosis.excite.splines import DEGREE, Splines
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
@@ -105,8 +98,7 @@ def design(
     index = samples_of(splines, effort, len(pose), seed)
     groups = cases_of(question, assumed, size)
     assumed = assumed.unsure_of_creep(creeping_in(question, model.joints))
-    dynamics = isinstance(question, Everything | Parameters)
-    objective = Objective(assumed, groups, splines, size, index, dynamics)
+    objective = Objective(assumed, groups, splines, size, index, not question.suspects)
     every = Way(objective, keeper, pose, effort, tuple(range(len(pose))))
     # Threads that share products as small as these mostly wait for each other.
     with limited(1), one_blas_thread():
@@ -170,12 +162,12 @@ def _prediction(
 
 
 def joints_of(question: Question, model: Model) -> Sequence[str]:
-    """Return the joints that a question is about.
+    """Return the joints that a question is about: all if it names no effect.
 
     Raises:
         ModelError: the model lacks one.
     """
-    if isinstance(question, Everything | Parameters):
+    if not question.suspects:
         return model.joints
     for one in question.suspects:
         if one.joint not in model.joints:

@@ -82,7 +82,7 @@ class Everything:
 
 @dataclass(frozen=True)
 class Parameters:
-    """What are the parameters of the rigid bodies? The motion is D-optimal for them."""
+    """Which masses and inertias does the arm have? The motion for it is D-optimal."""
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:

@@ -1,9 +1,10 @@
-"""What the searched motion says of the friction that the model has, for unseen motion.
+"""Friction on unseen motion, taken from the searched motion.
 
-A finding is judged beside the model's own friction. Fitted to ten seconds of unseen motion alone,
-that would turn a drag into a little more viscous and Coulomb friction. But the searched motion
-knows it well, with the finding and without it. So both predict the unseen motion, and only as
-much is left open as friction differs between the motions: another temperature, another day.
+A finding is tested together with the model's own friction. Where that is fitted to ten seconds of
+unseen motion alone, a little more viscous and Coulomb friction explains a drag as well. The
+searched motion is longer and knows the friction better. So friction is taken from there, as it was
+fitted with the finding and as it would be without. Friction may differ between the motions, by
+temperature or age; how much is read from the unseen motion.
 """
 
 from collections.abc import Sequence
@@ -16,12 +17,12 @@ from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.identification.basis import Basis, Term
+from lagrangian_ff.identification.choosing.shapes import orthonormal
 
 DRIFTS = (0.0, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0)
-"""By how much the torque of each effect of the model may differ between the motions, as a share of
-what all of them have on the joint. With the last, the searched motion says nothing."""
+"""By how much the torque of each friction term may differ between the motions, as a share of all
+friction of the joint. With the last, the searched motion says nothing."""
 ROUNDS = 3
-ROUNDING = 1e-9
 SHOWS = 1e-5
 """Share of a column that is left beside others, above which it can be told from them."""
 
@@ -32,7 +33,8 @@ class Carried:
 
     Attributes:
         design: (S N, B) their whitened columns on the unseen motion.
-        exchanged: (B, S' N) how they change if a whitened torque on the searched motion goes.
+        exchanged: (B, S' N) times the whitened torque of an effect on the searched motion, how they
+            change where that effect is left out.
         residual: (S N,) whitened torque of the unseen motion, less what they are expected to be.
         explained: (S N, K) columns V for which I − V Vᵀ whitens what the parameters leave open.
         drift: (N,) by how much friction differs between the motions, as `DRIFTS`.
@@ -46,7 +48,7 @@ class Carried:
 
     @classmethod
     def of(cls, searched: Whitened, own: Sequence[Term], unseen: Whitened) -> "Carried | None":
-        """Return what one motion says of the friction of a model, for another; None for nothing.
+        """Return the friction of a model on unseen motion; None if the other shows none of it.
 
         Args:
             searched: with all findings in its basis, after those of the model.
@@ -57,15 +59,16 @@ class Carried:
         fitted = Fitted.of(searched).holding(found)
         there = searched.system.white_design / searched.amplitude
         here = unseen.system.white_design / unseen.amplitude
-        rubs, joint = _friction(unseen.basis)
-        beside = np.setdiff1d(np.arange(unseen.basis.size), rubs)
-        mine, known = _outside(there[:, [*beside, *fitted.beside(terms)]], there[:, rubs])
+        rubs = _friction(unseen.basis)
+        beside = [*np.setdiff1d(np.arange(unseen.basis.size), rubs), *fitted.beside(terms)]
+        mine, known = _outside(orthonormal(there[:, beside]), there[:, rubs])
         # What the searched motion does not show is fitted to the unseen one.
-        rubs, joint, mine = rubs[known], joint[known], mine[:, known]
+        rubs, mine = rubs[known], mine[:, known]
         if not len(rubs):
             return None
-        seen, _ = _outside(np.delete(here, rubs, axis=1), here[:, rubs])
-        free, values = _span(np.delete(here, rubs, axis=1)), fitted.values[rubs]
+        joint, values = unseen.basis.joints[rubs], fitted.values[rubs]
+        free = orthonormal(np.delete(here, rubs, axis=1))
+        seen, _ = _outside(free, here[:, rubs])
         left = unseen.system.white_target / unseen.amplitude - here[:, rubs] @ values
         left -= free @ (free.T @ left)
         factor = cho_factor(mine.T @ mine)
@@ -92,29 +95,23 @@ class Carried:
         return np.asarray(z - self.explained @ (self.explained.T @ z))
 
 
-def _friction(basis: Basis) -> tuple[Ints, Ints]:
-    """Return the places (B,) of the parameters of friction, and the joint (B,) of each.
+def _friction(basis: Basis) -> Ints:
+    """Return the places (B,) of the parameters of friction.
 
     An offset is of the sensor as much as of the arm, and may be another in another recording.
     """
-    rubbing = [(t.joint, place) for t, place in basis.slices() if t.effect.part == "friction"]
-    every = [(n, joint) for joint, place in rubbing for n in range(place.start, place.stop)]
-    places, joints = np.array(every, dtype=np.int64).reshape(-1, 2).T
-    return places, joints
+    rubs = [t.effect.part == "friction" for t in basis.terms for _ in t.effect.parameters]
+    return np.flatnonzero(np.array(rubs, dtype=np.bool_))
 
 
-def _span(columns: Floats) -> Floats:
-    """Return an orthonormal basis of columns, without those that are sums of the others."""
-    q, triangle = np.linalg.qr(columns)
-    diagonal = np.abs(np.diag(triangle))
-    return np.asarray(q[:, diagonal > ROUNDING * diagonal.max(initial=0.0)])
+def _outside(span: Floats, columns: Floats) -> tuple[Floats, Flags]:
+    """Return columns (n, B) less their part in a span, and (B,) where more than rounding is left.
 
-
-def _outside(others: Floats, columns: Floats) -> tuple[Floats, Flags]:
-    """Return what columns (n, B) have beside others, and (B,) whether it is more than rounding."""
-    span, before = _span(others), np.linalg.norm(columns, axis=0)
+    Args:
+        span: (n, R) orthonormal.
+    """
     left = columns - span @ (span.T @ columns)
-    shows = np.linalg.norm(left, axis=0) > SHOWS * before
+    shows = np.linalg.norm(left, axis=0) > SHOWS * np.linalg.norm(columns, axis=0)
     return np.where(shows, left, 0.0), shows
 
 

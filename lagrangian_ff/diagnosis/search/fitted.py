@@ -42,8 +42,7 @@ class Fitted:
 
     def holding(self, terms: Sequence[Term]) -> "Fitted":
         """Return the same with the shapes of some terms as they were fitted."""
-        names = {(term.effect.name, term.joint) for term in terms}
-        own = [n for n, term in self._errors if (term.effect.name, term.joint) in names]
+        own = self._errors_of(terms)
         if not own:
             return self
         rows = self.covariance[own]
@@ -53,13 +52,10 @@ class Fitted:
 
     def curves(self, joint: int) -> list[tuple[int, Floats]]:
         """Return what is explained on a joint without a name: each place, and its column (S,)."""
-        place, found = self.whitened.basis.size, []
-        for one in self.whitened.problem.nuisance:
-            for column in one.columns.T:
-                if one.joint == joint:
-                    found.append((place, column))
-                place += 1
-        return found
+        nuisance = self.whitened.problem.nuisance
+        columns = [(one.joint, column) for one in nuisance for column in one.columns.T]
+        first = self.whitened.basis.size
+        return [(first + n, column) for n, (own, column) in enumerate(columns) if own == joint]
 
     def errors_of_shapes(self, x: Inputs, joint: int) -> list[tuple[int, Term, Floats]]:
         """Return each shape's error on a joint: its place, the term, and its column (M,)."""
@@ -72,11 +68,13 @@ class Fitted:
 
     def beside(self, terms: Sequence[Term]) -> list[int]:
         """Return the places of the nuisance columns, and of the errors of some terms' shapes."""
+        first = len(self.values) - len(self._errors)
+        return [*range(self.whitened.basis.size, first), *self._errors_of(terms)]
+
+    def _errors_of(self, terms: Sequence[Term]) -> list[int]:
+        """Return the places of the errors of some terms' shapes."""
         names = {(term.effect.name, term.joint) for term in terms}
-        errors = self._errors
-        first = len(self.values) - len(errors)
-        mine = [n for n, term in errors if (term.effect.name, term.joint) in names]
-        return [*range(self.whitened.basis.size, first), *mine]
+        return [n for n, term in self._errors if (term.effect.name, term.joint) in names]
 
     @property
     def _errors(self) -> list[tuple[int, Term]]:
