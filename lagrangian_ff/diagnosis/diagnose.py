@@ -35,7 +35,14 @@ from lagrangian_ff.diagnosis.search.forward import (
     not_observable,
     search,
 )
-from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out, without
+from lagrangian_ff.diagnosis.search.hold_out import (
+    HoldOutMotion,
+    frozen,
+    judge_hold_out,
+    judge_lag,
+    without,
+)
+from lagrangian_ff.diagnosis.search.lag import allowing, confirms, earlier
 from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
@@ -82,17 +89,30 @@ def diagnose(
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
     whitened = fit(first, inputs, Basis((*model.basis.terms, *known)), fitting, sliding)
     effects = effects or searched_for(model.data.effort, model.basis)
-    ended = search(whitened, effects, steps, searching, len(known))
+    read = model.identified.conditioning
+    set_right = read is not None and read.effort_delay != 0.0
+    if set_right:
+        whitened = allowing(whitened)
+    ended = search(whitened, effects, steps, searching, len(known), lagging=not set_right)
+    in_step, lag = unseen, None
+    if ended.lag is not None:
+        held = judge_lag(ended, earlier(unseen, ended.lag.delay))
+        if confirms(held):
+            lag = replace(ended.lag, gained=float(held.gained.sum()))
+            in_step = earlier(unseen, lag.delay)
+            moved = earlier(first, lag.delay)
+            whitened = allowing(fit(moved, inputs, whitened.basis, fitting, sliding))
+        ended = search(whitened, effects, steps, searching, len(known), lagging=False)
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")
     weighed = ended.whitened.problem.samples.weight is not None
-    found, again = _left_over(ended, unseen)
+    found, again = _left_over(ended, in_step)
     del ended
     progress(0.9, "confirming on unseen motion")
-    taken_up = _taken_up(found, unseen, model.joints, separate)
+    taken_up = _taken_up(found, in_step, model.joints, separate)
     lighter = outweighed(found.whitened) if weighed else None
     judged = replace(found, whitened=lighter or found.whitened)
-    findings = findings_of(judged, unseen, model, taken_up.again if taken_up else None)
+    findings = findings_of(judged, in_step, model, taken_up.again if taken_up else None)
     del judged, lighter
     misfit = misfit_of(model, first)
     contacts = [] if misfit.larger else _contacts(model, motion, taken_up)
@@ -116,6 +136,7 @@ def diagnose(
         remainders=_remainders(found.whitened, once, model.joints),
         misfit=misfit,
         contacts=tuple(contacts),
+        lag=lag,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
+from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.misfit import Misfit
 from lagrangian_ff.effects import EFFECTS, Curve, Effect, look_alikes
 from lagrangian_ff.identification import Model
@@ -330,18 +331,16 @@ class Diagnosis:
 
     Attributes:
         model: the diagnosed model.  motion: the searched motion.
-        held_out: the motion that findings were confirmed on.
-        separate: whether `held_out` is another recording, not the end of the same.
+        held_out: the motion to confirm on.  separate: whether it is another recording.
         findings: effects, best first.  unexplained: torques that no effect fits.
-        taken_up: a load taken up on the way, if there was one.
-        not_observable: effects that this motion cannot show.
+        taken_up: a load taken up on the way.  not_observable: effects that this motion cannot show.
         ranking, waiting: candidates before anything was found, and beside all that was, best first.
         threshold: nats that the maximum over all candidates exceeds by chance once in twenty times.
         noise: (N,) N·m, standard deviation of each joint's unexplained torque.
         wanting: s of such motion that a verdict needs besides; without them there is none.
         remainders: of the joints where that is more than the measurement's noise.
         misfit: the errors of the model on `motion` beside its own; None if they were not compared.
-        contacts: touches of the arm while it was recorded, in the order of time.
+        contacts: touches, in their order.  lag: of all torques, which the findings allow for.
     """
 
     model: Model
@@ -360,6 +359,7 @@ class Diagnosis:
     remainders: tuple[Remainder, ...] = ()
     misfit: Misfit | None = None
     contacts: tuple[Contact, ...] = ()
+    lag: Lag | None = None
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:

@@ -39,6 +39,8 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
         asked = "no known change explains it" if changed is not None else "it changed since"
         parts.append(f"The arm is not as the model knows it: {misfit.words()}, and {asked}.")
     first = len(parts)
+    if (lag := diagnosis.lag) is not None:
+        parts.append(f"{lag.words()} ({lag.log_bayes_factor:.0f} nats); the findings allow for it.")
     if diagnosis.taken_up is not None:
         parts.append(_taken_up(diagnosis.taken_up, diagnosis.model.joints))
     if diagnosis.confirmed:

@@ -115,6 +115,7 @@ class _Story:
         self._start = rig.pose() if plan.start is None else plan.start
         self._limits = plan.limits
         self._recordings: list[Recording] = []
+        self._conditioning = plan.conditioning
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
         self._looks: list[_Look] = []
         self._assumed: Assumed | None = None
@@ -238,8 +239,29 @@ class _Story:
         self._used += seconds
 
     def _look(self) -> _Look:
-        self._say("identifying a model")
         learned, unseen = self._parts()
+        base, found = self._diagnosed(learned, unseen)
+        if (lag := found.lag) is not None:
+            delay = self._conditioning.effort_delay + lag.delay
+            self._conditioning = replace(self._conditioning, effort_delay=delay)
+            learned, unseen = self._parts()
+            base, found = self._diagnosed(learned, unseen)
+            found = replace(found, lag=lag)
+        with one_blas_thread():
+            found = with_consequences(found, confirmed_only=True)
+        self._known = len(learned)
+        look, self._assumed = _Look(base, found, apply(found)), None
+        self._looks.append(look)
+        names = tuple(one.name for one, _ in found.tried)
+        answer = answered(self._motions[-1][0], found)
+        self._listen(replace(self._asked, answer=answer, confirmed=names))
+        return look
+
+    def _diagnosed(
+        self, learned: Sequence[Motion], unseen: Sequence[Motion]
+    ) -> tuple[Model, Diagnosis]:
+        """Return a model of what is learned from, and what it lacks."""
+        self._say("identifying a model")
         name = self._plan.model or usual_model(self._plan.conditioning.effort)
         base = identify(learned, Settings(model=name, train=1.0)).model
         self._say("looking for what is missing")
@@ -250,14 +272,7 @@ class _Story:
                 self._newest_closely(unseen),
                 known=self._looks[-1].found if self._looks else (),
             )
-            found = with_consequences(found, confirmed_only=True)
-        self._known = len(learned)
-        look, self._assumed = _Look(base, found, apply(found)), None
-        self._looks.append(look)
-        names = tuple(one.name for one, _ in found.tried)
-        answer = answered(self._motions[-1][0], found)
-        self._listen(replace(self._asked, answer=answer, confirmed=names))
-        return look
+        return base, found
 
     def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
         def unseen() -> bool:
@@ -286,7 +301,7 @@ class _Story:
 
     def _parts(self) -> tuple[list[Motion], list[Motion]]:
         """Return what is learned from and searched of each motion, and what is not."""
-        motions = condition_alike(self._recordings, self._plan.conditioning)
+        motions = condition_alike(self._recordings, self._conditioning)
         return learned_and_unseen([motion.select(self._rig.joints) for motion in motions])
 
     def _newest_closely(self, stretches: Sequence[Motion]) -> list[Motion]:

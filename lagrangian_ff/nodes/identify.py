@@ -46,7 +46,7 @@ from lagrangian_ff.nodes.recorder.jobs.base import Job, Situation
 from lagrangian_ff.nodes.recorder.jobs.identify import Identify
 from lagrangian_ff.nodes.recorder.jobs.load import Load
 from lagrangian_ff.nodes.recorder.session import Session, new_path
-from lagrangian_ff.recording.motion import EFFORTS, Conditioning
+from lagrangian_ff.recording.motion import EFFORTS, LONGEST_DELAY, Conditioning
 from lagrangian_ff.worker import Worker
 
 SHORT = 600.0  # s that the disk lasts, from which on it is a warning
@@ -283,6 +283,8 @@ def declare(parameters: Parameters) -> None:
         check=lambda name: _refused_model(name, parameters.value("effects_file")))  # fmt: skip
     add("effort", Conditioning.effort, "what the effort holds: all torque, or all but gravity or "
         "friction that the driver or the drive compensates", choices=EFFORTS)  # fmt: skip
+    add("effort_delay", 0.0, "s by which the effort comes later than the position",
+        low=-LONGEST_DELAY, high=LONGEST_DELAY)  # fmt: skip
     add("prismatic", [""], 'joints that slide, in m and N, where no urdf says it; [""] = all turn')
     add("urdf", "", "file of the robot's description, whose rigid bodies are part of the model; "
         "empty = none")  # fmt: skip

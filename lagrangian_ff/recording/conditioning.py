@@ -143,7 +143,8 @@ def _condition(recording: Recording, settings: Conditioning, note: str = "") -> 
                 some.get(name, usual)
                 for some, usual in ((settings.effort_scale, 1.0), (settings.effort_offset, 0.0))
             )
-            tau[part, joint] = scale * filters.low_pass(effort[:, joint], ticks) + offset
+            torque = filters.low_pass(effort[:, joint], ticks, settings.effort_delay)
+            tau[part, joint] = scale * torque + offset
     _require_moving(recording, q, notes)
     notes += [doubt.text() for doubt in find_doubts(recording)]
     notes += [entry.text() for entry in find_clipping(recording)]
@@ -224,9 +225,17 @@ class _Filters:
         """Return the samples that a segment needs for some to be left."""
         return max(2 * self.spoilt + _LEAST, self.padding + 2)
 
-    def low_pass(self, values: Floats, ticks: Floats) -> Floats:
-        """Return (K,) filtered, at the output times."""
-        return self._output(self.butterworth.zero_phase(values, self.padding), ticks)
+    def low_pass(self, values: Floats, ticks: Floats, late: float) -> Floats:
+        """Return (K,) filtered, at the output times.
+
+        Args:
+            late: s by which the values come late.
+        """
+        smooth = self.butterworth.zero_phase(values, self.padding)
+        if late == 0.0:
+            return self._output(smooth, ticks)
+        times = np.clip(self.output_times(ticks) + late, ticks[0], ticks[-1])
+        return interpolate(ticks, smooth, times)
 
     def motion(self, position: Floats, ticks: Floats) -> tuple[Floats, Floats, Floats]:
         """Return position, velocity and acceleration at the output times."""

@@ -17,6 +17,8 @@ _BY_JOINT = ("q", "qd", "qdd", "tau")
 CLOCKS = ("auto", "stamps", "steady")
 SCALINGS = ("effort_scale", "effort_offset")
 """Settings of each joint."""
+LONGEST_DELAY = 0.05
+"""s; the effort of a driver that is later is another motion's."""
 TOTAL, WITHOUT_GRAVITY, WITHOUT_FRICTION = EFFORTS = (
     "total",
     "without-gravity",
@@ -42,6 +44,7 @@ class Conditioning:
             decides by which of the two the motion follows, and undoes steps of the clock.
         effort_scale: by joint, N·m per unit of effort; 1 for joints not named.
         effort_offset: by joint, N·m, added after scaling; 0 for joints not named.
+        effort_delay: s by which the effort comes later than the position; negative if earlier.
         effort: what the effort holds, one of `EFFORTS`.
         units: by quantity (time, position, velocity, effort) what was recorded, as in
             `units.UNITS`; s, rad, rad/s and N·m for those not named.
@@ -55,6 +58,7 @@ class Conditioning:
     clock: str = "auto"
     effort_scale: Mapping[str, float] = field(default_factory=dict)
     effort_offset: Mapping[str, float] = field(default_factory=dict)
+    effort_delay: float = 0.0
     effort: str = TOTAL
     units: Mapping[str, str] = field(default_factory=dict)
 
@@ -73,6 +77,11 @@ class Conditioning:
             )
         if self.order < 1:
             raise RecordingError(f"conditioning: order is {self.order}, expected 1 or more")
+        if not abs(self.effort_delay) <= LONGEST_DELAY:
+            raise RecordingError(
+                f"conditioning: effort_delay is {self.effort_delay} s, expected at most "
+                f"{LONGEST_DELAY:g} s either way"
+            )
         if self.trim is not None and not (np.isfinite(self.trim) and self.trim >= 0):
             raise RecordingError(f"conditioning: trim is {self.trim}, expected 0 or more")
         object.__setattr__(self, "units", checked_units(self.units))

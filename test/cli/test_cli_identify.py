@@ -122,6 +122,7 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
         "--folds", "4", "--selection", "evidence", "--scale", "common", "--joints", "elbow",
         "--effort-scale", "elbow=2", "--effort-offset", "elbow=-0.5", "--bandwidth", "12",
         "--rate", "50", "--clock", "stamps", "--landmarks", "30", "--loss", "huber",
+        "--effort-delay", "0.004",
     )  # fmt: skip
     assert outcome.code == 0, outcome
     record = json.loads(outcome.out)
@@ -130,7 +131,7 @@ def test_every_option_reaches_the_settings(tmp_path: Path) -> None:
     assert Settings.from_record(record["settings"]) == expected
     conditioning = Conditioning(
         bandwidth=12.0, rate=50.0, clock="stamps", effort_scale={"elbow": 2.0},
-        effort_offset={"elbow": -0.5},
+        effort_offset={"elbow": -0.5}, effort_delay=0.004,
     )  # fmt: skip
     assert record["conditioning"] == vars(conditioning)
     assert list(record["joints"]) == ["elbow"]

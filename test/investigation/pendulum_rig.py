@@ -37,12 +37,14 @@ class PendulumRig:
     Attributes:
         drag: N·m s²/rad² of the elbow.
         rough: N·m of friction that is a wave over the elbow's position, as no known effect is.
+        late: s by which torques are reported late.
         last: number of the motion in which it is stopped; 0 for none.
         moved: the motions that were done.
     """
 
     drag: float = 0.0
     rough: float = 0.0
+    late: float = 0.0
     last: int = 0
     joints: tuple[str, ...] = pendulum.JOINTS
     moved: list[Reference] = field(default_factory=list)
@@ -60,6 +62,8 @@ class PendulumRig:
         tau[:, 1] += self.drag * x.qd[:, 1] * np.abs(x.qd[:, 1])
         tau[:, 1] += self.rough * np.tanh(x.qd[:, 1] / 0.02) * np.sin(5.3 * x.q[:, 1])
         random = np.random.default_rng(len(self.moved))
+        at = motion.time - self.late
+        tau = np.stack([np.interp(at, motion.time, one) for one in tau.T], axis=1)
         tau += NOISE * random.normal(size=tau.shape)
         return Recording(self.joints, motion.time, motion.q, motion.qd, tau)
 

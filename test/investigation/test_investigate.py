@@ -58,6 +58,17 @@ def test_the_error_falls() -> None:
     assert story.turns[-1].errors["elbow"] < 0.5 * story.before["elbow"]
 
 
+def test_it_sets_a_lag_of_all_torques_right() -> None:
+    late = 0.008
+    story = investigate(PendulumRig(DRAG, late=late), plan(36.0), lambda proposal: True)
+    lag = next(turn.diagnosis.lag for turn in story.turns if turn.diagnosis.lag is not None)
+    assert abs(lag.delay - late) < 3.0 * lag.deviation
+    conditioning = story.turns[-1].model.identified.conditioning
+    assert conditioning is not None
+    assert conditioning.effort_delay == pytest.approx(lag.delay)
+    assert [one.name for one in story.confirmed] == ["quadratic_drag on elbow"]
+
+
 def test_it_asks_for_what_one_motion_does_not_decide() -> None:
     _, story, _ = found(FAINT)
     last = story.turns[-1]

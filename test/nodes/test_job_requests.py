@@ -28,7 +28,7 @@ def values(tmp_path: Path) -> dict[str, Any]:
         "model": "motor+fri", "prismatic": [""], "urdf": "", "use_robot_description": False,
         "landmarks": -1, "positive": True,
         "train": 0.5, "samples": 50, "loss": "huber", "bandwidth": 20.0,
-        "units": ["position=deg"], "effort": "total",
+        "units": ["position=deg"], "effort": "total", "effort_delay": 0.003,
         "effort_scale.a": 2.0, "effort_offset.a": 0.1, "add.effect": "", "add.joint": "",
     }  # fmt: skip
 

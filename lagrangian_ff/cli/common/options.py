@@ -88,6 +88,8 @@ def add_conditioning(parser: ArgumentParser) -> None:
          "current or the other sign; 1 for joints not named"),
         ("--effort-offset", list, "JOINT=VALUE",
          "N·m added to the torque after scaling; 0 for joints not named"),
+        ("--effort-delay", float, "S",
+         "s by which the effort comes later than the position, as diagnose finds it"),
         ("--effort", ("total", "without-gravity", "without-friction"), "",
          "what the recorded effort holds: all torque of the joint; torque from which the driver "
          "removed gravity, as those of UR and Franka can report; or torque without the friction "
@@ -227,7 +229,7 @@ def conditioning_of(arguments: Namespace, before: "Conditioning | None" = None) 
     if arguments.units:
         units = named_units(names(arguments.units))
         given["units"] = {**(before.units if before else {}), **units}
-    for option in ("bandwidth", "rate", "clock", "effort"):
+    for option in ("bandwidth", "rate", "clock", "effort", "effort_delay"):
         if getattr(arguments, option) is not None:
             given[option] = getattr(arguments, option)
     if given.get("bandwidth") == "auto":

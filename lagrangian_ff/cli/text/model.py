@@ -75,6 +75,7 @@ def scaling(conditioning: "Conditioning | None") -> list[str]:
             for what, values in scaled
             if values
         ),
+        *([f"effort delay: {number(delay)} s"] if (delay := conditioning.effort_delay) else []),
         *([KINDS[conditioning.effort]] if conditioning.effort in KINDS else []),
     ]
 

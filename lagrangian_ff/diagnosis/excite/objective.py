@@ -23,7 +23,8 @@ from lagrangian_ff.diagnosis.excite.reading import STEP, Reading, of_whole
 from lagrangian_ff.diagnosis.excite.splines import Splines
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, chain_of
+from lagrangian_ff.diagnosis.whitening.errors import TANGENT
+from lagrangian_ff.diagnosis.whitening.whitened import chain_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.kernels import States

@@ -12,7 +12,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.whitening import Whitened
-from lagrangian_ff.diagnosis.whitening.whitened import TANGENT, errors_of_shapes
+from lagrangian_ff.diagnosis.whitening.errors import TANGENT, errors_of_shapes
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Term
 
@@ -42,7 +42,8 @@ class Fitted:
 
     def holding(self, terms: Sequence[Term]) -> "Fitted":
         """Return the same with the shapes of some terms as they were fitted."""
-        own = self._errors_of(terms)
+        # What the motion does not show of a shape has no error to hold.
+        own = [n for n in self._errors_of(terms) if self.covariance[n, n] > 0.0]
         if not own:
             return self
         rows = self.covariance[own]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.results import Change, NotObservable
 from lagrangian_ff.diagnosis.search.backward import (
     backward,
@@ -30,6 +31,8 @@ from lagrangian_ff.diagnosis.search.judging import (
     judge_alike,
     possible,
 )
+from lagrangian_ff.diagnosis.search.lag import LONGEST as LONGEST_LAG
+from lagrangian_ff.diagnosis.search.lag import lag_of, set_right
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
 from lagrangian_ff.diagnosis.whitening import Whitened, outweighed, refit
@@ -65,6 +68,8 @@ class Search:
         whitened: the motion, with all steps explained.
         own: the number of terms that the basis had before the first step.
         wanting: s of such motion that a verdict needs besides; without it there are no steps.
+        lag: of the torques, which `whitened` has set right; None if they show none. The search
+            ends with it: what was found before has a form that makes up for the lag.
     """
 
     steps: tuple[Step, ...]
@@ -76,6 +81,7 @@ class Search:
     whitened: Whitened
     own: int
     wanting: float = 0.0
+    lag: Lag | None = None
 
 
 def search(
@@ -84,6 +90,7 @@ def search(
     steps: int = MOST_STEPS,
     progress: Progress = silent,
     known: int = 0,
+    lagging: bool = True,
 ) -> Search:
     """Return the search, which takes one step after the other until nothing stands out.
 
@@ -94,13 +101,16 @@ def search(
         progress: receives the share done, 0 to 1.
         known: the number of effects that are known of other motion, the last ones: they are steps
             like those that are found, and judged again beside them.
+        lagging: whether a lag of the torques is looked for.
     """
     own = len(whitened.basis.terms) - known
-    way = _Forward(effects, steps, own, progress)
+    way = _Forward(effects, steps, own, progress, lagging)
     whitened = way.go(whitened)
-    way.taken, whitened = backward(way.taken, whitened, own)
-    way.taken, whitened = reconsidered(way.taken, whitened, own, effects)
-    lighter = None if way.wanting or len(way.taken) >= steps else outweighed(whitened)
+    if way.lag is None:
+        way.taken, whitened = backward(way.taken, whitened, own)
+        way.taken, whitened = reconsidered(way.taken, whitened, own, effects)
+    ended = way.lag or way.wanting or len(way.taken) >= steps
+    lighter = None if ended else outweighed(whitened)
     if lighter is not None:
         way.late = True
         before = len(way.taken)
@@ -119,6 +129,7 @@ def search(
         whitened,
         own,
         way.wanting,
+        way.lag,
     )
 
 
@@ -131,16 +142,24 @@ class _Forward:
         rounds: of each look all candidates, each at its best shape, and the null.
         wanting: see `Search`.
         late: whether outliers count less by now.
+        lag: of the torques, if they were set right.
     """
 
     def __init__(
-        self, effects: Mapping[str, Effect] | None, steps: int, own: int, progress: Progress
+        self,
+        effects: Mapping[str, Effect] | None,
+        steps: int,
+        own: int,
+        progress: Progress,
+        lagging: bool,
     ) -> None:
         self.taken: list[Step] = []
         self.change: Change | None = None
         self.rounds: list[tuple[list[BayesFactor], list[BayesFactor], MaximumNull]] = []
         self.wanting = 0.0
         self.late = False
+        self.lag: Lag | None = None
+        self._lagging = lagging and "delay" in (effects or EFFECTS)
         self._bent: Counter[tuple[str, int]] = Counter()
         self._effects, self._steps, self._own, self._progress = effects, steps, own, progress
 
@@ -167,6 +186,8 @@ class _Forward:
             self.wanting = _wanting(whitened)
             if self.wanting:
                 return whitened
+            if (in_step := self._set_right(whitened, eligible)) is not None:
+                return in_step
             if (changed := self._changed(whitened, eligible)) is not None:
                 whitened = changed
                 continue
@@ -223,6 +244,20 @@ class _Forward:
                 found = bayes_factors(whitened, candidates, coarse=True)
                 whitened.forget()
         return whitened, found
+
+    def _set_right(self, whitened: Whitened, eligible: Sequence[BayesFactor]) -> Whitened | None:
+        """Return the motion with its torques in step; None if no lag explains more than these."""
+        if not self._lagging:
+            return None
+        best = max((score.log_bf for score in eligible), default=0.0)
+        if lag_of(whitened).log_bayes_factor <= max(best, thresholds.USED.floor):
+            return None
+        moved, lag = set_right(whitened)
+        self._lagging = False
+        if abs(lag.delay) > LONGEST_LAG:
+            return None
+        self.lag = lag
+        return moved
 
     def _changed(self, whitened: Whitened, eligible: Sequence[BayesFactor]) -> Whitened | None:
         """Return the motion with a load that is taken up on the way; None if there is none."""

@@ -76,7 +76,8 @@ class HoldOutMotion:
         index, seconds = used(motion), found.seconds
         whole = Basis((*model.terms, *(c.term() for c, b in taken if c.named and len(b))))
         assumed = replace(assumed.having(basis=whole), nuisance=())
-        whitened = whiten(motion, index, seconds, found.inputs_of(motion), assumed)
+        lags = found.lagging
+        whitened = whiten(motion, index, seconds, found.inputs_of(motion), assumed, lagging=lags)
         inputs = whitened.inputs_of(motion)
         x = replace(whitened, inputs=inputs).inputs_left_out()
         tau = motion.tau.copy()
@@ -92,7 +93,7 @@ class HoldOutMotion:
         system = whitened.system
         assumed = replace(assumed.having(basis=model), nuisance=tuple(nuisance))
         left = replace(motion, tau=tau)
-        whitened = whiten(left, index, seconds, inputs, assumed, x, system)
+        whitened = whiten(left, index, seconds, inputs, assumed, x, system, lagging=lags)
         if found.problem.samples.weight is not None:
             whitened = counting_less(whitened)
         whitened = replace(whitened, seconds=shortest_seconds(whitened))
@@ -181,6 +182,18 @@ def judge_hold_out(
             if others:
                 views[number] = (again, _of_step(found, again, number))
     return views
+
+
+def judge_lag(found: Search, motion: Motion) -> HoldOut:
+    """Return how a lag of the torques does on hold-out motion, frozen, beside all findings.
+
+    Args:
+        found: with a lag.  motion: its torques are earlier by that lag.
+    """
+    assert found.lag is not None
+    left = without(found, motion, None).whitened
+    z = left.project(found.lag.delay * left.late()[:, None])[:, 0]
+    return _judged(left, left.residual, z)
 
 
 def without(

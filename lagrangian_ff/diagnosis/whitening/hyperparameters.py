@@ -223,8 +223,8 @@ def with_sign_speeds(whitened: Whitened, joints: Collection[int]) -> Whitened:
     speed = basis.sign_speed(whitened.joints)
     inputs, x = _with_signs(whitened.inputs, speed), _with_signs(whitened.x, speed)
     parts = whitened.motion, whitened.index, whitened.seconds, inputs
-    weight = problem.samples.weight
-    return whiten(*parts, problem.having(basis=basis), x, whitened.system, weight)
+    others = x, whitened.system, problem.samples.weight
+    return whiten(*parts, problem.having(basis=basis), *others, lagging=whitened.lagging)
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:

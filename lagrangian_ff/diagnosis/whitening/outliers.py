@@ -52,7 +52,8 @@ def counting_less(whitened: Whitened) -> Whitened:
     if weight is None:
         return whitened
     parts = whitened.motion, whitened.index, whitened.seconds, whitened.inputs
-    return whiten(*parts, whitened.problem.weighted(weight), whitened.x, weight=weight)
+    problem, lagging = whitened.problem.weighted(weight), whitened.lagging
+    return whiten(*parts, problem, whitened.x, weight=weight, lagging=lagging)
 
 
 def weights(whitened: Whitened) -> Floats | None:

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.diagnosis.whitening.errors import error_of_lag, errors_of_shapes
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.problem import Nuisance, Problem, within
@@ -33,8 +34,6 @@ MANY = 64
 """Number of columns of a joint above which its response saves time."""
 ROWS_AT_ONCE = 480
 AVERAGED = 0.07  # s, over which samples are averaged at most
-TANGENT = 0.03
-"""Relative step of the derivative with respect to a shape."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +49,7 @@ class Whitened:
         system: the factored system.
         residual: (S N,) whitened, of variance one if nothing is missing.
         explained: (S N, B) orthonormal whitened columns of everything explained.
+        lagging: whether a lag of the torques is among that.
     """
 
     motion: Motion
@@ -60,6 +60,7 @@ class Whitened:
     system: System
     residual: Floats
     explained: Floats
+    lagging: bool = False
 
     @property
     def x(self) -> Inputs:
@@ -146,7 +147,8 @@ class Whitened:
 
     def _again(self, problem: Problem, like: System | None) -> "Whitened":
         parts = self.motion, self.index, self.seconds, self.inputs
-        return whiten(*parts, problem, self.x, like, problem.samples.weight)
+        weight = problem.samples.weight
+        return whiten(*parts, problem, self.x, like, weight, lagging=self.lagging)
 
     def whitened(self, columns: Floats, joint: int, *, coarse: bool = False) -> Floats:
         """Return columns of one joint's torque whitened, (S N, K), without projection.
@@ -178,6 +180,10 @@ class Whitened:
         return np.asarray(
             solve_triangular(self.system.upper, flat, trans=1, check_finite=False, overwrite_b=True)
         )
+
+    def late(self) -> Floats:
+        """Return the whitened torque (S N,) of a lag of one second, to first order."""
+        return error_of_lag(self.problem, self.system.upper) / self.amplitude
 
     def project(self, whitened: Floats) -> Floats:
         """Return whitened columns (S N, K) with everything explained projected out."""
@@ -255,6 +261,8 @@ def whiten(
     x: Inputs | None = None,
     like: System | None = None,
     weight: Floats | None = None,
+    *,
+    lagging: bool = False,
 ) -> Whitened:
     """Return a motion factored and whitened, with the tangents of the basis' shapes explained too.
 
@@ -264,6 +272,7 @@ def whiten(
         x: the samples used; None takes them from the inputs.
         like: a system of the same samples, kernel, noise and weights, whose factor is reused.
         weight: (S, N) by how much the noise of each torque is divided; None is 1.
+        lagging: whether a lag of the torques is explained, too.
 
     Raises:
         NotPositiveDefiniteError: the noise is too small for the arithmetic.
@@ -272,12 +281,15 @@ def whiten(
     problem = assumed.of(Samples(x, x.mean(motion.tau), weight=weight))
     tangents = (*problem.nuisance, *errors_of_shapes(problem.basis, x))
     system = exact(replace(problem, nuisance=tangents), like=like).system
-    explained, triangle = np.linalg.qr(system.white_design)
+    columns = system.white_design
+    if lagging:
+        columns = np.column_stack([columns, error_of_lag(problem, system.upper)])
+    explained, triangle = np.linalg.qr(columns)
     weak = np.abs(np.diag(triangle)) < 1e-9 * np.abs(triangle).max(initial=0.0)
     explained = explained[:, ~weak]
     white = system.white_target - explained @ (explained.T @ system.white_target)
     residual = white / np.sqrt(system.amplitude)
-    return Whitened(motion, index, seconds, inputs, problem, system, residual, explained)
+    return Whitened(motion, index, seconds, inputs, problem, system, residual, explained, lagging)
 
 
 def rigid_torque(problem: Problem, x: Inputs, weights: Floats) -> Floats:
@@ -377,11 +389,3 @@ def _multiplied(columns: Floats, response: Floats, *, coarse: bool) -> Floats:
 def _samples(rows: int, joints: int) -> int:
     """Return the number of samples that the first `rows` rows belong to."""
     return -(-rows // joints)
-
-
-def errors_of_shapes(basis: Basis, x: Inputs) -> list[Nuisance]:
-    """Return the derivatives of the columns by the shapes: to first order, the shapes' errors."""
-    return [
-        Nuisance(up.joint, (up.columns(x) - down.columns(x)) / TANGENT)
-        for up, down in basis.tangents(TANGENT)
-    ]

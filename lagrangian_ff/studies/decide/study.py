@@ -29,7 +29,7 @@ from lagrangian_ff.investigation import Investigation, Plan, investigate
 from lagrangian_ff.investigation.motions import both, for_design
 from lagrangian_ff.investigation.stretches import learned_and_unseen
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.recording import Recording, concatenate, condition_alike
+from lagrangian_ff.recording import Conditioning, Recording, concatenate, condition_alike
 from lagrangian_ff.studies.decide.cases import BUDGET, DecideCase, cases
 from lagrangian_ff.studies.decide.results import DecideResults
 from lagrangian_ff.studies.decide.rig import Clearance, Done, SimulatedRig, arm_limits
@@ -252,10 +252,19 @@ def _question(found: Diagnosis, suspect: Suspect) -> Question:
 
 def _diagnosed(recordings: Sequence[Recording]) -> Diagnosis:
     """Return what a model of the first part of each recording lacks."""
-    motions = condition_alike(list(recordings))
+    conditioning = Conditioning()
+    found = _once_diagnosed(recordings, conditioning)
+    if found.lag is not None:
+        conditioning = replace(conditioning, effort_delay=found.lag.delay)
+        found = replace(_once_diagnosed(recordings, conditioning), lag=found.lag)
+    return with_consequences(found)
+
+
+def _once_diagnosed(recordings: Sequence[Recording], conditioning: Conditioning) -> Diagnosis:
+    motions = condition_alike(list(recordings), conditioning)
     learned, unseen = learned_and_unseen(motions)
     model = identify(learned, Settings(model=MODEL, train=1.0)).model
-    return with_consequences(diagnose(model, learned, unseen))
+    return diagnose(model, learned, unseen)
 
 
 def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
@@ -264,7 +273,8 @@ def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
     Of the parts that are searched, and with all that the model and the noise leave open: no search
     can see more. An effect that was confirmed has nothing left to gain.
     """
-    motions = condition_alike([one.recording for one in moved])
+    conditioning = found.model.identified.conditioning
+    motions = condition_alike([one.recording for one in moved], conditioning)
     truths = [one.truth_of(motion) for one, motion in zip(moved, motions, strict=True)]
     motion, truth = (concatenate(learned_and_unseen(some)[0]) for some in (motions, truths))
     model = apply(found)

@@ -39,6 +39,7 @@ class Identify(Job):
     units: Mapping[str, str] = field(default_factory=dict)
     bandwidth: float = 0.0
     effort: str = Conditioning.effort
+    effort_delay: float = Conditioning.effort_delay
     settings: Settings = field(default_factory=Settings)
 
     @classmethod
@@ -56,6 +57,7 @@ class Identify(Job):
             units=named_units(filter(None, value("units"))),
             bandwidth=value("bandwidth"),
             effort=value("effort"),
+            effort_delay=value("effort_delay"),
             settings=Settings(
                 model=value("model") or usual_model(value("effort")),
                 **{name: value(name) for name in plain},
@@ -80,6 +82,7 @@ class Identify(Job):
             bandwidth=self.bandwidth or None,
             units=self.units,
             effort=self.effort,
+            effort_delay=self.effort_delay,
             effort_scale=self.effort_scale,
             effort_offset=self.effort_offset,
         )

@@ -49,6 +49,7 @@ class Investigate(base.Job):
     seconds: float = 240.0
     model: str = ""
     effort: str = Conditioning.effort
+    effort_delay: float = Conditioning.effort_delay
     units: Mapping[str, str] = field(default_factory=dict)
     bandwidth: float = 0.0
 
@@ -78,6 +79,7 @@ class Investigate(base.Job):
             seconds=60.0 * value("investigate.minutes"),
             model=value("model"),
             effort=value("effort"),
+            effort_delay=value("effort_delay"),
             units=named_units(filter(None, value("units"))),
             bandwidth=value("bandwidth"),
         )
@@ -163,6 +165,7 @@ class Investigate(base.Job):
             bandwidth=self.bandwidth or None,
             units=self.units,
             effort=self.effort,
+            effort_delay=self.effort_delay,
             effort_scale=self.effort_scale,
             effort_offset=self.effort_offset,
         )

@@ -1,0 +1,96 @@
+"""The lag of all torques behind the positions: one delay, that of the driver.
+
+A driver reads all drives alike, so that their torques come late together. Looked at joint by joint,
+a few milliseconds are too little to be named, and enough to look like friction that other effects
+have: of one that creeps, or that follows the load. Over all joints one number explains them.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.lag import Lag
+from lagrangian_ff.diagnosis.results import HoldOut
+from lagrangian_ff.diagnosis.search.bayes_factor import tempered_log_bf
+from lagrangian_ff.diagnosis.whitening import Whitened, whiten
+from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects.reversals import stretches
+from lagrangian_ff.recording.motion import Motion
+
+EXPECTED = 0.005
+"""Standard deviation of a lag a priori, s: drivers filter and queue over some milliseconds."""
+LONGEST = 0.05
+"""s; a longer one is no lag of the same signal."""
+ROUNDS = 8
+SETTLED = 0.1
+"""Share of its deviation by which a lag may still change."""
+
+
+def lag_of(whitened: Whitened) -> Lag:
+    """Return the lag that a motion shows beside everything explained, to first order."""
+    z = EXPECTED * whitened.project(whitened.late()[:, None])[:, 0]
+    information, moment = float(z @ z), float(z @ whitened.residual)
+    if information <= 0.0:
+        return Lag(0.0, EXPECTED, 0.0)
+    size = moment / information
+    rest = np.add.reduceat(z * (whitened.residual - size * z), whitened.starts)
+    inflation = max(1.0, float(rest @ rest) / information)
+    log_bf = tempered_log_bf(np.array([[moment]]), np.array([[information]]), inflation)
+    deviation = EXPECTED * float(np.sqrt(inflation / information))
+    return Lag(EXPECTED * size, deviation, float(log_bf[0]))
+
+
+def set_right(whitened: Whitened) -> tuple[Whitened, Lag]:
+    """Return the motion with its torques earlier by the lag that it shows, and that lag.
+
+    The torque that is predicted is smoother than the true one, and a lag of it explains more than
+    its own: it is sought until none is left.
+    """
+    first = lag_of(whitened)
+    delay = 0.0
+    for _ in range(ROUNDS):
+        left = lag_of(whitened)
+        if abs(left.delay) < SETTLED * left.deviation:
+            break
+        delay += left.delay
+        whitened = _earlier(whitened, left.delay)
+    # Each round finds the same part of what is left, and its deviation is of that part.
+    part = first.delay / delay if delay else 1.0
+    deviation = first.deviation / float(np.clip(part, 0.1, 1.0))
+    return whitened, Lag(delay, deviation, first.log_bayes_factor)
+
+
+def allowing(whitened: Whitened) -> Whitened:
+    """Return the motion with a lag explained, too: one that was set right is known to some ms."""
+    more = replace(whitened, lagging=True)
+    return more.explaining(more.basis, more.problem.nuisance)
+
+
+def confirms(held: HoldOut) -> bool:
+    """Return whether unseen motion confirms a lag: one number, which was not chosen among many."""
+    low, high = thresholds.USED.size_ratio
+    return low < held.ratio < high and float(held.gained.sum()) > thresholds.USED.floor
+
+
+def earlier(motion: Motion, delay: float) -> Motion:
+    """Return a motion with its torques earlier by a delay in s, interpolated within segments."""
+    tau = motion.tau.copy()
+    for begin, end in stretches(motion.segment):
+        time = motion.time[begin:end]
+        for joint in range(tau.shape[1]):
+            tau[begin:end, joint] = np.interp(time + delay, time, motion.tau[begin:end, joint])
+    return replace(motion, tau=tau)
+
+
+def _earlier(whitened: Whitened, delay: float) -> Whitened:
+    """Return a whitened motion with its torques earlier, the load predicted anew."""
+
+    def again(inputs: Inputs, x: Inputs) -> Whitened:
+        of, like, weight = whitened.problem, whitened.system, whitened.problem.samples.weight
+        return whiten(motion, whitened.index, whitened.seconds, inputs, of, x, like, weight)
+
+    motion = earlier(whitened.motion, delay)
+    moved = again(whitened.inputs, whitened.x)
+    inputs = moved.inputs_of(motion)
+    return again(inputs, replace(moved, inputs=inputs).inputs_left_out())
