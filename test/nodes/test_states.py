@@ -80,11 +80,11 @@ START = 1_700_000_000_000_000_000  # ns
 
 
 def views(
-    time: Floats, names: tuple[str, ...] = JOINTS, scale: float = 1.0
+    time: Floats, names: tuple[str, ...] = JOINTS, scale: float = 1.0, late: float = 0.0
 ) -> list[JointStateView]:
     """Return the motion of the small model as messages; names may stand in any order."""
-    q, qd, qdd = motion_at(time)
-    tau = torque_of(q, qd, qdd) / scale
+    q, _, _ = motion_at(time)
+    tau = torque_of(*motion_at(time - late)) / scale
     columns = [JOINTS.index(name) if name in JOINTS else 0 for name in names]
     return [
         JointStateView(
@@ -99,12 +99,14 @@ def taken(live: LiveStates, messages: list[JointStateView]) -> list[State]:
     return [state for state in states if state is not None]
 
 
-def test_states_are_those_of_a_recording_of_the_same_messages() -> None:
+@pytest.mark.parametrize("late", [0.0, 0.008])
+def test_states_are_those_of_a_recording_of_the_same_messages(late: float) -> None:
     time = np.arange(0.0, 4.0, 0.002)
     q, qd, qdd = motion_at(time)
     motion = condition(Recording(JOINTS, time, q, qd, torque_of(q, qd, qdd)))
-    live = LiveStates(JOINTS, Conditioning(), 100.0)
-    states = [s for s in taken(live, views(time)) if s.at >= START + 1_000_000_000]
+    live = LiveStates(JOINTS, Conditioning(effort_delay=late), 100.0)
+    messages = views(time, late=late)
+    states = [s for s in taken(live, messages) if s.at >= START + 1_000_000_000]
     at = np.array([(state.at - START) / 1e9 for state in states])
     assert np.median(np.diff(at)) == pytest.approx(0.01, abs=1e-6)
     assert live.delay == pytest.approx(4.0 / (2.0 * np.pi * 25.0), rel=1e-6)

@@ -194,7 +194,8 @@ class LiveStates:
         count = len(self._joints)
         behind = at - round(self._filter.delay * 1e9)
         bridged = (at - self._bridged) / 1e9 < self._filter.settled
-        return State(behind, self._segment, bridged, y[:count], yd[:count], ydd[:count], y[count:])
+        tau = y[count:] + self._conditioning.effort_delay * yd[count:]
+        return State(behind, self._segment, bridged, y[:count], yd[:count], ydd[:count], tau)
 
     def _values(self, view: JointStateView) -> Floats | None:
         """Return positions and torques (2N,), or None for another part of the robot."""
