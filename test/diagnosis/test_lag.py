@@ -7,14 +7,18 @@ import numpy as np
 import pytest
 import two_rods
 from diagnosed_rods import FEW
+from numpy.typing import NDArray
 from whitened_examples import clean_rods, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import diagnose, diagnosis_record, verdict
-from lagrangian_ff.diagnosis.search.lag import allowing, earlier, lag_of, set_right
+from lagrangian_ff.diagnosis.search.lag import allowing, earlier, hysteresis_of, lag_of, set_right
 from lagrangian_ff.diagnosis.thresholds import USED, Effort, using
 from lagrangian_ff.diagnosis.whitening import Whitened
+from lagrangian_ff.effects.memory import stop
 from lagrangian_ff.identification import identify
 from lagrangian_ff.recording.motion import Motion
+
+Floats = NDArray[np.float64]
 
 LATE = 0.009  # s
 
@@ -38,14 +42,15 @@ def lagging(request: pytest.FixtureRequest) -> tuple[Whitened, float]:
 
 def test_its_size_is_found(lagging: tuple[Whitened, float]) -> None:
     whitened, delay = lagging
-    _, lag = set_right(whitened)
+    _, lag = set_right(whitened, hysteresis_of(whitened))
     assert lag.log_bayes_factor > USED.floor
     assert abs(lag.delay - delay) < 3.0 * lag.deviation < 0.4 * abs(delay)
 
 
 def test_none_is_left_of_it(lagging: tuple[Whitened, float]) -> None:
-    moved, lag = set_right(lagging[0])
-    left = lag_of(moved)
+    beside = hysteresis_of(lagging[0])
+    moved, lag = set_right(lagging[0], beside)
+    left = lag_of(moved, beside)
     assert abs(left.delay) < 0.2 * lag.deviation
     power = [np.mean(one.residual**2) * one.system.amplitude for one in (lagging[0], moved)]
     assert power[1] < power[0]
@@ -53,6 +58,25 @@ def test_none_is_left_of_it(lagging: tuple[Whitened, float]) -> None:
 
 def test_a_motion_in_step_has_none() -> None:
     assert lag_of(clean_rods()).log_bayes_factor < 0.0
+
+
+def soft(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+    """Most of both joints' dry friction builds up over some mrad."""
+    segment, strengths = np.zeros(len(t), dtype=np.int64), (2.6, 0.7)
+    columns = []
+    for n, strength in enumerate(strengths):
+        sign = np.tanh(qd[:, n] / two_rods.WIDTH)
+        columns.append(strength * (stop(q[:, n], segment, sign, 0.006) - sign))
+    return np.stack(columns, axis=1)
+
+
+def test_friction_that_builds_up_in_all_gears_is_no_lag() -> None:
+    with quickly(1000):
+        whitened = whitened_of(two_rods.motion(1, 30.0, soft))
+    assert lag_of(whitened).log_bayes_factor > USED.floor  # it does look like one
+    assert lag_of(whitened, hysteresis_of(whitened)).log_bayes_factor < USED.floor
+    first, second = (two_rods.motion(seed, 30.0, soft) for seed in (1, 2))
+    assert diagnose(identify(first, FEW).model, first, second).lag is None
 
 
 def test_where_it_is_explained_nothing_is_left_to_find() -> None:

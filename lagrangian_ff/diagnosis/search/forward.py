@@ -32,7 +32,7 @@ from lagrangian_ff.diagnosis.search.judging import (
     possible,
 )
 from lagrangian_ff.diagnosis.search.lag import LONGEST as LONGEST_LAG
-from lagrangian_ff.diagnosis.search.lag import lag_of, set_right
+from lagrangian_ff.diagnosis.search.lag import hysteresis_of, lag_of, set_right
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
 from lagrangian_ff.diagnosis.whitening import Whitened, outweighed, refit
@@ -250,10 +250,13 @@ class _Forward:
         if not self._lagging:
             return None
         best = max((score.log_bf for score in eligible), default=0.0)
-        if lag_of(whitened).log_bayes_factor <= max(best, thresholds.USED.floor):
+        floor = thresholds.USED.floor
+        if lag_of(whitened).log_bayes_factor <= max(best, floor):
             return None
-        moved, lag = set_right(whitened)
-        self._lagging = False
+        beside = hysteresis_of(whitened)
+        if lag_of(whitened, beside).log_bayes_factor <= floor:
+            return None
+        moved, lag = set_right(whitened, beside)
         if abs(lag.delay) > LONGEST_LAG:
             return None
         self.lag = lag

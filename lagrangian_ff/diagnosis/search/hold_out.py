@@ -14,6 +14,7 @@ from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_spee
 from lagrangian_ff.diagnosis.search.carried import Carried
 from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.search.forward import Search
+from lagrangian_ff.diagnosis.search.lag import hysteresis_of
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
@@ -185,15 +186,16 @@ def judge_hold_out(
 
 
 def judge_lag(found: Search, motion: Motion) -> HoldOut:
-    """Return how a lag of the torques does on hold-out motion, frozen, beside all findings.
+    """Return how a lag of the torques does on hold-out motion, frozen, beside any hysteresis.
 
     Args:
         found: with a lag.  motion: its torques are earlier by that lag.
     """
     assert found.lag is not None
     left = without(found, motion, None).whitened
-    z = left.project(found.lag.delay * left.late()[:, None])[:, 0]
-    return _judged(left, left.residual, z)
+    z, beside = left.project(found.lag.delay * left.late()[:, None])[:, 0], hysteresis_of(left)
+    z, residual = (one - beside @ (beside.T @ one) for one in (z, left.residual))
+    return _judged(left, residual, z)
 
 
 def without(

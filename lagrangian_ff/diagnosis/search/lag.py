@@ -9,13 +9,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.results import HoldOut
 from lagrangian_ff.diagnosis.search.bayes_factor import tempered_log_bf
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import EFFECTS, Inputs
 from lagrangian_ff.effects.reversals import stretches
+from lagrangian_ff.identification.basis import Term
+from lagrangian_ff.identification.choosing.shapes import orthonormal
 from lagrangian_ff.recording.motion import Motion
 
 EXPECTED = 0.005
@@ -27,30 +30,55 @@ SETTLED = 0.1
 """Share of its deviation by which a lag may still change."""
 
 
-def lag_of(whitened: Whitened) -> Lag:
-    """Return the lag that a motion shows beside everything explained, to first order."""
+def lag_of(whitened: Whitened, beside: Floats | None = None) -> Lag:
+    """Return the lag that a motion shows beside everything explained, to first order.
+
+    Args:
+        beside: (S N, K) orthonormal columns that may be there as well, such as `hysteresis_of`.
+    """
     z = EXPECTED * whitened.project(whitened.late()[:, None])[:, 0]
-    information, moment = float(z @ z), float(z @ whitened.residual)
+    residual = whitened.residual
+    if beside is not None:
+        z, residual = (one - beside @ (beside.T @ one) for one in (z, residual))
+    information, moment = float(z @ z), float(z @ residual)
     if information <= 0.0:
         return Lag(0.0, EXPECTED, 0.0)
     size = moment / information
-    rest = np.add.reduceat(z * (whitened.residual - size * z), whitened.starts)
+    rest = np.add.reduceat(z * (residual - size * z), whitened.starts)
     inflation = max(1.0, float(rest @ rest) / information)
     log_bf = tempered_log_bf(np.array([[moment]]), np.array([[information]]), inflation)
     deviation = EXPECTED * float(np.sqrt(inflation / information))
     return Lag(EXPECTED * size, deviation, float(log_bf[0]))
 
 
-def set_right(whitened: Whitened) -> tuple[Whitened, Lag]:
+def hysteresis_of(whitened: Whitened) -> Floats:
+    """Return (S N, K) orthonormal columns of hysteresis on every joint, of any width.
+
+    Friction that builds up after a reversal comes late as well; that of all gears together may
+    look like one lag of tens of milliseconds.
+    """
+    effect = EFFECTS["hysteresis"]
+    columns = [
+        whitened.whitened(Term(effect, joint, shape).columns(whitened.x), joint)
+        for joint in range(whitened.joints)
+        for shape in effect.candidates(whitened.x, joint)
+    ]
+    return orthonormal(whitened.project(np.hstack(columns)))
+
+
+def set_right(whitened: Whitened, beside: Floats) -> tuple[Whitened, Lag]:
     """Return the motion with its torques earlier by the lag that it shows, and that lag.
 
     The torque that is predicted is smoother than the true one, and a lag of it explains more than
     its own: it is sought until none is left.
+
+    Args:
+        beside: as of `lag_of`.
     """
-    first = lag_of(whitened)
+    first = lag_of(whitened, beside)
     delay = 0.0
     for _ in range(ROUNDS):
-        left = lag_of(whitened)
+        left = lag_of(whitened, beside)
         if abs(left.delay) < SETTLED * left.deviation:
             break
         delay += left.delay
