@@ -96,12 +96,11 @@ def diagnose(
     ended = search(whitened, effects, steps, searching, len(known), lagging=not set_right)
     in_step, lag = unseen, None
     if ended.lag is not None:
-        held = judge_lag(ended, earlier(unseen, ended.lag.delay))
+        searched, other = (earlier(one, ended.lag.delay) for one in (first, unseen))
+        held = judge_lag(ended, other)
         if confirms(held):
-            lag = replace(ended.lag, gained=float(held.gained.sum()))
-            in_step = earlier(unseen, lag.delay)
-            moved = earlier(first, lag.delay)
-            whitened = allowing(fit(moved, inputs, whitened.basis, fitting, sliding))
+            in_step, lag = other, replace(ended.lag, gained=float(held.gained.sum()))
+            whitened = allowing(fit(searched, inputs, whitened.basis, fitting, sliding))
         ended = search(whitened, effects, steps, searching, len(known), lagging=False)
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")

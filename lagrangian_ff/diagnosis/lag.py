@@ -1,6 +1,8 @@
 """The lag of every joint's torque behind its position, as a diagnosis finds it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from lagrangian_ff.recording.motion import Conditioning
 
 
 @dataclass(frozen=True)
@@ -24,10 +26,19 @@ class Lag:
         """Return the setting of reading that undoes it, as the command line has it."""
         return f"--effort-delay {self.delay:.4f}"
 
-    def words(self) -> str:
-        """Return it in a sentence."""
-        which, other = ("torque", "position") if self.delay > 0 else ("position", "torque")
-        return (
-            f"The {which} of every joint comes {1e3 * abs(self.delay):.1f} ± "
-            f"{1e3 * self.deviation:.1f} ms later than its {other}"
-        )
+    def applied(self, conditioning: Conditioning) -> Conditioning:
+        """Return settings of reading that undo it."""
+        return replace(conditioning, effort_delay=self.delay)
+
+
+def late(whose: str, delay: float, deviation: float) -> str:
+    """Return in words that the torque comes late, or the position where `delay` is negative.
+
+    Args:
+        whose: a joint, or "every joint".  delay, deviation: s.
+    """
+    which, other = ("torque", "position") if delay > 0 else ("position", "torque")
+    return (
+        f"the {which} of {whose} comes {1e3 * abs(delay):.1f} ± {1e3 * deviation:.1f} ms later "
+        f"than its {other}"
+    )

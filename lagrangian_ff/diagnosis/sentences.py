@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence
+from lagrangian_ff.diagnosis.lag import late
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
     Finding,
@@ -14,7 +15,7 @@ from lagrangian_ff.diagnosis.results import (
     Unexplained,
     Verdict,
 )
-from lagrangian_ff.words import counted, listed, spoken, which
+from lagrangian_ff.words import counted, listed, sentence, spoken, which
 
 if TYPE_CHECKING:
     from lagrangian_ff.diagnosis.run import Changed
@@ -40,7 +41,9 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
         parts.append(f"The arm is not as the model knows it: {misfit.words()}, and {asked}.")
     first = len(parts)
     if (lag := diagnosis.lag) is not None:
-        parts.append(f"{lag.words()} ({lag.log_bayes_factor:.0f} nats); the findings allow for it.")
+        said = late("every joint", lag.delay, lag.deviation)
+        said += f" ({lag.log_bayes_factor:.0f} nats); the findings allow for it"
+        parts.append(sentence(said))
     if diagnosis.taken_up is not None:
         parts.append(_taken_up(diagnosis.taken_up, diagnosis.model.joints))
     if diagnosis.confirmed:

@@ -242,8 +242,7 @@ class _Story:
         learned, unseen = self._parts()
         base, found = self._diagnosed(learned, unseen)
         if (lag := found.lag) is not None:
-            delay = self._conditioning.effort_delay + lag.delay
-            self._conditioning = replace(self._conditioning, effort_delay=delay)
+            self._conditioning = lag.applied(self._conditioning)
             learned, unseen = self._parts()
             base, found = self._diagnosed(learned, unseen)
             found = replace(found, lag=lag)

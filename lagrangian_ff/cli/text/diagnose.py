@@ -23,8 +23,6 @@ LEGEND = (
     "error: rms on that joint, on {unseen}, of the model as it is and refitted with the effect."
 )
 
-AGAIN = "identify again with it, and diagnose that model"
-
 
 def say_checks(checks: "Sequence[Check]", console: Console) -> None:
     """Print faults of the measurement: first those to mend before any effect is believed."""
@@ -51,7 +49,7 @@ def say_diagnosis(
     console.say()
     console.paragraph(verdict(diagnosis, changed))
     if diagnosis.lag is not None:
-        console.paragraph(f"{diagnosis.lag.option} reads the recordings with both in step: {AGAIN}")
+        console.paragraph(f"Identify again with {diagnosis.lag.option}, and diagnose that model.")
     every = diagnosis.model.joints
     if diagnosis.found:
         console.say(["", "what was found"])

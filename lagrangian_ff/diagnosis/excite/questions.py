@@ -82,7 +82,7 @@ class Everything:
 
 @dataclass(frozen=True)
 class Parameters:
-    """Which masses and inertias does the arm have? The motion for it is D-optimal."""
+    """What are the arm's masses and inertias? Their uncertainty shall be least (D-optimal)."""
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:

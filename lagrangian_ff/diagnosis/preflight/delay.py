@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
+from lagrangian_ff.diagnosis.lag import late as in_words
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
 from lagrangian_ff.effects.reversals import before_reversal, since_reversal, stretches
 
@@ -111,11 +112,7 @@ def check_delay(case: Case) -> list[Check]:
 def _check(joint: str | None, late: Late) -> Check:
     delay, error = late.delay, late.error
     certain = joint is None or abs(delay) > CERTAIN * error
-    which, other = ("torque", "position") if delay > 0 else ("position", "torque")
-    finding = (
-        f"the {which} of {joint or 'every joint'} comes {1e3 * abs(delay):.1f} ± "
-        f"{1e3 * error:.1f} ms later than its {other}"
-    )
+    finding = in_words(joint or "every joint", delay, error)
     advice = (
         "Look for a filter or a bus that only one of the two passes, and stamp both when they are "
         "measured; or add the effect delay"

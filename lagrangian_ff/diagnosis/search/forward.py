@@ -31,7 +31,6 @@ from lagrangian_ff.diagnosis.search.judging import (
     judge_alike,
     possible,
 )
-from lagrangian_ff.diagnosis.search.lag import LONGEST as LONGEST_LAG
 from lagrangian_ff.diagnosis.search.lag import hysteresis_of, lag_of, set_right
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.search.visible import clearest, hidden, still
@@ -40,6 +39,7 @@ from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.progress import Progress, silent
+from lagrangian_ff.recording.motion import LONGEST_DELAY
 from lagrangian_ff.sampling import recorded_seconds
 
 MOST_STEPS = 40
@@ -257,7 +257,7 @@ class _Forward:
         if lag_of(whitened, beside).log_bayes_factor <= floor:
             return None
         moved, lag = set_right(whitened, beside)
-        if abs(lag.delay) > LONGEST_LAG:
+        if abs(lag.delay) > LONGEST_DELAY:
             return None
         self.lag = lag
         return moved

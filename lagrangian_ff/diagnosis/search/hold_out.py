@@ -14,7 +14,7 @@ from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_spee
 from lagrangian_ff.diagnosis.search.carried import Carried
 from lagrangian_ff.diagnosis.search.fitted import Fitted
 from lagrangian_ff.diagnosis.search.forward import Search
-from lagrangian_ff.diagnosis.search.lag import hysteresis_of
+from lagrangian_ff.diagnosis.search.lag import column_of, hysteresis_of
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, whiten
 from lagrangian_ff.diagnosis.whitening.blocks import shortest_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
@@ -193,9 +193,8 @@ def judge_lag(found: Search, motion: Motion) -> HoldOut:
     """
     assert found.lag is not None
     left = without(found, motion, None).whitened
-    z, beside = left.project(found.lag.delay * left.late()[:, None])[:, 0], hysteresis_of(left)
-    z, residual = (one - beside @ (beside.T @ one) for one in (z, left.residual))
-    return _judged(left, residual, z)
+    z, residual = column_of(left, hysteresis_of(left))
+    return _judged(left, residual, found.lag.delay * z)
 
 
 def without(

@@ -23,8 +23,6 @@ from lagrangian_ff.recording.motion import Motion
 
 EXPECTED = 0.005
 """Standard deviation of a lag a priori, s: drivers filter and queue over some milliseconds."""
-LONGEST = 0.05
-"""s; a longer one is no lag of the same signal."""
 ROUNDS = 8
 SETTLED = 0.1
 """Share of its deviation by which a lag may still change."""
@@ -36,10 +34,8 @@ def lag_of(whitened: Whitened, beside: Floats | None = None) -> Lag:
     Args:
         beside: (S N, K) orthonormal columns that may be there as well, such as `hysteresis_of`.
     """
-    z = EXPECTED * whitened.project(whitened.late()[:, None])[:, 0]
-    residual = whitened.residual
-    if beside is not None:
-        z, residual = (one - beside @ (beside.T @ one) for one in (z, residual))
+    z, residual = column_of(whitened, beside)
+    z *= EXPECTED
     information, moment = float(z @ z), float(z @ residual)
     if information <= 0.0:
         return Lag(0.0, EXPECTED, 0.0)
@@ -51,6 +47,18 @@ def lag_of(whitened: Whitened, beside: Floats | None = None) -> Lag:
     return Lag(EXPECTED * size, deviation, float(log_bf[0]))
 
 
+def column_of(whitened: Whitened, beside: Floats | None = None) -> tuple[Floats, Floats]:
+    """Return the whitened torque of a lag of one second and the residual, (S N,) each.
+
+    Args:
+        beside: as of `lag_of`; neither has a part in it.
+    """
+    z, residual = whitened.project(whitened.late()[:, None])[:, 0], whitened.residual
+    if beside is not None:
+        z, residual = (one - beside @ (beside.T @ one) for one in (z, residual))
+    return z, residual
+
+
 def hysteresis_of(whitened: Whitened) -> Floats:
     """Return (S N, K) orthonormal columns of hysteresis on every joint, of any width.
 
@@ -58,12 +66,12 @@ def hysteresis_of(whitened: Whitened) -> Floats:
     look like one lag of tens of milliseconds.
     """
     effect = EFFECTS["hysteresis"]
-    columns = [
-        whitened.whitened(Term(effect, joint, shape).columns(whitened.x), joint)
-        for joint in range(whitened.joints)
-        for shape in effect.candidates(whitened.x, joint)
-    ]
-    return orthonormal(whitened.project(np.hstack(columns)))
+    x, white = whitened.x, []
+    for joint in range(whitened.joints):
+        terms = [Term(effect, joint, shape) for shape in effect.candidates(x, joint)]
+        columns = np.hstack([term.columns(x) for term in terms])
+        white.append(whitened.whitened(columns, joint))
+    return orthonormal(whitened.project(np.hstack(white)))
 
 
 def set_right(whitened: Whitened, beside: Floats) -> tuple[Whitened, Lag]:
@@ -75,14 +83,14 @@ def set_right(whitened: Whitened, beside: Floats) -> tuple[Whitened, Lag]:
     Args:
         beside: as of `lag_of`.
     """
-    first = lag_of(whitened, beside)
+    first = left = lag_of(whitened, beside)
     delay = 0.0
     for _ in range(ROUNDS):
-        left = lag_of(whitened, beside)
         if abs(left.delay) < SETTLED * left.deviation:
             break
         delay += left.delay
         whitened = _earlier(whitened, left.delay)
+        left = lag_of(whitened, beside)
     # Each round finds the same part of what is left, and its deviation is of that part.
     part = first.delay / delay if delay else 1.0
     deviation = first.deviation / float(np.clip(part, 0.1, 1.0))
@@ -112,7 +120,10 @@ def earlier(motion: Motion, delay: float) -> Motion:
 
 
 def _earlier(whitened: Whitened, delay: float) -> Whitened:
-    """Return a whitened motion with its torques earlier, the load predicted anew."""
+    """Return the whitened motion after its torques are moved `delay` seconds earlier.
+
+    The load is predicted again, from the moved torques.
+    """
 
     def again(inputs: Inputs, x: Inputs) -> Whitened:
         of, like, weight = whitened.problem, whitened.system, whitened.problem.samples.weight

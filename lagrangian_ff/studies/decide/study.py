@@ -252,11 +252,9 @@ def _question(found: Diagnosis, suspect: Suspect) -> Question:
 
 def _diagnosed(recordings: Sequence[Recording]) -> Diagnosis:
     """Return what a model of the first part of each recording lacks."""
-    conditioning = Conditioning()
-    found = _once_diagnosed(recordings, conditioning)
-    if found.lag is not None:
-        conditioning = replace(conditioning, effort_delay=found.lag.delay)
-        found = replace(_once_diagnosed(recordings, conditioning), lag=found.lag)
+    found = _once_diagnosed(recordings, Conditioning())
+    if (lag := found.lag) is not None:
+        found = replace(_once_diagnosed(recordings, lag.applied(Conditioning())), lag=lag)
     return with_consequences(found)
 
 
