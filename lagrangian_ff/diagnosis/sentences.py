@@ -42,8 +42,10 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
     first = len(parts)
     if (lag := diagnosis.lag) is not None:
         said = late("every joint", lag.delay, lag.deviation)
-        said += f" ({lag.log_bayes_factor:.0f} nats); the findings allow for it"
-        parts.append(sentence(said))
+        parts += [
+            sentence(f"{said} ({lag.log_bayes_factor:.0f} nats)"),
+            f"The findings allow for it, and {lag.option} undoes it.",
+        ]
     if diagnosis.taken_up is not None:
         parts.append(_taken_up(diagnosis.taken_up, diagnosis.model.joints))
     if diagnosis.confirmed:

@@ -104,7 +104,7 @@ class Investigate:
         recordings: folder for a recording of each motion.
         page: the file of the report to write.
         effects: the file of the user's formulas; empty for none.
-        effort, scale: how recordings are read; scale by joint.
+        effort, effort_delay, scale: how recordings are read; scale by joint.
         said: `asks` what is to be permitted, `steps` the questions so far, `bags` the recordings.
     """
 
@@ -115,6 +115,7 @@ class Investigate:
     page: str
     effects: str = ""
     effort: str = TOTAL
+    effort_delay: float = 0.0
     scale: Mapping[str, float] = field(default_factory=dict)
     said: Record = field(default_factory=lambda: {"asks": None, "steps": [], "bags": []})
     _heard: list[str] = field(default_factory=list)
@@ -146,7 +147,9 @@ class Investigate:
                 budget=budget,
                 first=min(Plan.first, max(FIRST, budget / 4)),
                 clear=ready.clear,
-                conditioning=Conditioning(effort=self.effort, effort_scale=scale),
+                conditioning=Conditioning(
+                    effort=self.effort, effort_delay=self.effort_delay, effort_scale=scale
+                ),
             )
             rig, permit = _Kept(ready.rig, self._keep), self._permit(ready, progress)
             with self._stoppable(ready, progress) as report:
@@ -263,6 +266,7 @@ class Investigate:
 
         investigation_page(self.page, found)
         last = found.turns[-1].model if found.turns else None
+        read = last.identified.conditioning if last else None
         return finite({
             **found.record(),
             "left": _left(found),
@@ -271,6 +275,7 @@ class Investigate:
             "learned": LEARNED,
             "stretch": STRETCH,
             "model": last.name if last else "",
+            "effort_delay": read.effort_delay if read else self.effort_delay,
             "scale": {j: v for j, v in self.scale.items() if j in found.joints},
             "proposed": {
                 one.joint: proposals_cards(one)

@@ -148,6 +148,7 @@ class Investigations:
             str(pages / f"investigation_{identity}.html"),
             str(session.effects) if session.formulas else "",
             session.effort,
+            session.effort_delay,
             scale,
         )
         now: Asked = {
@@ -188,13 +189,13 @@ class Investigations:
         self.tick()
         session, now = self._session, self._now
         assert now is not None
-        models = story.pop("models")
+        models, session.effort_delay = story.pop("models"), story.pop("effort_delay")
         now |= {"ended": "yes", "words": story["words"], "story": story}
         self._over()
         scales = {file: dict(now["scale"]) for file in now["bags"]}
         settings = {"model": "", "asked": "", "urdf": "", "effort": session.effort,
-                    "scales": scales, "learned": story.pop("learned"),
-                    "stretch": story.pop("stretch")}  # fmt: skip
+                    "effort_delay": session.effort_delay, "scales": scales,
+                    "learned": story.pop("learned"), "stretch": story.pop("stretch")}  # fmt: skip
         parent, made = "", []
         for one in models:
             added, why = one["added"], one["why"]

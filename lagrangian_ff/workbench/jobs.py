@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.workbench.settings import Reading, told
+from lagrangian_ff.workbench.settings import Reading, told, with_lag
 from lagrangian_ff.workbench.shown import described, finding_card, left_over, proposals_cards
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ class Search:
         diagnose_page(self.page, run)
         return finite({
             "verdict": verdict(found),
-            "checks": [told(one) for one in checks if one.advice],
+            "checks": [told(one) for one in with_lag(found, checks) if one.advice],
             "on": list(self.sources),
             "findings": [finding_card(one, found) for one in found.findings],
             **left_over(found),

@@ -94,7 +94,7 @@ class Recordings:
             self._session.save()
 
     def read(self, asked: Asked) -> set[str]:
-        """Read recordings again: with what the effort of all holds, or the scale of some.
+        """Read recordings again: with what all effort holds or its delay, or the scale of some.
 
         Returns:
             Their files.
@@ -102,10 +102,16 @@ class Recordings:
         session = self._session
         cards = [session.card(str(one)) for one in asked.get("cards", ())]
         effort = str(asked.get("effort") or session.effort)
+        given = asked.get("delay")
+        delay = session.effort_delay if given is None else float(given)
         scale = {str(joint): float(factor) for joint, factor in dict(asked["scale"]).items()}
-        Conditioning(effort=effort, effort_scale=scale)  # refuses what cannot be
-        if effort != session.effort:
-            session.effort, cards = effort, list(session.cards)
+        # It refuses what cannot be.
+        Conditioning(effort=effort, effort_delay=delay, effort_scale=scale)
+        if (effort, delay) != (session.effort, session.effort_delay):
+            session.effort, session.effort_delay = effort, delay
+            cards = list(session.cards)
+        elif asked.get("effort") or given is not None:
+            cards = []  # they are read so already
         else:
             for card in cards:
                 card.scale = {**card.scale, **scale} if scale else {}

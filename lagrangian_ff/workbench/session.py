@@ -106,6 +106,7 @@ class Session:
         motions: those to record next, see `moving.Move`, each with `id`, `title` and `file`.
         investigations: see `investigations`, each with `id`, `steps`, `ended` and its `story`.
         effort: what the effort of all recordings holds.
+        effort_delay: s by which it comes later than the position.
         choice: the model to learn, one of `settings.choices`.
         undone: models that `redo` goes back to, the next one last.
         count: how many things were named, so that no name comes twice.
@@ -121,6 +122,7 @@ class Session:
     motions: list[dict[str, Any]] = field(default_factory=list)
     investigations: list[dict[str, Any]] = field(default_factory=list)
     effort: str = TOTAL
+    effort_delay: float = 0.0
     choice: str = AUTO
     undone: list[str] = field(default_factory=list)
     count: int = 0
@@ -157,6 +159,7 @@ class Session:
         self.formulas, self.motions = saved["formulas"], saved.get("motions", [])
         self.investigations = saved.get("investigations", [])
         self.effort, self.choice = saved.get("effort", TOTAL), saved.get("choice", AUTO)
+        self.effort_delay = saved.get("effort_delay", 0.0)
         self.count, self.version = saved["count"], saved["version"]
 
     def save(self) -> None:
@@ -176,6 +179,7 @@ class Session:
             "motions": self.motions,
             "investigations": self.investigations,
             "effort": self.effort,
+            "effort_delay": self.effort_delay,
             "choice": self.choice,
             "undone": self.undone,
             "count": self.count,
@@ -261,7 +265,8 @@ class Session:
     @property
     def reading(self) -> Reading:
         """Return how the recordings are read."""
-        return Reading(self.effort, {one.file: one.scale for one in self.cards if one.scale})
+        scales = {one.file: one.scale for one in self.cards if one.scale}
+        return Reading(self.effort, self.effort_delay, scales)
 
     def chosen(self, files: tuple[str, ...]) -> dict[str, Any]:
         """Return how a model is learned from files now.
@@ -304,6 +309,7 @@ class Session:
             for node in self.nodes
             if node.settings
             if node.settings["effort"] != self.effort
+            or node.settings.get("effort_delay", 0.0) != self.effort_delay
             or any(scales.get(f, one) != one for f, one in node.settings["scales"].items())
         ]
         return {"choices": [asdict(one) for one in choices(self.urdf)], "outdated": outdated}

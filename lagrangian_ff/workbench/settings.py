@@ -8,6 +8,7 @@ from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.recording.motion import TOTAL, Conditioning
 
 if TYPE_CHECKING:
+    from lagrangian_ff.diagnosis import Diagnosis
     from lagrangian_ff.diagnosis.preflight import Check
     from lagrangian_ff.recording import Motion, Recording
 
@@ -72,10 +73,12 @@ class Reading:
 
     Attributes:
         effort: what their effort holds.
+        effort_delay: s by which it comes later than the position.
         scales: by file and joint, N·m per unit of effort where it is not 1.
     """
 
     effort: str = TOTAL
+    effort_delay: float = 0.0
     scales: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def ready(
@@ -92,7 +95,7 @@ class Reading:
         """
         from lagrangian_ff.recording import condition_alike
 
-        settings = before or Conditioning(effort=self.effort)
+        settings = before or Conditioning(effort=self.effort, effort_delay=self.effort_delay)
         given = [self.scale(file, one.joints) for file, one in zip(files, recordings, strict=True)]
         scaled = [
             replace(one, effort=one.effort * [scale.get(joint, 1.0) for joint in one.joints])
@@ -111,7 +114,23 @@ class Reading:
     def record(self, files: Sequence[str]) -> Record:
         """Return how some files are read, for the session and the page."""
         scales = {file: dict(self.scales.get(file, {})) for file in files}
-        return {"effort": self.effort, "scales": scales}
+        return {"effort": self.effort, "effort_delay": self.effort_delay, "scales": scales}
+
+
+def with_lag(diagnosis: "Diagnosis", checks: Sequence["Check"]) -> list["Check"]:
+    """Return the checks, with the lag of all torques that a diagnosis found in place of theirs."""
+    from lagrangian_ff.diagnosis.lag import late
+    from lagrangian_ff.diagnosis.preflight.base import Check, Remedy
+
+    if (lag := diagnosis.lag) is None:
+        return list(checks)
+    finding = late("every joint", lag.delay, lag.deviation)
+    earlier = "effort" if lag.delay > 0 else "position"
+    words = f"Read every {earlier} {1e3 * abs(lag.delay):.1f} ms earlier"
+    remedy = Remedy(words, effort_delay=round(lag.delay, 4))
+    advice = f"The model does not know it: learn again with {remedy.option}"
+    others = [one for one in checks if (one.check, one.joint) != ("delay", None)]
+    return [Check("lag", None, finding, True, advice, remedy=remedy), *others]
 
 
 def told(check: "Check") -> Record:
@@ -125,5 +144,6 @@ def told(check: "Check") -> Record:
             "words": remedy.words,
             "scale": dict(remedy.effort_scale),
             "effort": remedy.effort,
+            "delay": remedy.effort_delay,
         },
     }  # fmt: skip

@@ -96,6 +96,7 @@ def test_a_diagnosis_names_it_and_what_is_hidden_beside_it() -> None:
     assert [(one.effect.name, one.joint) for one in found.confirmed] == [("stribeck", "elbow")]
     np.testing.assert_array_equal(found.motion.tau, first.tau)  # as it was recorded
     assert verdict(found).startswith("The torque of every joint comes ")
+    assert found.lag.option in verdict(found)
     assert diagnosis_record(found)["lag"]["delay"] == found.lag.delay
     assert found.lag.option == f"--effort-delay {found.lag.delay:.4f}"
 

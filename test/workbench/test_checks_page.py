@@ -28,6 +28,7 @@ browser = pytest.fixture(scope="module")(chromium)
 page = pytest.fixture(opened)
 
 Serve = Callable[..., Served]
+LATE = 0.009  # s
 ARM = """<robot name="arm"><link name="base"/><link name="x"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="y"><inertial><mass value="1"/>
@@ -143,6 +144,40 @@ def test_a_recording_that_disagrees_with_the_model_is_read_in_another_way(
     compared = saved(served)["nodes"][0]["compared"]
     assert all(one["nmse"] < 0.05 for one in compared["joints"].values())
     assert saved(served)["nodes"][0]["diagnosed"] is None
+    assert served.stop() == 0
+
+
+def test_effort_that_comes_late_is_read_earlier(page: Any, tmp_path: Path, serve: Serve) -> None:
+    sources = [moved(tmp_path / f"{seed}.npz", seed, drag=0.0, late=LATE) for seed in (0, 1)]
+    served = serve(tmp_path / "session", *sources)
+    shown(page, served)
+    page.wait_for_selector("article .joints >> nth=1", timeout=LONG)
+    idle(page)
+    learn(page)
+    page.goto(served.address + "#diagnose")
+    page.get_by_role("button", name="Find what is missing").last.click()
+    idle(page)
+    playwright.expect(page.locator(".check", has_text="of every joint comes")).to_have_count(1)
+    page.get_by_role("button", name="Read every effort").click()
+    idle(page)
+    delay = saved(served)["effort_delay"]
+    assert delay == pytest.approx(LATE, rel=0.1)
+    page.get_by_text("is read as").wait_for()
+    page.goto(served.address + "#data")
+    page.get_by_role("button", name="Learn again").click()
+    idle(page)
+    first, second = saved(served)["nodes"]
+    assert second["settings"]["effort_delay"] == delay
+    assert all(
+        second["compared"]["joints"][joint]["rmse"] < first["compared"]["joints"][joint]["rmse"]
+        for joint in "ab"
+    )
+    page.goto(served.address + "#take")
+    assert f"--effort-delay {delay}" in page.locator("pre").last.inner_text()
+    page.goto(served.address + "#data")
+    page.get_by_role("button", name="Take it back").click()
+    page.get_by_text("is read as").wait_for(state="detached")
+    assert saved(served)["effort_delay"] == 0.0
     assert served.stop() == 0
 
 

@@ -51,10 +51,18 @@ def test_every_choice_is_a_model(effort: str) -> None:
     assert URDF not in [one.name for one in choices("")]
 
 
+def test_recordings_are_read_in_step(recording: Recording) -> None:
+    (motion,) = Reading(effort_delay=0.008).ready(["a"], [recording])
+    wanted = condition(recording, Conditioning(effort_delay=0.008))
+    np.testing.assert_array_equal(motion.tau, wanted.tau)
+    assert motion.conditioning["effort_delay"] == 0.008
+
+
 def test_a_check_is_told_with_its_remedy() -> None:
     remedy = Remedy("Turn it", {"a": -1.0})
     found = told(Check("effort sign", "a", "it is turned", True, "Turn it", remedy=remedy))
-    assert found["remedy"] == {"words": "Turn it", "scale": {"a": -1.0}, "effort": ""}
+    shown = {"words": "Turn it", "scale": {"a": -1.0}, "effort": "", "delay": None}
+    assert found["remedy"] == shown
     assert told(Check("still", "a", "it stands still"))["remedy"] is None
 
 
@@ -73,6 +81,11 @@ def test_a_session_keeps_the_choice_and_knows_which_models_are_outdated(tmp_path
     again = Session.open(session.folder)
     assert again.choice == "energy"
     assert again.reading == Reading(scales={card.file: {"a": -1.0}})
+    assert again.derived()["outdated"] == ["m1"]
+    card.scale, session.effort_delay = {}, 0.004
+    session.save()
+    again = Session.open(session.folder)
+    assert again.reading == Reading(effort_delay=0.004)
     assert again.derived()["outdated"] == ["m1"]
     with pytest.raises(UserError, match="no model 'urdf'"):
         again.choose(URDF)

@@ -27,12 +27,14 @@ def moved(
     seconds: float = 24.0,
     sign: tuple[float, float] = (1.0, 1.0),
     rough: float = 0.0,
+    late: float = 0.0,
 ) -> Path:
     """Write a recording of a motion with quadratic drag on joint b.
 
     Args:
         sign: of the effort that is written.
         rough: N·m of friction on joint b that is a wave over its position, as no known effect is.
+        late: s by which the effort comes later than the position.
     """
     random = np.random.default_rng(seed)
     time_, phase = np.arange(0.0, seconds, 0.02), random.uniform(0.0, 6.0, (2, 2))
@@ -47,6 +49,7 @@ def moved(
     tau[:, 1] += drag * qd[:, 1] * np.abs(qd[:, 1])
     tau[:, 1] += rough * np.tanh(qd[:, 1] / 0.02) * np.sin(5.3 * q[:, 1])
     tau += 0.05 * random.standard_normal(tau.shape)
+    tau = np.stack([np.interp(time_ - late, time_, one) for one in tau.T], axis=1)
     return write_npz(path, Recording(JOINTS, time_, q, qd, tau * sign, start=1.7e9))
 
 

@@ -48,8 +48,6 @@ def say_diagnosis(
 
     console.say()
     console.paragraph(verdict(diagnosis, changed))
-    if diagnosis.lag is not None:
-        console.paragraph(f"Identify again with {diagnosis.lag.option}, and diagnose that model.")
     every = diagnosis.model.joints
     if diagnosis.found:
         console.say(["", "what was found"])

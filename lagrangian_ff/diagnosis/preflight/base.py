@@ -35,22 +35,31 @@ class Remedy:
         words: what it does, as a button says it.
         effort_scale: by joint, N·m per unit of effort, in place of what was used.
         effort: what the effort holds, one of `EFFORTS`; empty to leave that.
+        effort_delay: s by which all effort comes late; None to leave that.
     """
 
     words: str
     effort_scale: Mapping[str, float] = field(default_factory=dict)
     effort: str = ""
+    effort_delay: float | None = None
 
     @property
     def option(self) -> str:
         """Return it as the command line has it."""
+        if self.effort_delay is not None:
+            return f"--effort-delay {self.effort_delay:.4f}"
         scales = " ".join(f"{joint}={factor:.4g}" for joint, factor in self.effort_scale.items())
         return f"--effort {self.effort}" if self.effort else f"--effort-scale {scales}"
 
     def applied(self, conditioning: Conditioning) -> Conditioning:
         """Return settings of reading with it."""
-        scale = {**conditioning.effort_scale, **self.effort_scale}
-        return replace(conditioning, effort_scale=scale, effort=self.effort or conditioning.effort)
+        delay = self.effort_delay
+        return replace(
+            conditioning,
+            effort_scale={**conditioning.effort_scale, **self.effort_scale},
+            effort=self.effort or conditioning.effort,
+            effort_delay=conditioning.effort_delay if delay is None else delay,
+        )
 
 
 def scaling(motion: Motion, factors: Mapping[str, float], words: str) -> Remedy:

@@ -113,9 +113,10 @@ def _check(joint: str | None, late: Late) -> Check:
     delay, error = late.delay, late.error
     certain = joint is None or abs(delay) > CERTAIN * error
     finding = in_words(joint or "every joint", delay, error)
+    undone = "add the effect delay" if joint else "read it in step, see --effort-delay"
     advice = (
         "Look for a filter or a bus that only one of the two passes, and stamp both when they are "
-        "measured; or add the effect delay"
+        f"measured; or {undone}"
         if certain
         else "A model that fits this joint badly looks so as well: believe it if delay is found "
         "among the effects too"

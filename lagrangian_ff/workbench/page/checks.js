@@ -5,12 +5,12 @@ import { ask } from "./link.js";
 const EFFORTS = { total: "all torque", "without-gravity": "torque without gravity", "without-friction": "torque without friction" };
 
 function same(a, b) {
-  return a && b && a.effort === b.effort && JSON.stringify(a.scale) === JSON.stringify(b.scale);
+  return a && b && a.effort === b.effort && a.delay === b.delay && JSON.stringify(a.scale) === JSON.stringify(b.scale);
 }
 
 function remedy(check, cards, key) {
   return check.remedy && cards.length ? h("button", { class: "plain", "data-key": key, onclick: () =>
-    ask("read", { cards: cards.map((card) => card.id), scale: check.remedy.scale, effort: check.remedy.effort }) }, check.remedy.words) : null;
+    ask("read", { cards: cards.map((card) => card.id), scale: check.remedy.scale, effort: check.remedy.effort, delay: check.remedy.delay }) }, check.remedy.words) : null;
 }
 
 function sentence(text) {
@@ -62,6 +62,11 @@ export function notices(state, learn) {
   if (state.effort !== "total") {
     found.push(h("div", { class: "row notice" }, h("span", {}, `The effort of all recordings is read as ${EFFORTS[state.effort]}.`),
       h("button", { class: "plain", "data-key": "backeffort", onclick: () => ask("read", { scale: {}, effort: "total" }) }, "Take it back")));
+  }
+  if (state.effort_delay) {
+    const late = state.effort_delay > 0, [what, other] = late ? ["effort", "position"] : ["position", "effort"];
+    found.push(h("div", { class: "row notice" }, h("span", {}, `The ${what} of all recordings is read as ${number(1e3 * Math.abs(state.effort_delay))} ms later than the ${other}.`),
+      h("button", { class: "plain", "data-key": "backdelay", onclick: () => ask("read", { scale: {}, delay: 0 }) }, "Take it back")));
   }
   if (state.outdated.includes(state.current)) {
     found.push(h("div", { class: "row notice" }, h("span", {}, "The model was learned before the settings of reading changed: it knows the recordings as they were."),

@@ -44,9 +44,9 @@ function commands(state) {
   const cards = (role) => state.cards.filter((card) => card.role === role && !card.error);
   const of = (role) => cards(role).map((card) => quoted(card.file)).join(" ");
   const steps = line(state);
-  const { effort = "total", asked = "", urdf = "", scales = {}, learned, stretch } = steps[0].settings;
+  const { effort = "total", effort_delay: delay = 0, asked = "", urdf = "", scales = {}, learned, stretch } = steps[0].settings;
   const sources = Object.keys(scales), [before = {}] = Object.values(scales);
-  const options = [asked ? ` --model ${asked}` : "", urdf ? ` --urdf ${quoted(urdf)}` : "", effort === "total" ? "" : ` --effort ${effort}`, scaled({}, before)].join("");
+  const options = [asked ? ` --model ${asked}` : "", urdf ? ` --urdf ${quoted(urdf)}` : "", effort === "total" ? "" : ` --effort ${effort}`, delay ? ` --effort-delay ${delay}` : "", scaled({}, before)].join("");
   const found = [`lagrangian_ff identify ${sources.length ? sources.map(quoted).join(" ") : of("learn")}${options} --train ${learned ?? "1.0"} --output model.npz`];
   if (stretch) {
     found.unshift(`# The investigation learned from ${learned} of every ${stretch} s; this learns from the first ${learned} of each recording.`);
