@@ -24,11 +24,16 @@ class Lag:
     @property
     def option(self) -> str:
         """Return the setting of reading that undoes it, as the command line has it."""
-        return f"--effort-delay {self.delay:.4f}"
+        return delay_option(self.delay)
 
     def applied(self, conditioning: Conditioning) -> Conditioning:
         """Return settings of reading that undo it."""
         return replace(conditioning, effort_delay=self.delay)
+
+
+def delay_option(delay: float) -> str:
+    """Return the setting of reading that undoes a delay in s, as the command line has it."""
+    return f"--effort-delay {delay:.4f}"
 
 
 def late(whose: str, delay: float, deviation: float) -> str:

@@ -24,6 +24,7 @@ from lagrangian_ff.workbench.investigating import (
 )
 from lagrangian_ff.workbench.recordings import Asked, Begin
 from lagrangian_ff.workbench.session import Card, Node, Role, Session
+from lagrangian_ff.workbench.settings import Reading
 from lagrangian_ff.worker import Worker
 
 HOLDS = 120.0  # s in which a permission may be given
@@ -193,9 +194,9 @@ class Investigations:
         now |= {"ended": "yes", "words": story["words"], "story": story}
         self._over()
         scales = {file: dict(now["scale"]) for file in now["bags"]}
-        settings = {"model": "", "asked": "", "urdf": "", "effort": session.effort,
-                    "effort_delay": session.effort_delay, "scales": scales,
-                    "learned": story.pop("learned"), "stretch": story.pop("stretch")}  # fmt: skip
+        read = Reading(session.effort, session.effort_delay, scales).record(now["bags"])
+        settings = {"model": "", "asked": "", "urdf": "", **read, "learned": story.pop("learned"),
+                    "stretch": story.pop("stretch")}  # fmt: skip
         parent, made = "", []
         for one in models:
             added, why = one["added"], one["why"]

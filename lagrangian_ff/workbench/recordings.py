@@ -105,7 +105,7 @@ class Recordings:
         given = asked.get("delay")
         delay = session.effort_delay if given is None else float(given)
         scale = {str(joint): float(factor) for joint, factor in dict(asked["scale"]).items()}
-        # It refuses what cannot be.
+        # Made only to refuse settings that cannot be.
         Conditioning(effort=effort, effort_delay=delay, effort_scale=scale)
         if (effort, delay) != (session.effort, session.effort_delay):
             session.effort, session.effort_delay = effort, delay

@@ -118,7 +118,7 @@ class Reading:
 
 
 def with_lag(diagnosis: "Diagnosis", checks: Sequence["Check"]) -> list["Check"]:
-    """Return the checks, with the lag of all torques that a diagnosis found in place of theirs."""
+    """Return the checks; a lag that the diagnosis found comes first, in place of their delay."""
     from lagrangian_ff.diagnosis.lag import late
     from lagrangian_ff.diagnosis.preflight.base import Check, Remedy
 
@@ -127,6 +127,7 @@ def with_lag(diagnosis: "Diagnosis", checks: Sequence["Check"]) -> list["Check"]
     finding = late("every joint", lag.delay, lag.deviation)
     earlier = "effort" if lag.delay > 0 else "position"
     words = f"Read every {earlier} {1e3 * abs(lag.delay):.1f} ms earlier"
+    # As many digits as the option shows, so that both do the same.
     remedy = Remedy(words, effort_delay=round(lag.delay, 4))
     advice = f"The model does not know it: learn again with {remedy.option}"
     others = [one for one in checks if (one.check, one.joint) != ("delay", None)]

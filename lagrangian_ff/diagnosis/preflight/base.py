@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis.lag import delay_option
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.predicting import by_part
 from lagrangian_ff.kernels import States
@@ -47,7 +48,7 @@ class Remedy:
     def option(self) -> str:
         """Return it as the command line has it."""
         if self.effort_delay is not None:
-            return f"--effort-delay {self.effort_delay:.4f}"
+            return delay_option(self.effort_delay)
         scales = " ".join(f"{joint}={factor:.4g}" for joint, factor in self.effort_scale.items())
         return f"--effort {self.effort}" if self.effort else f"--effort-scale {scales}"
 

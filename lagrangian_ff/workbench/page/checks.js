@@ -56,20 +56,27 @@ export function readAs(state, card) {
     h("button", { class: "plain", "data-key": "back" + card.id, onclick: () => ask("read", { cards: alike.map((one) => one.id), scale: {} }) }, "Take it back"));
 }
 
-// What holds for the whole session: the kind of effort, and models that were learned otherwise.
+function notice(words, button) {
+  return h("div", { class: "row notice" }, h("span", {}, words), button);
+}
+
+function back(key, asked) {
+  return h("button", { class: "plain", "data-key": key, onclick: () => ask("read", { scale: {}, ...asked }) }, "Take it back");
+}
+
+// What holds for the whole session: how all effort is read, and models that were learned otherwise.
 export function notices(state, learn) {
   const found = [];
   if (state.effort !== "total") {
-    found.push(h("div", { class: "row notice" }, h("span", {}, `The effort of all recordings is read as ${EFFORTS[state.effort]}.`),
-      h("button", { class: "plain", "data-key": "backeffort", onclick: () => ask("read", { scale: {}, effort: "total" }) }, "Take it back")));
+    found.push(notice(`The effort of all recordings is read as ${EFFORTS[state.effort]}.`, back("backeffort", { effort: "total" })));
   }
   if (state.effort_delay) {
     const late = state.effort_delay > 0, [what, other] = late ? ["effort", "position"] : ["position", "effort"];
-    found.push(h("div", { class: "row notice" }, h("span", {}, `The ${what} of all recordings is read as ${number(1e3 * Math.abs(state.effort_delay))} ms later than the ${other}.`),
-      h("button", { class: "plain", "data-key": "backdelay", onclick: () => ask("read", { scale: {}, delay: 0 }) }, "Take it back")));
+    const by = number(1e3 * Math.abs(state.effort_delay));
+    found.push(notice(`The ${what} of all recordings is read as ${by} ms later than the ${other}.`, back("backdelay", { delay: 0 })));
   }
   if (state.outdated.includes(state.current)) {
-    found.push(h("div", { class: "row notice" }, h("span", {}, "The model was learned before the settings of reading changed: it knows the recordings as they were."),
+    found.push(notice("The model was learned before the settings of reading changed: it knows the recordings as they were.",
       learn ? h("button", { class: "plain", "data-key": "learnagain", disabled: state.work.length > 0, onclick: learn }, "Learn again") : null));
   }
   return found;
