@@ -124,6 +124,13 @@ def test_a_recording_becomes_a_card(served: Served, driver: Driver, page: Any) -
     assert (served.session / "recordings").is_dir()
 
 
+def answered_late(route: Any) -> None:
+    """Let a page hear that a motion began before it hears that it was sent."""
+    answer = route.fetch()
+    time.sleep(0.5)
+    route.fulfill(response=answer)
+
+
 def test_a_motion_is_sent_after_its_confirmation_and_not_without(
     served: Served, driver: Driver, page: Any
 ) -> None:
@@ -160,6 +167,7 @@ def test_a_motion_is_sent_after_its_confirmation_and_not_without(
     assert not driver.came
 
     confirmed(page)
+    page.route("**/api/live/send", answered_late)
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     stop = page.get_by_role("button", name="Stop the motion")

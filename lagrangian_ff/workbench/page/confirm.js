@@ -12,10 +12,9 @@ export function names(list) {
 // rows: [term, words]; header and joints: of the table; notes: sentences; no, yes: {words, act}. Escape does neither.
 export function confirm({ title, rows, header, joints, notes, no, yes }) {
   const before = document.activeElement?.dataset.key;
-  const move = h("button", { class: "main danger", onclick: async () => {
-    move.disabled = true;
-    await yes.act();
-    dialog.close();
+  const move = h("button", { class: "main danger", onclick: () => {
+    dialog.close(); // first: behind it, the button that stops the arm could not take the focus
+    yes.act();
   } }, yes.words);
   const stay = h("button", { class: "plain", autofocus: true, onclick: () => {
     no.act?.();
