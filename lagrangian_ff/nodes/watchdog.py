@@ -113,14 +113,12 @@ class WatchdogNode(ClosingNode):
                 self._warnings.add("not passed on", f"a message was not passed on: {fault}")
         self._meter.add(came)
         tau = self._guard.tick(steady)
-        if tau is None:
-            return
         silent = self._guard.silent
         if silent and not self._silent:
             self._fades += 1
             self._warnings.add("faded", f"torque fades to zero: {self._silence()}")
         self._silent = silent
-        if came or silent:
+        if tau is not None:
             self._commands.publish(topics.command(tau))
 
     def _failed(self, error: Exception) -> None:

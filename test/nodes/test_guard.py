@@ -13,13 +13,15 @@ SETTINGS = GuardSettings(
 
 
 def run(guard: Guard, begin: float, seconds: float, tau: list[float] | None) -> np.ndarray:
-    """Tick at 500 Hz with a message at every tick or with none; return what is sent."""
-    sent = []
+    """Tick at 500 Hz with a message at every tick or with none; return what was sent last."""
+    sent: list[np.ndarray] = []
+    before = np.zeros(2) if guard.sent is None else guard.sent
     for steady in np.arange(begin, begin + seconds, 0.002):
         if tau is not None:
             guard.take(np.array(tau), steady)
         now = guard.tick(steady)
-        sent.append(np.zeros(2) if now is None else now)
+        last = sent[-1] if sent else before
+        sent.append(last if now is None else now)
     return np.array(sent)
 
 
@@ -85,3 +87,26 @@ def test_ended_it_fades_though_torques_go_on() -> None:
     guard.end()
     assert not run(guard, 0.3, 0.6, [5.0, -3.0])[-1].any()
     assert guard.resting
+
+
+@pytest.mark.parametrize("pause", [0.02, 0.05])
+def test_a_torque_that_pauses_while_it_is_brought_in_does_not_jump(pause: float) -> None:
+    """Between two messages no tick moves it unseen."""
+    guard = Guard(SETTINGS, 2)
+    sent = np.vstack(
+        [
+            run(guard, 0.0, 0.02, [8.0, -3.0]),
+            run(guard, 0.02, pause, None),
+            run(guard, 0.02 + pause, 0.2, [8.0, -3.0]),
+        ]
+    )
+    assert np.abs(np.diff(sent, axis=0)).max() <= 200.0 * 0.002 + 1e-9
+    np.testing.assert_allclose(sent[-1], [8.0, -3.0])
+
+
+def test_a_torque_at_rest_is_sent_once_for_each_message() -> None:
+    guard = Guard(SETTINGS, 2)
+    run(guard, 0.0, 0.3, [5.0, -3.0])
+    assert guard.tick(0.302) is None
+    guard.take(np.array([5.0, -3.0]), 0.304)
+    assert guard.tick(0.304) is not None

@@ -50,7 +50,7 @@ class Guard:
         self.silent = True
         self.refused: Counter[str] = Counter()
         self._joints = joints
-        self._wanted = np.zeros(0)
+        self._wanted, self._new = np.zeros(0), False
         self._came = self._ticked = -np.inf
         self._gain = 0.0
         self._ended = False
@@ -72,7 +72,7 @@ class Guard:
             return fault
         if self.sent is None:
             self._joints, self.sent = len(tau), np.zeros(len(tau))
-        self._wanted, self._came = np.array(tau), steady
+        self._wanted, self._came, self._new = np.array(tau), steady, True
         return ""
 
     def end(self) -> None:
@@ -80,7 +80,11 @@ class Guard:
         self._ended = True
 
     def tick(self, steady: float) -> Floats | None:
-        """Return the torque (N,) N·m to send now; None before the first message."""
+        """Return the torque (N,) N·m to send now.
+
+        Return None before the first message, and where the last torque still holds: a torque that
+        moves is sent even between messages, as the next one would jump otherwise.
+        """
         now = self.settings
         dt = min(max(0.0, steady - self._ticked), now.longest)
         self._ticked = steady
@@ -94,8 +98,10 @@ class Guard:
         if self.silent:
             most = np.maximum(most, now.effort_limit / max(now.fade_time, 1e-9))
         wanted, _ = clamp(self._wanted, now.effort_limit)
-        self.sent, _ = slew(self.sent, self._gain * wanted, most, dt)
-        return self.sent
+        before, new, self._new = self.sent, self._new, False
+        self.sent, _ = slew(before, self._gain * wanted, most, dt)
+        moves = not np.array_equal(self.sent, before)
+        return self.sent if new or moves or self.silent else None
 
     @property
     def resting(self) -> bool:
