@@ -17,15 +17,14 @@ from lagrangian_ff.diagnosis.intervals import GAIN
 from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.run import Changed
 from lagrangian_ff.diagnosis.search.change import FINE, beyond_chance, joints_of
-from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, refit, whiten
+from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit_for, refit, whiten
 from lagrangian_ff.diagnosis.whitening.whitened import rigid_torque
 from lagrangian_ff.effects.base import Floats
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.problem import Nuisance, Problem
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.identification.solving.posterior import exact
-from lagrangian_ff.identification.spec import sliding_of
-from lagrangian_ff.progress import Progress, part, silent
+from lagrangian_ff.progress import Progress, part
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.words import which
 
@@ -54,9 +53,7 @@ def without_causes(
 
     Where other friction of a joint is the better explanation, the search of effects names it.
     """
-    sliding = sliding_of(model.kernel, len(model.joints))
-    inputs = model.inputs_of(both)
-    whitened = fit(both, inputs, model.basis, part(progress, 0.0, 0.6), sliding)
+    whitened = fit_for(model, both, progress=part(progress, 0.0, 0.6))
     later: Flags = whitened.x.time >= boundary
     settled: set[int] = set()  # joints whose gain or friction is explained
     worn: list[Nuisance] = []
@@ -225,8 +222,7 @@ def _undone(
         tau[at] *= np.exp(-logarithm)
         return replace(both, tau=tau)
 
-    sliding = sliding_of(model.kernel, len(model.joints))
-    whitened = fit(scaled(drive.logarithm), model.inputs_of(both), model.basis, silent, sliding)
+    whitened = fit_for(model, scaled(drive.logarithm))
     # With the noise that is left now, the gain is known much better.
     again = gain(whitened, whitened.x.time >= boundary, drive.joints)
     total = drive.logarithm + again.logarithm

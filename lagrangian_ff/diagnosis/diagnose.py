@@ -47,14 +47,13 @@ from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.search.significance import rivals
 from lagrangian_ff.diagnosis.search.signs import unnatural
-from lagrangian_ff.diagnosis.whitening import Whitened, fit, in_full, outweighed
+from lagrangian_ff.diagnosis.whitening import Whitened, fit_for, in_full, outweighed
 from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
-from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion, concatenate
 
@@ -84,10 +83,8 @@ def diagnose(
         RecordingError: there is too little motion.
     """
     first, unseen, separate = searched_and_unseen(model, motion, confirm)
-    sliding = sliding_of(model.kernel, len(model.joints))
-    inputs = model.inputs_of(first)
     fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
-    whitened = fit(first, inputs, Basis((*model.basis.terms, *known)), fitting, sliding)
+    whitened = fit_for(model, first, Basis((*model.basis.terms, *known)), fitting)
     effects = effects or searched_for(model.data.effort, model.basis)
     read = model.identified.conditioning
     set_right = read is not None and read.effort_delay != 0.0
@@ -100,7 +97,7 @@ def diagnose(
         held = judge_lag(ended, other)
         if confirms(held):
             in_step, lag = other, replace(ended.lag, gained=float(held.gained.sum()))
-            whitened = allowing(fit(searched, inputs, whitened.basis, fitting, sliding))
+            whitened = allowing(fit_for(model, searched, whitened.basis, fitting))
         ended = search(whitened, effects, steps, searching, len(known), lagging=False)
     del whitened  # it holds a factor of some 200 MB
     progress(0.85, "looking at what is left")

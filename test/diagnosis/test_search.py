@@ -25,7 +25,7 @@ from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_eac
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Basis, Term
-from lagrangian_ff.recording.motion import concatenate
+from lagrangian_ff.recording.motion import Motion, concatenate
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -235,18 +235,32 @@ def test_what_is_needed_too_little_is_taken_out_again() -> None:
     assert superfluous([gear, ripple._replace(log_bf=-1.0, stands=True)]) == 1
 
 
-def test_what_other_motion_confirmed_is_a_step_unless_motion_speaks_against_it() -> None:
-    """A tenth of the bump is too little to be found, and there all the same."""
+def bumped(share: float) -> Motion:
+    """Return a motion with a share of the usual bump at low speed."""
 
     def faint(
         t: two_rods.Floats, q: two_rods.Floats, qd: two_rods.Floats, qdd: two_rods.Floats
     ) -> two_rods.Floats:
-        return 0.1 * two_rods.stick(t, q, qd, qdd)
+        return share * two_rods.stick(t, q, qd, qdd)
 
+    return two_rods.motion(2, 30.0, faint)
+
+
+def test_what_nearly_stands_out_is_judged_with_the_hyperparameters_that_suit_it() -> None:
+    """Fitted without it, they take up a part of it."""
+    (step,) = search(whitened_of(bumped(0.1))).steps
+    assert step.score.candidate.key == ("stribeck", 1)
+    assert step.first_log_bf < thresholds.USED.floor < step.score.log_bf
+    with thresholds.using(replace(thresholds.USED, near_floor=1.0)):
+        assert not search(whitened_of(bumped(0.1))).steps
+
+
+def test_what_other_motion_confirmed_is_a_step_unless_motion_speaks_against_it() -> None:
+    """Half of what is just found is too little to be found, and there all the same."""
     bump = Term(EFFECTS["stribeck"], 1, {"v_s": 0.15})
     known = Basis((*friction().terms, bump))
     wave = Basis((*friction().terms, Term(EFFECTS["ripple"], 1, {"order": 7.0})))
-    motion = two_rods.motion(2, 30.0, faint)
+    motion = bumped(0.05)
     assert not search(whitened_of(motion)).steps
     (step,) = search(whitened_of(motion, known), known=1).steps
     assert step.score.candidate.key == ("stribeck", 1)

@@ -159,6 +159,21 @@ def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
     assert unit[1] / unit[0] == pytest.approx(2.0, rel=0.15)
 
 
+def test_the_units_of_the_model_need_less_evidence_than_others() -> None:
+    """A little motion holds some of it, if they are right, and none, if they are wrong."""
+    motion = two_rods.motion(3, 6.0)
+    scaled = replace(motion, tau=motion.tau * np.array([1.0, 1.3]))
+
+    def ratio(unit: list[float] | None) -> float:
+        known = None if unit is None else np.array(unit)
+        found = fit(scaled, inputs(scaled), WIDE, unit=known).problem.unit
+        return float(found[1] / found[0])
+
+    assert ratio(None) == 1.0
+    assert ratio([10.0, 13.0]) == pytest.approx(1.3)
+    assert ratio([10.0, 6.0]) == 1.0
+
+
 def test_noise_is_not_taken_for_dynamics_where_one_joint_hides_an_effect() -> None:
     """Few torques of six joints are fitted without any noise, and all is blamed on that joint."""
     rng = np.random.default_rng(1)

@@ -30,6 +30,22 @@ def test_a_reversal_is_no_rest() -> None:
     assert not at_rest(t, q, np.zeros(len(t), dtype=np.int64)).any()
 
 
+def test_a_joint_that_begins_from_rest_has_to_slide_first() -> None:
+    """What its gear holds then comes of motion that was not recorded."""
+    t = np.arange(0.0, 4.0, 1.0 / RATE)
+    q = np.column_stack([0.5 * (1.0 - np.cos(t)), 0.3 * np.sin(t), 0.01 * np.sin(20.0 * t)])
+    whole, cut = np.zeros(len(t), dtype=np.int64), (t >= 3.1).astype(np.int64)
+    rest = at_rest(t, q, whole)
+    np.testing.assert_array_equal(rest[:, 0], q[:, 0] <= 5e-3)
+    assert not rest[:, 1:].any()
+    # A cut soon after a reversal leaves out that motion, too.
+    q[:, 0] = 0.5 * np.cos(t)
+    rest = at_rest(t, q, cut)
+    apart = np.abs(q[:, 0] - q[np.argmax(cut), 0])
+    np.testing.assert_array_equal(rest[t >= 3.1, 0], (apart <= 5e-3)[t >= 3.1])
+    assert not rest[:, 1:].any()
+
+
 def test_noise_below_the_encoder_step_does_not_hide_rest() -> None:
     t, q = dwelling()
     noisy = q + 2e-5 * np.random.default_rng(0).normal(size=len(q))

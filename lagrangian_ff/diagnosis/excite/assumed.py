@@ -25,14 +25,13 @@ from lagrangian_ff.diagnosis.search.bayes_factor import (
     expected_log_bf,
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed, held, named
-from lagrangian_ff.diagnosis.whitening import Whitened, fit, outweighed, whiten
+from lagrangian_ff.diagnosis.whitening import Whitened, fit_for, outweighed, whiten
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used
 from lagrangian_ff.effects import Effect, Inputs, Parameter
 from lagrangian_ff.effects.base import Values
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.problem import Problem
-from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import Motion
 from lagrangian_ff.sampling import usual_step
@@ -129,8 +128,7 @@ class Assumed:
     def of(cls, model: Model, progress: Progress = silent) -> "Assumed":
         """Return the problem fitted to what the model keeps of its recordings."""
         data = model.data
-        sliding = sliding_of(model.kernel, len(model.joints))
-        base = fit(data, model.inputs_of(data), model.basis, progress, sliding)
+        base = fit_for(model, data, progress=progress)
         base = outweighed(base) or base
         scores = bayes_factors(base, representative(base), coarse=True)
         base.forget()
@@ -166,8 +164,7 @@ class Assumed:
         noise = np.sqrt(self.base.x.window) * self.base.noise
         random = np.random.default_rng(0)
         motion = replace(motion, tau=motion.tau + noise * random.normal(size=motion.tau.shape))
-        sliding = sliding_of(self.model.kernel, len(self.model.joints))
-        fitted = fit(motion, self.model.inputs_of(motion), self.model.basis, sliding=sliding)
+        fitted = fit_for(self.model, motion)
         density = _density(motion, len(fitted.index))
         suited = replace(self, problem=_of_variance_one(fitted), density=density)
         unsure = (t.joint for t in self.problem.basis.terms if isinstance(t.effect, Creep))

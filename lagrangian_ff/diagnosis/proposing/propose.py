@@ -29,12 +29,11 @@ from lagrangian_ff.diagnosis.search.judging import (
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.sentences import no_help
-from lagrangian_ff.diagnosis.whitening import Whitened, fit
+from lagrangian_ff.diagnosis.whitening import Whitened, fit_for
 from lagrangian_ff.effects import Curve, Effect, Over
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend, without
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.spec import sliding_of
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording.motion import Motion
 
@@ -138,8 +137,7 @@ def propose(
         place = curves[-1].joint
     replaced = [term for term in curves if term.joint == place]
     kept = Basis(tuple(t for t in model.basis.terms if t not in replaced))
-    sliding = sliding_of(model.kernel, len(model.joints))
-    whitened = fit(first, model.inputs_of(first), kept, part(progress, 0.0, 0.2), sliding)
+    whitened = fit_for(model, first, kept, part(progress, 0.0, 0.2))
     progress(0.2, "looking at curves")
     place = _worst(whitened) if place is None else place
     where = model.joints[place]

@@ -181,8 +181,9 @@ class _Forward:
                 self.taken, whitened = judged_again(whitened, self._own, null, effects)
                 if len(self.taken) < known:
                     continue  # all others are to be compared with less now
-            strong = [score for score in best if _stands_out(score, null, whitened)]
-            eligible = [score for score in strong if possible(score, causes, whitened.x)]
+            able = [score for score in best if possible(score, causes, whitened.x)]
+            eligible = [score for score in able if _stands_out(score, null, whitened)]
+            nearly = [score for score in able if _nearly_stands_out(score, null, whitened)]
             self.wanting = _wanting(whitened)
             if self.wanting:
                 return whitened
@@ -194,7 +195,7 @@ class _Forward:
             if len(self.taken) >= steps:
                 return whitened
             step = None
-            for first in _of_each_joint(eligible, rejected):
+            for first in _of_each_joint((*eligible, *nearly), rejected):
                 name = first.candidate.source.name
                 self._say(f"looking closer at {name}", 0.5)
                 step, refitted = judge(whitened, first, best, null, effects)
@@ -340,6 +341,18 @@ def _stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bo
     if score.once:
         return score.log_bf > limits.event_floor
     return score.log_bf > limits.floor and null.exceeded_by(score.log_bf)
+
+
+def _nearly_stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bool:
+    """Return whether a score may be large enough with the hyperparameters that suit it.
+
+    Those that were fitted without it take up a part of it, and the noise holds the rest.
+    """
+    limits = thresholds.USED
+    if score.once or score.size <= limits.least_size * whitened.spread[score.candidate.joint]:
+        return False
+    near = limits.near_floor * limits.floor < score.log_bf <= limits.floor
+    return near and null.exceeded_by(score.log_bf)
 
 
 def _to_beat(whitened: Whitened, eligible: Sequence[BayesFactor]) -> float:

@@ -13,9 +13,10 @@ from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
 from lagrangian_ff.diagnosis.whitening.whitened import AVERAGED, Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.inputs import SIGN_SPEED
+from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choosing.evidence import Logarithms, loud, maximise_evidence
-from lagrangian_ff.identification.choosing.gains import likeliest_gains
+from lagrangian_ff.identification.choosing.gains import gains_of, likeliest_gains
 from lagrangian_ff.identification.choosing.levenberg_marquardt import HyperPrior
 from lagrangian_ff.identification.problem import Nuisance, Prior, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples, evenly, moving
@@ -50,12 +51,26 @@ START_NOISE = 1e-2
 """Variance of the noise relative to the prior's, before the fit."""
 
 
+def fit_for(
+    model: Model, motion: Motion, basis: Basis | None = None, progress: Progress = silent
+) -> Whitened:
+    """Return a motion of a model's arm whitened, see `fit`.
+
+    Args:
+        basis: the effects already in the model; None takes them all.
+    """
+    sliding = sliding_of(model.kernel, len(model.joints))
+    basis = model.basis if basis is None else basis
+    return fit(motion, model.inputs_of(motion), basis, progress, sliding, model.unit)
+
+
 def fit(
     motion: Motion,
     inputs: Inputs,
     basis: Basis,
     progress: Progress = silent,
     sliding: Floats | None = None,
+    unit: Floats | None = None,
 ) -> Whitened:
     """Return a motion whitened, with all hyperparameters fitted by evidence.
 
@@ -65,6 +80,7 @@ def fit(
         basis: the effects already in the model; the widths of their Coulomb steps are refitted.
         progress: receives the share done, 0 to 1.
         sliding: (N,) 1 for a joint that slides; None if all turn.
+        unit: (N,) N·m, of effort that the model was identified with; None if that is not known.
     """
     index = moving(motion, FINE)
     states = States(inputs.q[index], inputs.qd[index], inputs.qdd[index])
@@ -84,7 +100,7 @@ def fit(
         problem = _maximised(problem, prior, AGAIN, part(progress, 0.5, 0.7))
         problem = _sign_speeds(motion, inputs, problem)
         inputs = replace(inputs, sign_speed=problem.basis.sign_speed(inputs.joints))
-        problem = _with_gains(problem.of(_few(motion, inputs, COARSE)))
+        problem = _with_gains(problem.of(_few(motion, inputs, COARSE)), unit)
     progress(0.8, "factoring")
     whitened = _whitened(motion, inputs, problem, used(motion))
     inputs = whitened.inputs_of(motion)
@@ -204,13 +220,22 @@ def _maximised(problem: Problem, prior: HyperPrior, steps: int, progress: Progre
         return problem
 
 
-def _with_gains(problem: Problem) -> Problem:
-    """Return the problem with units of effort that differ between joints, if strongly evident."""
+def _with_gains(problem: Problem, unit: Floats | None) -> Problem:
+    """Return the problem with units of effort that differ between joints, if evident.
+
+    Those of the model need less: torques that it lacks can look like other units, but the arm that
+    it was identified on had the same drives.
+    """
+    limits, clear = thresholds.USED, loud(problem, LEAST_NOISE)
     try:
-        gains = likeliest_gains(loud(problem, LEAST_NOISE))
+        if unit is not None:
+            known = gains_of(clear, unit)
+            if known.nats > limits.known_unit_floor:
+                return known.of(problem)
+        gains = likeliest_gains(clear)
     except NotPositiveDefiniteError:
         return problem
-    return problem if gains.nats <= thresholds.USED.unit_floor else gains.of(problem)
+    return problem if gains.nats <= limits.unit_floor else gains.of(problem)
 
 
 def with_sign_speeds(whitened: Whitened, joints: Collection[int]) -> Whitened:

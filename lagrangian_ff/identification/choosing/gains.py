@@ -40,6 +40,17 @@ class Gains:
         )
 
 
+def gains_of(problem: Problem, unit: Floats) -> Gains:
+    """Return given units of effort (N,) relative to each other, as evident as they are.
+
+    Raises:
+        NotPositiveDefiniteError: the Gram matrix is not positive definite.
+    """
+    evidence = _by_gain(problem)
+    gain = unit / unit[0]
+    return Gains(problem.unit[0] * gain, evidence(gain) - evidence(problem.unit / problem.unit[0]))
+
+
 def likeliest_gains(problem: Problem) -> Gains:
     """Return the units of effort that the evidence is largest in, by steps of joint after joint.
 

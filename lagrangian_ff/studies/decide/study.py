@@ -21,7 +21,7 @@ from lagrangian_ff.diagnosis.excite import (
     limits_of,
 )
 from lagrangian_ff.diagnosis.results import Diagnosis, Found
-from lagrangian_ff.diagnosis.whitening import fit
+from lagrangian_ff.diagnosis.whitening import fit_for
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Settings, identify
@@ -276,7 +276,7 @@ def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
     truths = [one.truth_of(motion) for one, motion in zip(moved, motions, strict=True)]
     motion, truth = (concatenate(learned_and_unseen(some)[0]) for some in (motions, truths))
     model = apply(found)
-    white = fit(motion, model.inputs_of(motion), model.basis)
+    white = fit_for(model, motion)
     tau = white.x.mean(truth.tau)
     z = white.project(white.shared(tau, np.eye(tau.shape[1]))).sum(axis=1)
     return 0.5 * float(z @ z)

@@ -64,7 +64,7 @@ def test_it_is_the_nearest_one(name: str) -> None:
     target = system.target.reshape(count, 2)
     design = free.problem.basis.design(Inputs.of(states)) / unit
     left = target - kernel.apply(states, held.states, held.weights) - design @ held.coefficients
-    noise = free.problem.variances
+    noise = free.problem.rows((0, 1)).noise.reshape(count, 2)
     np.testing.assert_allclose(left, noise * held.weights[:count], atol=1e-6 * abs(target).max())
 
     added = slice(count, count + (len(held.states) - count) // 2)
