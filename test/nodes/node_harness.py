@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from lifecycle_msgs.srv import ChangeState, GetState
@@ -320,10 +321,18 @@ class Bench:
 
 
 @contextlib.contextmanager
-def open_bench(folder: Path) -> Iterator[Bench]:
-    """Yield a bench that ends every process it started."""
-    bench = Bench(folder)
-    try:
-        yield bench
-    finally:
-        bench.close()
+def open_bench(folder: Path, *, kills: bool = False) -> Iterator[Bench]:
+    """Yield a bench that ends every process it started.
+
+    Args:
+        kills: whether processes are killed. The next write to shared memory with one may crash the
+            writer, or never arrive.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if kills:
+            patch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
+        bench = Bench(folder)
+        try:
+            yield bench
+        finally:
+            bench.close()

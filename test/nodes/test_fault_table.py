@@ -23,15 +23,12 @@ ATTEMPTS = 3
 @pytest.fixture(scope="module")
 def world(ros_environment: dict[str, str], tmp_path_factory: Any) -> Iterator[World]:
     folder: Path = tmp_path_factory.mktemp("faults")
-    with pytest.MonkeyPatch.context() as patch:
-        # Rows kill processes, and the next write to shared memory with one may crash the writer.
-        patch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
-        with open_bench(folder) as bench:
-            world = World(bench, folder, [f"/{name}" for name in NAMESPACES])
-            try:
-                yield world
-            finally:
-                world.close()
+    with open_bench(folder, kills=True) as bench:
+        world = World(bench, folder, [f"/{name}" for name in NAMESPACES])
+        try:
+            yield world
+        finally:
+            world.close()
 
 
 @pytest.fixture(scope="module")

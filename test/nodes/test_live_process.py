@@ -110,7 +110,7 @@ def folder(tmp_path_factory: Any) -> Path:
 
 @pytest.fixture
 def bench(ros_environment: dict[str, str], folder: Path) -> Iterator[Bench]:
-    with open_bench(folder) as bench:
+    with open_bench(folder, kills=True) as bench:
         yield bench
 
 
