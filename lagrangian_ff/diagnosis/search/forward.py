@@ -182,8 +182,8 @@ class _Forward:
                 if len(self.taken) < known:
                     continue  # all others are to be compared with less now
             able = [score for score in best if possible(score, causes, whitened.x)]
-            eligible = [score for score in able if _stands_out(score, null, whitened)]
-            nearly = [score for score in able if _nearly_stands_out(score, null, whitened)]
+            near = [score for score in able if _stands_out(score, null, whitened, nearly=True)]
+            eligible = [score for score in near if _stands_out(score, null, whitened)]
             self.wanting = _wanting(whitened)
             if self.wanting:
                 return whitened
@@ -195,7 +195,7 @@ class _Forward:
             if len(self.taken) >= steps:
                 return whitened
             step = None
-            for first in _of_each_joint((*eligible, *nearly), rejected):
+            for first in _of_each_joint(near, rejected):
                 name = first.candidate.source.name
                 self._say(f"looking closer at {name}", 0.5)
                 step, refitted = judge(whitened, first, best, null, effects)
@@ -282,16 +282,14 @@ class _Forward:
         self._progress(1.0 - 0.75**looks + share * 0.25 * 0.75**looks, what)
 
 
-def _of_each_joint(
-    eligible: Sequence[BayesFactor], rejected: Mapping[int, float]
-) -> list[BayesFactor]:
+def _of_each_joint(near: Sequence[BayesFactor], rejected: Mapping[int, float]) -> list[BayesFactor]:
     """Return the best of each joint, `TRIED` at most: hyperparameters may explain the first.
 
     Args:
         rejected: nats of the best of a joint when it was rejected; it must gain clearly more now.
     """
     first: dict[int, BayesFactor] = {}
-    for score in eligible:
+    for score in near:
         first.setdefault(score.candidate.joint, score)
     better = [one for n, one in first.items() if one.log_bf > AGAIN * rejected.get(n, 0.0)]
     return better[:TRIED]
@@ -333,26 +331,22 @@ def beside_others(found: Search, step: Step) -> float:
     return score.log_bf
 
 
-def _stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bool:
-    """Return whether a score is large enough to be claimed."""
+def _stands_out(
+    score: BayesFactor, null: MaximumNull, whitened: Whitened, *, nearly: bool = False
+) -> bool:
+    """Return whether a score is large enough to be claimed.
+
+    Args:
+        nearly: or may be with the hyperparameters that suit it. Those that were fitted without it
+            take up a part of it, and the noise holds the rest.
+    """
     limits = thresholds.USED
     if score.size <= limits.least_size * whitened.spread[score.candidate.joint]:
         return False
     if score.once:
         return score.log_bf > limits.event_floor
-    return score.log_bf > limits.floor and null.exceeded_by(score.log_bf)
-
-
-def _nearly_stands_out(score: BayesFactor, null: MaximumNull, whitened: Whitened) -> bool:
-    """Return whether a score may be large enough with the hyperparameters that suit it.
-
-    Those that were fitted without it take up a part of it, and the noise holds the rest.
-    """
-    limits = thresholds.USED
-    if score.once or score.size <= limits.least_size * whitened.spread[score.candidate.joint]:
-        return False
-    near = limits.near_floor * limits.floor < score.log_bf <= limits.floor
-    return near and null.exceeded_by(score.log_bf)
+    floor = limits.floor * (limits.near_floor if nearly else 1.0)
+    return score.log_bf > floor and null.exceeded_by(score.log_bf)
 
 
 def _to_beat(whitened: Whitened, eligible: Sequence[BayesFactor]) -> float:
