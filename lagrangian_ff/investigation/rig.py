@@ -101,7 +101,7 @@ class Plan:
     reaches: tuple[float, ...] = (0.5, 1.0)
     first: float = 30.0
     each: float = 30.0
-    size: float = 0.03
+    size: float = 0.02
     model: str = ""
     conditioning: Conditioning = field(default_factory=Conditioning)
     clear: Clear | None = None

@@ -73,7 +73,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     options.add_rows(group, (
         ("--minutes", float, "MINUTES", "of motion, all in all (default: 4)"),
         ("--size", float, "SHARE",
-         "of a joint's torque, from which on an effect should be seen (default: 0.03)"),
+         "of a joint's torque, from which on an effect should be seen (default: 0.02)"),
         ("--model", str, "KERNEL+EFFECTS", "to begin with (default: auto+fri)"),
         ("--gear", list, "GEAR", gear),
         ("--seed", int, "", "seed of the random numbers (default: 0)"),
@@ -86,7 +86,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--folder", Path, "FOLDER",
          "for motions and bags (default: investigation_ and the time, here)"),
     ))  # fmt: skip
-    parser.set_defaults(seed=0, minutes=4.0, size=0.03, speed=0.5, until_fast=0.4, model="")
+    parser.set_defaults(seed=0, minutes=4.0, size=0.02, speed=0.5, until_fast=0.4, model="")
     options.add_conditioning(parser)
     options.add_common(parser)
 
