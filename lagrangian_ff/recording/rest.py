@@ -4,8 +4,8 @@ A joint at rest says nothing of Coulomb friction, and of gravity only within a b
 from the motion alone: a joint rests while its position stays within `STUCK` for `LONG` seconds,
 which is slower than any creeping that shows friction over speed.
 
-A joint that has just begun to move says as little: of what came before the recording, its gear
-still holds an unknown part of its friction, until it has slid.
+A joint that has just begun to move says as little. Until its gear has slid, the gear still holds
+friction from motion that was not recorded, and nobody knows how much.
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ STUCK = 3e-4
 BEGUN = 5e-3
 """Displacement in rad (or m) from where a segment begins, after which a gear has slid."""
 SLOW = 0.1
-"""Speed in rad/s (or m/s) from which on a joint slides already as a segment begins: at some rad/s²
-it turned more than `BEGUN` away."""
+"""Speed in rad/s (or m/s) from which on a joint counts as sliding when a segment begins: one that
+got that fast at 1 rad/s² has moved by `BEGUN`."""
 AT_ONCE = 0.05
 """s over which that speed is measured."""
 
@@ -66,6 +66,7 @@ def _just_begun(time: Floats, q: Floats, segment: Ints, few: int) -> Flags:
     soon = np.minimum(begins + few, lasts)
     elapsed = np.maximum(time[soon] - time[begins], np.finfo(float).tiny)
     slow = np.abs(q[soon] - q[begins]) < SLOW * elapsed[:, None]
+    # The segment of each sample; `away` counts the samples so far that were farther than `BEGUN`.
     here = np.repeat(np.arange(len(begins)), lasts - begins + 1)
     away = np.cumsum(np.abs(q - q[begins[here]]) > BEGUN, axis=0)
     return np.asarray(slow[here] & (away == away[begins[here]]))

@@ -247,7 +247,7 @@ def bumped(share: float) -> Motion:
 
 
 def test_what_nearly_stands_out_is_judged_with_the_hyperparameters_that_suit_it() -> None:
-    """Fitted without it, they take up a part of it."""
+    """Hyperparameters that were fitted without an effect explain a part of it."""
     (step,) = search(whitened_of(bumped(0.1))).steps
     assert step.score.candidate.key == ("stribeck", 1)
     assert step.first_log_bf < thresholds.USED.floor < step.score.log_bf
@@ -256,7 +256,7 @@ def test_what_nearly_stands_out_is_judged_with_the_hyperparameters_that_suit_it(
 
 
 def test_what_other_motion_confirmed_is_a_step_unless_motion_speaks_against_it() -> None:
-    """Half of what is just found is too little to be found, and there all the same."""
+    """A twentieth of the bump is too small to be found, but it is there."""
     bump = Term(EFFECTS["stribeck"], 1, {"v_s": 0.15})
     known = Basis((*friction().terms, bump))
     wave = Basis((*friction().terms, Term(EFFECTS["ripple"], 1, {"order": 7.0})))

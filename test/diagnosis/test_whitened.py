@@ -160,7 +160,7 @@ def test_a_wrong_unit_of_effort_on_one_joint_is_found() -> None:
 
 
 def test_the_units_of_the_model_need_less_evidence_than_others() -> None:
-    """A little motion holds some of it, if they are right, and none, if they are wrong."""
+    """Six seconds are too few to find units, but enough to tell right ones from wrong ones."""
     motion = two_rods.motion(3, 6.0)
     scaled = replace(motion, tau=motion.tau * np.array([1.0, 1.3]))
 

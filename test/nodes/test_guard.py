@@ -91,7 +91,7 @@ def test_ended_it_fades_though_torques_go_on() -> None:
 
 @pytest.mark.parametrize("pause", [0.02, 0.05])
 def test_a_torque_that_pauses_while_it_is_brought_in_does_not_jump(pause: float) -> None:
-    """Between two messages no tick moves it unseen."""
+    """Whatever moves the torque between two messages is sent."""
     guard = Guard(SETTINGS, 2)
     sent = np.vstack(
         [

@@ -31,14 +31,14 @@ def test_a_reversal_is_no_rest() -> None:
 
 
 def test_a_joint_that_begins_from_rest_has_to_slide_first() -> None:
-    """What its gear holds then comes of motion that was not recorded."""
+    """Until then its gear holds friction from before the recording, and nobody knows how much."""
     t = np.arange(0.0, 4.0, 1.0 / RATE)
     q = np.column_stack([0.5 * (1.0 - np.cos(t)), 0.3 * np.sin(t), 0.01 * np.sin(20.0 * t)])
     whole, cut = np.zeros(len(t), dtype=np.int64), (t >= 3.1).astype(np.int64)
     rest = at_rest(t, q, whole)
     np.testing.assert_array_equal(rest[:, 0], q[:, 0] <= 5e-3)
     assert not rest[:, 1:].any()
-    # A cut soon after a reversal leaves out that motion, too.
+    # The second part begins soon after a reversal, which it does not show.
     q[:, 0] = 0.5 * np.cos(t)
     rest = at_rest(t, q, cut)
     apart = np.abs(q[:, 0] - q[np.argmax(cut), 0])

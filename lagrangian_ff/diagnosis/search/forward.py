@@ -337,8 +337,8 @@ def _stands_out(
     """Return whether a score is large enough to be claimed.
 
     Args:
-        nearly: or may be with the hyperparameters that suit it. Those that were fitted without it
-            take up a part of it, and the noise holds the rest.
+        nearly: whether a smaller score will do, which may grow with hyperparameters that suit it.
+            Those that were fitted without it explain a part of it, or call it noise.
     """
     limits = thresholds.USED
     if score.size <= limits.least_size * whitened.spread[score.candidate.joint]:

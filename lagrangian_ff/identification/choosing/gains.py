@@ -41,7 +41,10 @@ class Gains:
 
 
 def gains_of(problem: Problem, unit: Floats) -> Gains:
-    """Return given units of effort (N,) relative to each other, as evident as they are.
+    """Return given units of effort with the evidence for them.
+
+    Args:
+        unit: (N,) N·m; only their ratios count.
 
     Raises:
         NotPositiveDefiniteError: the Gram matrix is not positive definite.

@@ -53,7 +53,7 @@ export function readAs(state, card) {
   const words = scales.map(([joint, factor]) => (factor === -1 ? `${joint} with the sign turned round` : `${joint} times ${number(factor)}`)).join(", ");
   const alike = state.cards.filter((one) => JSON.stringify(one.scale) === JSON.stringify(card.scale));
   return h("div", { class: "check short" }, h("p", {}, `Effort of ${words}.`),
-    h("button", { class: "plain", "data-key": "back" + card.id, onclick: () => ask("read", { cards: alike.map((one) => one.id), scale: {} }) }, "Take it back"));
+    back("back" + card.id, { cards: alike.map((one) => one.id) }));
 }
 
 function notice(words, button) {
