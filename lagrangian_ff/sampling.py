@@ -1,4 +1,6 @@
-"""Sample rate and length of a motion that may have gaps."""
+"""Sample rate, length and uninterrupted stretches of a motion that may have gaps."""
+
+from itertools import pairwise
 
 import numpy as np
 
@@ -27,3 +29,13 @@ def recorded_seconds(time: Floats, segment: Ints) -> float:
         segment: (M,) number of the uninterrupted stretch of each sample.
     """
     return float(np.diff(time)[np.diff(segment) == 0].sum())
+
+
+def stretches(segment: Ints) -> list[tuple[int, int]]:
+    """Return begin and end of every uninterrupted stretch of samples.
+
+    Args:
+        segment: (M,) number of the uninterrupted stretch of each sample.
+    """
+    cuts = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), len(segment)]
+    return [(a, b) for a, b in pairwise(cuts) if b > a]

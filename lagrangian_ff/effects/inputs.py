@@ -10,9 +10,10 @@ import scipy
 from numpy.typing import ArrayLike
 
 from lagrangian_ff.arrays import Flags, Floats, Ints
-from lagrangian_ff.effects.reversals import since_reversal, stretches
+from lagrangian_ff.effects.reversals import since_reversal
 from lagrangian_ff.kernels.states import States
 from lagrangian_ff.recording.rest import at_rest
+from lagrangian_ff.sampling import stretches
 
 SIGN_SPEED = 0.02  # rad/s, width of the smoothed sign unless the model has found a better one
 LONG_AGO = 10.0  # s since a reversal, after which more makes no difference

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.sampling import stretches
 
 REST_SHARE = 0.01
 """Of the joint's largest speed: slower than this, the sign of the velocity may be noise."""
@@ -67,12 +68,6 @@ def before_reversal(time: Floats, qd: Floats, segment: Ints) -> Floats:
         for first, last in pairwise([begin, *turns]):
             out[first:last] = time[last] - time[first:last]
     return out
-
-
-def stretches(segment: Ints) -> list[tuple[int, int]]:
-    """Return begin and end of every uninterrupted stretch."""
-    cuts = [0, *(np.flatnonzero(np.diff(segment)) + 1).tolist(), len(segment)]
-    return [(a, b) for a, b in pairwise(cuts) if b > a]
 
 
 def _turns(qd: Floats, segment: Ints, rest: float) -> list[tuple[list[int], int, int]]:

@@ -22,6 +22,7 @@ from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.numbers import percent
 from lagrangian_ff.recording.filtering import settling
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import stretches
 
 USUAL = 25.0
 """Hz, the paper's bandwidth (section IV-B): the widest that is chosen."""
@@ -234,9 +235,7 @@ def _edges(widest: float) -> Floats:
 
 
 def _segments(motion: Motion) -> list[Motion]:
-    cuts = np.flatnonzero(np.diff(motion.segment)) + 1
-    ends = [0, *cuts.tolist(), len(motion)]
-    return [motion.take(slice(a, b)) for a, b in pairwise(ends)]
+    return [motion.take(slice(begin, end)) for begin, end in stretches(motion.segment)]
 
 
 def _pieces(motion: Motion) -> list[Motion]:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from lagrangian_ff.arrays import Flags, Floats, Ints
 from lagrangian_ff.diagnosis.lag import late as in_words
 from lagrangian_ff.diagnosis.preflight.base import Case, Check, rate_of
-from lagrangian_ff.effects.reversals import before_reversal, since_reversal, stretches
+from lagrangian_ff.effects.reversals import before_reversal, since_reversal
+from lagrangian_ff.sampling import stretches
 
 WINDOW = 3.0
 """Length of the windows of the spectra, s; they overlap by half."""

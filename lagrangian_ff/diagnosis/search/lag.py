@@ -16,10 +16,10 @@ from lagrangian_ff.diagnosis.results import HoldOut
 from lagrangian_ff.diagnosis.search.bayes_factor import tempered_log_bf
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
 from lagrangian_ff.effects import EFFECTS, Inputs
-from lagrangian_ff.effects.reversals import stretches
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.identification.choosing.shapes import orthonormal
 from lagrangian_ff.recording.motion import Motion
+from lagrangian_ff.sampling import stretches
 
 EXPECTED = 0.005
 """Standard deviation of a lag a priori, s: drivers filter and queue over some milliseconds."""
