@@ -5,57 +5,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.contacts import Contact, contacts_of
-from lagrangian_ff.diagnosis.intervals import widened
+from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.misfit import misfit_of
-from lagrangian_ff.diagnosis.partial_residual import partial_residual
 from lagrangian_ff.diagnosis.results import (
     Change,
     Diagnosis,
     Doubt,
-    Finding,
-    HoldOut,
     Ranked,
     Reason,
     Remainder,
     TakenUp,
     Unexplained,
-    sorted_findings,
 )
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
-from lagrangian_ff.diagnosis.search.candidates import at_end, searched_for
+from lagrangian_ff.diagnosis.search.candidates import searched_for
 from lagrangian_ff.diagnosis.search.change import change_of, joints_of
-from lagrangian_ff.diagnosis.search.forward import (
-    MOST_STEPS,
-    Search,
-    Step,
-    beside_others,
-    not_observable,
-    search,
-)
-from lagrangian_ff.diagnosis.search.hold_out import (
-    HoldOutMotion,
-    frozen,
-    judge_hold_out,
-    judge_lag,
-    without,
-)
+from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
+from lagrangian_ff.diagnosis.search.hold_out import judge_lag, without
 from lagrangian_ff.diagnosis.search.lag import allowing, confirms, earlier
 from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
-from lagrangian_ff.diagnosis.search.significance import rivals
-from lagrangian_ff.diagnosis.search.signs import unnatural
+from lagrangian_ff.diagnosis.verdicts import findings_of
 from lagrangian_ff.diagnosis.whitening import Whitened, fit_for, in_full, outweighed
-from lagrangian_ff.effects import EFFECTS, Effect, look_alikes
+from lagrangian_ff.effects import Effect
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Model, decimated
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.build import seconds
 from lagrangian_ff.identification.records import Estimate
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion, concatenate
+from lagrangian_ff.recording.motion import Motion, concatenate
 
 
 def diagnose(
@@ -83,23 +64,8 @@ def diagnose(
         RecordingError: there is too little motion.
     """
     first, unseen, separate = searched_and_unseen(model, motion, confirm)
-    fitting, searching = part(progress, 0.0, 0.3), part(progress, 0.3, 0.85)
-    whitened = fit_for(model, first, Basis((*model.basis.terms, *known)), fitting)
-    effects = effects or searched_for(model.data.effort, model.basis)
-    read = model.identified.conditioning
-    set_right = read is not None and read.effort_delay != 0.0
-    if set_right:
-        whitened = allowing(whitened)
-    ended = search(whitened, effects, steps, searching, len(known), lagging=not set_right)
-    in_step, lag = unseen, None
-    if ended.lag is not None:
-        searched, other = (earlier(one, ended.lag.delay) for one in (first, unseen))
-        held = judge_lag(ended, other)
-        if confirms(held):
-            in_step, lag = other, replace(ended.lag, gained=float(held.gained.sum()))
-            whitened = allowing(fit_for(model, searched, whitened.basis, fitting))
-        ended = search(whitened, effects, steps, searching, len(known), lagging=False)
-    del whitened  # it holds a factor of some 200 MB
+    searching = part(progress, 0.0, 0.85)
+    ended, in_step, lag = _searched(model, first, unseen, effects, steps, known, searching)
     progress(0.85, "looking at what is left")
     weighed = ended.whitened.problem.samples.weight is not None
     found, again = _left_over(ended, in_step)
@@ -134,6 +100,40 @@ def diagnose(
         contacts=tuple(contacts),
         lag=lag,
     )
+
+
+def _searched(
+    model: Model,
+    first: Motion,
+    unseen: Motion,
+    effects: Mapping[str, Effect] | None,
+    steps: int,
+    known: Sequence[Term],
+    progress: Progress,
+) -> tuple[Search, Motion, Lag | None]:
+    """Return the search, the unseen motion with its torques in step, and the lag that both show.
+
+    Args:
+        first, unseen: see `searched_and_unseen`; the others are those of `diagnose`.
+    """
+    fitting, searching = part(progress, 0.0, 0.35), part(progress, 0.35, 1.0)
+    whitened = fit_for(model, first, Basis((*model.basis.terms, *known)), fitting)
+    effects = effects or searched_for(model.data.effort, model.basis)
+    read = model.identified.conditioning
+    set_right = read is not None and read.effort_delay != 0.0
+    if set_right:
+        whitened = allowing(whitened)
+    ended = search(whitened, effects, steps, searching, len(known), lagging=not set_right)
+    if ended.lag is None:
+        return ended, unseen, None
+    searched, in_step = (earlier(one, ended.lag.delay) for one in (first, unseen))
+    held = judge_lag(ended, in_step)
+    lag = None
+    if confirms(held):
+        lag = replace(ended.lag, gained=float(held.gained.sum()))
+        whitened = allowing(fit_for(model, searched, whitened.basis, fitting))
+    ended = search(whitened, effects, steps, searching, len(known), lagging=False)
+    return ended, unseen if lag is None else in_step, lag
 
 
 def _left_over(ended: Search, unseen: Motion) -> tuple[Search, frozenset[int]]:
@@ -224,132 +224,6 @@ def _moments(change: Change) -> dict[str, Estimate]:
         low, high = max(end[0] - begin[1], 0.0), end[1] - begin[0]
         found["length"] = Estimate(change.until - change.since, low, high, "s")
     return found
-
-
-def findings_of(
-    found: Search, motion: Motion, model: Model, change: Change | None
-) -> tuple[Finding, ...]:
-    """Return the findings of a search, each with its verdict, best first.
-
-    What shows only where outliers count less, and not on unseen motion, is none: what a form that
-    is not quite the true one leaves shows as well between them.
-
-    Args:
-        found, motion: the search and the hold-out motion.
-        change: where the hold-out motion takes up a load, if the first one did.
-    """
-    views, parameters = judge_hold_out(found, motion, change), frozen(found)
-    named = [number for number, step in enumerate(found.steps) if step.named]
-    findings = [_finding(found, model, n, *views[n], parameters[n]) for n in named]
-    pairs = zip(findings, named, strict=True)
-    return sorted_findings([one for one, n in pairs if _may_be(one, found.steps[n])])
-
-
-def _may_be(one: Finding, step: Step) -> bool:
-    """Return whether a finding counts that was found late, or is known of other motion."""
-    if step.stands and not one.stands and step.score.log_bf <= thresholds.USED.floor:
-        return False
-    if not step.late:
-        return True
-    doubt = one.hold_out.doubt
-    return doubt is None or doubt.reason not in (Reason.NOT_HELD_OUT, Reason.OTHER_SIZE)
-
-
-def _finding(
-    found: Search,
-    model: Model,
-    number: int,
-    motion: HoldOutMotion,
-    hold_out: HoldOut,
-    parameters: tuple[Floats, Floats, Floats],
-) -> Finding:
-    step = found.steps[number]
-    candidate, (values, low, high) = step.score.candidate, parameters
-    half = widened(values, high - values, hold_out.gained, hold_out.expected)
-    low, high = values - half, values + half
-    effect, joint = candidate.effect, candidate.joint
-    mine = motion.rival(step.score, number, candidate)
-    others = [(mine, motion.rival(score, number, candidate)) for score in step.rivals]
-    left = [one.candidate.source.name for one in rivals(step.score, step.rivals, others)]
-    if found.whitened.motion.effort == WITHOUT_GRAVITY:
-        left += [name for name in of_unseen_load(effect) if name not in left]
-    alike = [one.candidate.source.name for one in step.rivals]
-    other_size = hold_out.doubt is not None and hold_out.doubt.reason is Reason.OTHER_SIZE
-    stands = step.stands and not left and not other_size
-    return Finding(
-        effect=effect,
-        joints=tuple(model.joints[n] for n in (joint, *candidate.others)),
-        cause=model.joints[effect.cause(joint, candidate.shape)],
-        shape=effect.transferable(candidate.shape),
-        parameters={
-            one.name: Estimate(float(value), float(low), float(high), one.unit)
-            for one, value, low, high in zip(effect.parameters, values, low, high, strict=True)
-        },
-        log_bayes_factor=step.score.log_bf,
-        p_value=step.p_value,
-        size=step.score.size,
-        hold_out=hold_out,
-        rivals=tuple(left),
-        ruled_out=tuple(name for name in alike if name not in left),
-        doubt=None if stands else hold_out.doubt or doubt_of(found, step, model),
-        stands=stands,
-        partial_residual=partial_residual(found.whitened, candidate, values),
-    )
-
-
-def of_unseen_load(effect: Effect) -> list[str]:
-    """Return the look-alikes of friction over position that follow a load without its gravity.
-
-    A gear carries the arm's weight, which depends on the position, even if the effort lacks it.
-    """
-    if effect.kind != "friction" or effect.coordinate != "position":
-        return []
-    return [name for name in look_alikes(effect) if "load" in EFFECTS[name].uses]
-
-
-def doubt_of(found: Search, step: Step, model: Model) -> Doubt | None:
-    """Return why an effect that holds on other motion is only suggested; None if it is not.
-
-    Args:
-        step: the step of the search that found the effect.
-    """
-    candidate = step.score.candidate
-    if doubt := _of_large_rest(found, step):
-        return doubt
-    if candidate.effect.absorbed and model.kernel.free:
-        words = (
-            f"gravity of {model.kernel.name} may be any smooth function of the positions and "
-            "has this torque already: the effect may be there, but the model does not lack it"
-        )
-        return Doubt(Reason.ABSORBED, words)
-    if ends := at_end(found.whitened.x, candidate):
-        return Doubt(Reason.AT_END, ends)
-    objection = unnatural(found.whitened, step.score)
-    return Doubt(Reason.IMPOSSIBLE, objection) if objection else None
-
-
-def _of_large_rest(found: Search, step: Step) -> Doubt | None:
-    """Return the doubt that curves on the joint explain nearly as much as an effect; None if not.
-
-    Early steps score low, since what is found later is still noise. So where curves seem large by
-    the scores of their steps, all are scored again with the noise that is left in the end.
-    """
-    share, joint = thresholds.USED.large_rest, step.score.candidate.joint
-    scores = (s for s in found.last if not s.candidate.named and s.candidate.joint == joint)
-    left = max((score.log_bf for score in scores), default=0.0)
-    curves = [s for s in found.steps if not s.named and s.score.candidate.joint == joint]
-    own = step.score.log_bf
-    rest = left + sum(one.score.log_bf for one in curves)
-    if rest > share * own and curves:
-        own = beside_others(found, step)
-        rest = left + sum(beside_others(found, one) for one in curves)
-    if rest <= share * own:
-        return None
-    return Doubt(
-        Reason.LARGE_REST,
-        f"a torque that no effect of the catalogue describes gains {rest:.0f} nats on the same "
-        f"joint, this effect {own:.0f}",
-    )
 
 
 def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexplained:

@@ -5,15 +5,20 @@ import two_rods
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.search.forward import Search, search
 from lagrangian_ff.diagnosis.whitening import fit
-from lagrangian_ff.identification import Settings, identify
+from lagrangian_ff.identification import Model, Settings, identify
 
 FEW = Settings(train=1.0, samples=120, evaluations=20)
+
+
+def model_of(hidden: two_rods.Hidden | None, seed: int = 1) -> Model:
+    """Return a model of one recording."""
+    return identify(two_rods.motion(seed, hidden=hidden), FEW).model
 
 
 def diagnosed(hidden: two_rods.Hidden) -> Diagnosis:
     """Return the diagnosis of one recording, confirmed on a second."""
     first, second = (two_rods.motion(seed, hidden=hidden) for seed in (1, 2))
-    return diagnose(identify(first, FEW).model, first, second)
+    return diagnose(model_of(hidden), first, second)
 
 
 def search_of(found: Diagnosis) -> Search:

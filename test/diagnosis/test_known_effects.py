@@ -10,9 +10,9 @@ from diagnosed_rods import diagnosed, search_of
 from whitened_examples import quickly
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose, with_consequences
-from lagrangian_ff.diagnosis.diagnose import findings_of
 from lagrangian_ff.diagnosis.search.forward import Search
 from lagrangian_ff.diagnosis.thresholds import Thresholds, using
+from lagrangian_ff.diagnosis.verdicts import findings_of
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.recording.motion import concatenate

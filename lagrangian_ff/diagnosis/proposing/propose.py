@@ -9,7 +9,7 @@ import numpy as np
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of, rms
-from lagrangian_ff.diagnosis.diagnose import findings_of, searched_and_unseen
+from lagrangian_ff.diagnosis.diagnose import searched_and_unseen
 from lagrangian_ff.diagnosis.proposing.grammar import Form, forms
 from lagrangian_ff.diagnosis.results import Doubt, Finding, Reason, sorted_findings
 from lagrangian_ff.diagnosis.search.bayes_factor import (
@@ -29,6 +29,7 @@ from lagrangian_ff.diagnosis.search.judging import (
 )
 from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
 from lagrangian_ff.diagnosis.sentences import no_help
+from lagrangian_ff.diagnosis.verdicts import findings_of
 from lagrangian_ff.diagnosis.whitening import Whitened, fit_for
 from lagrangian_ff.effects import Curve, Effect, Over
 from lagrangian_ff.errors import ModelError
