@@ -10,6 +10,7 @@ from scipy.linalg import solve_triangular
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.whitening.blocks import LONGEST, block_seconds
+from lagrangian_ff.diagnosis.whitening.errors import errors_of_shapes
 from lagrangian_ff.diagnosis.whitening.whitened import AVERAGED, Whitened, whiten, window_of
 from lagrangian_ff.effects import Inputs
 from lagrangian_ff.effects.inputs import SIGN_SPEED
@@ -241,15 +242,19 @@ def _with_gains(problem: Problem, unit: Floats | None) -> Problem:
 def with_sign_speeds(whitened: Whitened, joints: Collection[int]) -> Whitened:
     """Return the motion with the widths of some joints' Coulomb steps fitted beside all effects.
 
-    A width that was fitted while other friction was missing had made up for it.
+    A width that was fitted while other friction was missing had made up for it. What an error of
+    that width would add is no part of the fit: beside it, any width near it does.
     """
     problem = whitened.problem
-    basis = _with_widths(problem, whitened.x, whitened.system, joints)
+    others = Basis(tuple(term for term in problem.basis.terms if not term.effect.sign_width))
+    nuisance = (*problem.nuisance, *errors_of_shapes(others, whitened.x))
+    system = exact(replace(problem, nuisance=nuisance), like=whitened.system).system
+    basis = _with_widths(problem, whitened.x, system, joints)
     speed = basis.sign_speed(whitened.joints)
     inputs, x = _with_signs(whitened.inputs, speed), _with_signs(whitened.x, speed)
     parts = whitened.motion, whitened.index, whitened.seconds, inputs
-    others = x, whitened.system, problem.samples.weight
-    return whiten(*parts, problem.having(basis=basis), *others, lagging=whitened.lagging)
+    weighted = x, whitened.system, problem.samples.weight
+    return whiten(*parts, problem.having(basis=basis), *weighted, lagging=whitened.lagging)
 
 
 def _sign_speeds(motion: Motion, inputs: Inputs, problem: Problem) -> Problem:
