@@ -84,6 +84,18 @@ def test_a_width_that_was_fitted_without_hysteresis_is_fitted_again() -> None:
     assert found[0] == without.basis.sign_speed(2)[0]
 
 
+def test_a_width_that_was_fitted_without_stribeck_friction_leaves_no_trace() -> None:
+    """From that width or from the one found, the same is the likeliest."""
+    without = whitened_of(two_rods.motion(1, hidden=two_rods.stick))
+    assert without.basis.sign_speed(2)[1] < two_rods.WIDTH / 1.5
+    stribeck = Term(EFFECTS["stribeck"], 1, {"v_s": 0.15})
+    beside = without.explaining(Basis((*without.basis.terms, stribeck)), ())
+    found = with_sign_speeds(beside, {1})
+    again = with_sign_speeds(found, {1})
+    assert found.basis.sign_speed(2)[1] == pytest.approx(two_rods.WIDTH, rel=0.05)
+    assert again.basis.sign_speed(2)[1] == pytest.approx(found.basis.sign_speed(2)[1], rel=2e-3)
+
+
 def test_what_the_model_has_leaves_nothing(whitened: Whitened) -> None:
     for term in whitened.basis.terms:
         white = whitened.whitened(term.columns(whitened.x), term.joint)
