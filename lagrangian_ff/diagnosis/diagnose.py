@@ -1,6 +1,6 @@
 """The diagnosis: from a model and a recording to the physical effects that the model lacks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +25,11 @@ from lagrangian_ff.diagnosis.search.change import change_of, joints_of
 from lagrangian_ff.diagnosis.search.forward import MOST_STEPS, Search, Step, not_observable, search
 from lagrangian_ff.diagnosis.search.hold_out import judge_lag, without
 from lagrangian_ff.diagnosis.search.lag import allowing, confirms, earlier
-from lagrangian_ff.diagnosis.search.left_over import more_than_noise, with_left_over
+from lagrangian_ff.diagnosis.search.left_over import (
+    more_than_noise,
+    torque_of_curves,
+    with_left_over,
+)
 from lagrangian_ff.diagnosis.search.nonparametric import curve_of, with_joint_names
 from lagrangian_ff.diagnosis.verdicts import findings_of
 from lagrangian_ff.diagnosis.whitening import Whitened, fit_for, in_full, outweighed
@@ -79,7 +83,6 @@ def diagnose(
     misfit = misfit_of(model, first)
     contacts = [] if misfit.larger else _contacts(model, motion, taken_up)
     curves = [found.steps[number] for number in sorted(again)]
-    once = [s for n, s in enumerate(found.steps) if not s.named and n not in again]
     progress(1.0, "diagnosing")
     return Diagnosis(
         model=model,
@@ -95,7 +98,7 @@ def diagnose(
         threshold=found.null.threshold,
         noise=found.whitened.noise,
         wanting=found.wanting,
-        remainders=_remainders(found.whitened, once, model.joints),
+        remainders=_remainders(found, again, model.joints),
         misfit=misfit,
         contacts=tuple(contacts),
         lag=lag,
@@ -236,16 +239,12 @@ def _unexplained(step: Step, whitened: Whitened, joints: Sequence[str]) -> Unexp
 
 
 def _remainders(
-    whitened: Whitened, once: Sequence[Step], joints: Sequence[str]
+    found: Search, again: Collection[int], joints: Sequence[str]
 ) -> tuple[Remainder, ...]:
-    """Return what is left and is more than noise, with the curves that did not come again.
-
-    Of a curve only that counts which the model's own effects cannot stand in for.
-    """
-    squares = more_than_noise(whitened) ** 2
-    for step in once:
-        squares[step.score.candidate.joint] += (step.score.size * step.score.survival) ** 2
-    every = zip(joints, np.sqrt(squares).tolist(), whitened.spread.tolist(), strict=True)
+    """Return what is left and is more than noise, with the curves that did not come again."""
+    once = {n for n, step in enumerate(found.steps) if not step.named}.difference(again)
+    left = np.hypot(more_than_noise(found.whitened), torque_of_curves(found, once))
+    every = zip(joints, left.tolist(), found.whitened.spread.tolist(), strict=True)
     return tuple(Remainder(name, size, size / spread) for name, size, spread in every if size > 0.0)
 
 

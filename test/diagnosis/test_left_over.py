@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import two_rods
+from diagnosed_rods import model_of
 from numpy.typing import NDArray
 from sines import sines
 from whitened_examples import SHORT, quickly
@@ -73,6 +74,24 @@ def test_what_the_other_recording_does_not_show_is_not_claimed() -> None:
     assert not found.unexplained
     assert [one.joint for one in found.remainders] == ["shoulder"]
     assert "what is left is noise" not in verdict(found)
+
+
+def slow(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:
+    """A torque of the shoulder that changes over time."""
+    return np.stack([0.5 * np.sin(t / 4.0), np.zeros(len(t))], axis=1)
+
+
+@pytest.mark.parametrize("hidden", [two_rods.sore_spot, slow])
+def test_a_curve_that_does_not_come_again_is_left_as_large_as_it_is(
+    hidden: two_rods.Hidden,
+) -> None:
+    first, without = two_rods.motion(1, hidden=hidden), two_rods.motion(1)
+    found = diagnose(model_of(hidden), first, two_rods.motion(2))
+    assert not found.unexplained
+    (left,) = found.remainders
+    torque = np.sqrt(np.mean((first.tau - without.tau)[:, 0] ** 2))
+    assert left.joint == "shoulder"
+    assert 0.8 * torque < left.size < 1.1 * torque
 
 
 def test_the_columns_of_a_product_are_those_that_all_share() -> None:
