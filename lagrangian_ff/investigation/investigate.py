@@ -57,12 +57,14 @@ class _Look:
     Attributes:
         base: the model that was diagnosed.  diagnosis: of that model.
         model: `base` with what is confirmed.
+        used: s of motion so far.
         made: the models that motions were designed with; `for_design` fits none of them twice.
     """
 
     base: Model
     diagnosis: Diagnosis
     model: Model
+    used: float
     made: dict[tuple[Named, ...], Model] = field(default_factory=dict)
 
     @property
@@ -184,12 +186,12 @@ class _Story:
             _, unseen = self._parts()
             # The first motions are looked at together: they are one turn.
             moved = self._motions[self._first_motions - 1 :]
-            before = _errors(self._looks[-1].base, unseen)
+            before, used = _errors(self._looks[-1].base, unseen), 0.0
             for (question, motion, made), look in zip(moved, self._looks, strict=False):
                 errors, total = _errors(look.model, unseen)
-                turns.append(
-                    Turn(question, motion, made, look.diagnosis, look.model, errors, total)
-                )
+                known = look.diagnosis, look.model, errors, total
+                turns.append(Turn(question, motion, look.used - used, made, *known))
+                used = look.used
         found = Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
         if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
             return found
@@ -249,7 +251,7 @@ class _Story:
         with one_blas_thread():
             found = with_consequences(found, confirmed_only=True)
         self._known = len(learned)
-        look, self._assumed = _Look(base, found, apply(found)), None
+        look, self._assumed = _Look(base, found, apply(found), self._used), None
         self._looks.append(look)
         names = tuple(one.name for one, _ in found.tried)
         answer = answered(self._motions[-1][0], found)

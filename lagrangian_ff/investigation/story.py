@@ -52,7 +52,8 @@ class Turn:
 
     Attributes:
         question: that the motion was to answer; None for the first ones.
-        motion: as it was sent.
+        motion: as it was sent; of the first ones, which are looked at together, the last.
+        seconds: of all motion since the turn before.
         design: how it was found; None for a motion of a kind.
         diagnosis: of all motions so far, with consequences.
         model: with all that is confirmed.
@@ -63,6 +64,7 @@ class Turn:
 
     question: Question | None
     motion: Reference
+    seconds: float
     design: Design | None
     diagnosis: Diagnosis
     model: Model
@@ -154,7 +156,7 @@ class Investigation:
             "turns": [
                 {
                     "asked": turn.asked,
-                    "seconds": float(turn.motion.time[-1]),
+                    "seconds": turn.seconds,
                     "expected_nats": turn.expected,
                     "gained_nats": turn.gained,
                     "answer": turn.answer,

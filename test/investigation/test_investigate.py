@@ -83,6 +83,7 @@ def test_it_ends_where_nothing_is_left_within_its_budget_and_leaves_no_limit() -
     rig, story, _ = found(FAINT)
     assert story.ended is Ended.NOTHING_LEFT
     assert story.seconds == pytest.approx(rig.seconds)
+    assert sum(turn.seconds for turn in story.turns) == pytest.approx(story.seconds)
     assert 24.0 < story.seconds <= 36.0
     assert rig.left(limits()) == 0
     for one in rig.moved:

@@ -24,7 +24,7 @@ def turns_section(story: "Investigation") -> Section:
             str(number),
             turn.asked,
             ", ".join(spoken(one.name) for one in turn.confirmed) or DASH,
-            typeset(float(turn.motion.time[-1])),
+            typeset(turn.seconds),
             DASH if turn.expected is None else typeset(turn.expected),
             DASH if turn.gained is None else typeset(turn.gained),
         ]

@@ -217,11 +217,9 @@ class Decision:
 
     def _when(self, story: Investigation) -> float | None:
         """Return the s of motion after which the truth was named for good; None if never."""
-        last = None
-        moved = story.seconds - sum(float(one.motion.time[-1]) for one in story.turns[1:])
-        for number, turn in enumerate(story.turns):
-            if number:
-                moved += float(turn.motion.time[-1])
+        last, moved = None, 0.0
+        for turn in story.turns:
+            moved += turn.seconds
             right = self._judged(turn.confirmed).outcome is Outcome.RIGHT
             last = (last if last is not None else moved) if right else None
         return last
