@@ -13,7 +13,7 @@ from lagrangian_ff.effects.usual import weight
 TWICE = 2
 """How often one question is asked, at most: a second motion of its kind doubles the evidence."""
 MOST_EVERYTHING = 3
-NEW = 0.02
+NEW = 0.04
 """Share of all effects and joints that a motion shows for the first time, to be worth making."""
 HOPE = 8.0
 """Nats from which on the best candidate of a joint, beside what was found, is worth a motion. One
