@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrangian_ff.investigation import Ended
+from lagrangian_ff.investigation.motions import SHORTEST
+from lagrangian_ff.studies.decide.cases import BUDGET
 from lagrangian_ff.studies.hidden.verdicts import Judgement, Outcome
 from lagrangian_ff.studies.study import Line
 
@@ -63,7 +65,7 @@ class Investigated:
         case, group: of the line.
         judgement: of what was confirmed in the end.
         moved: s of motion.  when: s after which the truth was named for good; None for never.
-        early: whether it ended since nothing was left to decide, not since its time was used.
+        early: whether it ended since nothing was left to decide, and time for a motion was left.
         left: samples in which a motion left its limits or the motors saturated.
         error: N·m rms before and after; the latter None without a turn.
         promised: nats that 30 s more would give, designed for what stayed hidden; None for nothing.
@@ -95,7 +97,8 @@ class Investigated:
             Judgement.of(line["judgement"]),
             line["moved"],
             line["when"],
-            line["story"]["ended"] == Ended.NOTHING_LEFT.value,
+            line["story"]["ended"] == Ended.NOTHING_LEFT.value
+            and line["moved"] <= BUDGET - SHORTEST,
             line["left"],
             (before, after),
             line.get("promised"),

@@ -92,7 +92,7 @@ def test_a_wrong_name_or_a_missed_effect_is_no_success() -> None:
     assert "two" not in found.findings
     assert found.figure() is not None
     # An arm that moved for all of its time but a few seconds did not end early.
-    lines[-1]["story"]["ended"] = Ended.BUDGET.value
+    lines[-1]["moved"] = 237.0
     later = DecideResults.of(lines).findings
     assert later is not None
     assert not later["clean"].holds
