@@ -35,7 +35,8 @@ def small_arm(path: Path, *, seed: int = 0, slow: bool = False) -> None:
     first = (3.0 + 2.0 * c2) * qdd[:, 0] + (1.0 + c2) * qdd[:, 1] - coupling + 2.0 * g1 + g2
     second = (1.0 + c2) * qdd[:, 0] + qdd[:, 1] + s2 * qd[:, 0] ** 2 + g2
     tau = np.stack([first, second], axis=1) + np.array(VISCOUS) * qd
-    tau += np.array(COULOMB) * np.tanh(qd / 0.02)
-    tau[:, 1] += STRIBECK * np.sign(qd[:, 1]) * np.exp(-((qd[:, 1] / CREEPING) ** 2))
+    sign = np.tanh(qd / 0.02)
+    tau += np.array(COULOMB) * sign
+    tau[:, 1] += STRIBECK * sign[:, 1] * np.exp(-((qd[:, 1] / CREEPING) ** 2))
     tau += np.random.default_rng(seed).normal(0.0, NOISE, tau.shape)
     write_bag(path, Recording(JOINTS, time, q, qd, tau, 1_700_000_000.0))
