@@ -242,7 +242,7 @@ def _remainders(
     found: Search, again: Collection[int], joints: Sequence[str]
 ) -> tuple[Remainder, ...]:
     """Return what is left and is more than noise, with the curves that did not come again."""
-    once = {n for n, step in enumerate(found.steps) if not step.named}.difference(again)
+    once = [step for n, step in enumerate(found.steps) if not step.named and n not in again]
     left = np.hypot(more_than_noise(found.whitened), torque_of_curves(found, once))
     every = zip(joints, left.tolist(), found.whitened.spread.tolist(), strict=True)
     return tuple(Remainder(name, size, size / spread) for name, size, spread in every if size > 0.0)

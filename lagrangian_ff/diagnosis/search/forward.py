@@ -38,6 +38,7 @@ from lagrangian_ff.diagnosis.whitening import Whitened, outweighed, refit
 from lagrangian_ff.diagnosis.whitening.blocks import MANY, block_seconds
 from lagrangian_ff.diagnosis.whitening.hyperparameters import with_sign_speeds
 from lagrangian_ff.effects import EFFECTS, Effect
+from lagrangian_ff.identification.problem import Nuisance
 from lagrangian_ff.progress import Progress, silent
 from lagrangian_ff.recording.motion import LONGEST_DELAY
 from lagrangian_ff.sampling import recorded_seconds
@@ -82,6 +83,12 @@ class Search:
     own: int
     wanting: float = 0.0
     lag: Lag | None = None
+
+    def without_curves(self, curves: Sequence[Step]) -> tuple[Nuisance, ...]:
+        """Return the columns of all curves but some, which are steps of the search."""
+        every = [step for step in self.steps if not step.named]
+        pairs = zip(self.whitened.problem.nuisance, every, strict=True)
+        return tuple(one for one, of in pairs if not any(of is curve for curve in curves))
 
 
 def search(
@@ -323,8 +330,7 @@ def beside_others(found: Search, step: Step) -> float:
     if step.named:
         basis = basis_without(basis, found.own, step.score.candidate)
     else:
-        unnamed = [one for one in found.steps if not one.named]
-        nuisance = tuple(one for one, of in zip(nuisance, unnamed, strict=True) if of is not step)
+        nuisance = found.without_curves([step])
     less = whitened.explaining(basis, nuisance)
     (score,) = bayes_factors(less, [step.score.candidate])
     less.forget()

@@ -6,7 +6,7 @@ joints. They compete as candidates do: by log Bayes factor, against the null of 
 then, frozen, on motion that was not used to find them.
 """
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -126,22 +126,18 @@ def more_than_noise(whitened: Whitened) -> Floats:
     return np.where(slow & (left > limits.least_rest * whitened.spread), left, 0.0)
 
 
-def torque_of_curves(found: Search, numbers: Collection[int]) -> Floats:
+def torque_of_curves(found: Search, curves: Sequence[Step]) -> Floats:
     """Return (N,) N·m, what curves explain on each joint that nothing else in the model can.
 
     Most of a curve over a load may be gravity, which is no part of it.
 
     Args:
-        numbers: of their steps, none of which has a name.
+        curves: steps of the search without a name.
     """
     whitened, squares = found.whitened, np.zeros(found.whitened.joints)
-    unnamed = [number for number, step in enumerate(found.steps) if not step.named]
-    for joint in {found.steps[number].score.candidate.joint for number in numbers}:
-        mine = {n for n in numbers if found.steps[n].score.candidate.joint == joint}
-        pairs = zip(whitened.problem.nuisance, unnamed, strict=True)
-        less = whitened.explaining(
-            whitened.basis, tuple(one for one, number in pairs if number not in mine)
-        )
+    for joint in {curve.score.candidate.joint for curve in curves}:
+        mine = [curve for curve in curves if curve.score.candidate.joint == joint]
+        less = whitened.explaining(whitened.basis, found.without_curves(mine))
         rest, noise = less.residual * (less.amplitude / whitened.amplitude), whitened.residual
         more = max(0.0, float(rest @ rest - noise @ noise)) / len(whitened.index)
         squares[joint] = more * whitened.noise[joint] ** 2
