@@ -1,5 +1,6 @@
 """The diagnosis of two rods that hide an effect, and the search behind it."""
 
+import pytest
 import two_rods
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
@@ -25,3 +26,15 @@ def search_of(found: Diagnosis) -> Search:
     """Return the search behind a diagnosis."""
     model, motion = found.model, found.motion
     return search(fit(motion, model.inputs_of(motion), model.basis))
+
+
+@pytest.fixture(scope="module")
+def stuck() -> Diagnosis:
+    """Return the diagnosis of an arm whose elbow sticks, confirmed on a second recording."""
+    return diagnosed(two_rods.stick)
+
+
+@pytest.fixture(scope="module")
+def stuck_search(stuck: Diagnosis) -> Search:
+    """Return the search behind `stuck`."""
+    return search_of(stuck)

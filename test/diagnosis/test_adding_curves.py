@@ -1,12 +1,10 @@
 """What no effect explains is named by its coordinate, and taken in as a curve."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 import two_rods
 from diagnosed_rods import diagnosed
-from whitened_examples import quickly
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import (
     Diagnosis,
@@ -19,11 +17,7 @@ from lagrangian_ff.diagnosis import (
 from lagrangian_ff.diagnosis.sentences import curve_command
 from lagrangian_ff.errors import EffectError
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1200):
-        yield
+_small = few_torques(1200)
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,12 @@
 """A refitted log Bayes factor compares a candidate with the best model without it."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
 from scipy.stats import multivariate_normal
-from whitened_examples import begun, clean_rods, dense, quickly, whitened_of
+from whitened_examples import begun, clean_rods, dense, few_torques, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
@@ -22,11 +21,7 @@ from lagrangian_ff.diagnosis.whitening.whitened import chain_of
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.problem import Nuisance
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000):
-        yield
+_small = few_torques(1000)
 
 
 clean = pytest.fixture(scope="module")(clean_rods)

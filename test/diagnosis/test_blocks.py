@@ -1,11 +1,10 @@
 """Blocks are as long as the whitened residual remembers."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from whitened_examples import clean_rods, quickly
+from whitened_examples import clean_rods, few_torques
 
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.diagnosis.whitening.blocks import (
@@ -18,11 +17,7 @@ from lagrangian_ff.diagnosis.whitening.blocks import (
 )
 from lagrangian_ff.sampling import usual_step
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000):
-        yield
+_small = few_torques(1000)
 
 
 def remembering(seconds: float, seed: int = 0) -> Whitened:

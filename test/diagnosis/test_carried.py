@@ -1,12 +1,10 @@
 """Unseen motion is predicted with the friction of the searched motion."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 import two_rods
 from two_rods import Floats
-from whitened_examples import friction, inputs, quickly, whitened_of
+from whitened_examples import few_torques, friction, inputs, whitened_of
 
 from lagrangian_ff.arrays import Ints
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
@@ -20,10 +18,7 @@ FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
 DRAG = 0.3  # N·m·s²/rad²
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(800):
-        yield
+_small = few_torques(800)
 
 
 def elbow(drag: float = 0.0, thicker: float = 0.0, drier: float = 0.0) -> two_rods.Hidden:

@@ -1,14 +1,15 @@
 """From a model and recordings to what is missing, confirmed on motion that was not used."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import diagnosed_rods
 import numpy as np
 import pytest
 import two_rods
-from diagnosed_rods import diagnosed, model_of
+from diagnosed_rods import model_of
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import (
     Diagnosis,
@@ -23,22 +24,13 @@ from lagrangian_ff.diagnosis import (
 )
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.results import Reason
-from lagrangian_ff.diagnosis.thresholds import Effort, Thresholds, using
+from lagrangian_ff.diagnosis.thresholds import Thresholds, using
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError
 from lagrangian_ff.identification import Model
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
-        yield
-
-
-@pytest.fixture(scope="module")
-def stuck() -> Diagnosis:
-    """Return the diagnosis of an arm whose elbow sticks, confirmed on a second recording."""
-    return diagnosed(two_rods.stick)
+_small = few_torques(1200)
+stuck = diagnosed_rods.stuck
 
 
 def test_the_hidden_effect_is_confirmed_with_its_size(stuck: Diagnosis) -> None:

@@ -1,6 +1,5 @@
 """Designed motions: they keep every limit, gain more than templates, and what they promise."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from design_examples import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from whitened_examples import SHORT, quickly
+from whitened_examples import SHORT, few_torques
 
 from lagrangian_ff.diagnosis.excite import (
     Between,
@@ -60,10 +59,7 @@ from lagrangian_ff.recording.motion import Motion
 Floats = NDArray[np.float64]
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000, SHORT):
-        yield
+_small = few_torques(1000, SHORT)
 
 
 # The limits.

@@ -1,11 +1,9 @@
 """The information of a motion that was not made yet is the search's own, and so is its slope."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from design_examples import QUESTIONS, SECONDS, SIZE, assumed, rods, swing
-from whitened_examples import SHORT, quickly
+from whitened_examples import SHORT, few_torques
 
 from lagrangian_ff.diagnosis.excite import Parameters, Question, Reference, limits_of, seen_pose
 from lagrangian_ff.diagnosis.excite.objective import Objective, judge
@@ -16,11 +14,7 @@ from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.problem import Nuisance
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000, SHORT):
-        yield
+_small = few_torques(1000, SHORT)
 
 
 @pytest.mark.parametrize("name", ["stribeck", "quadratic_drag", "ripple", "hysteresis", "coupled"])

@@ -1,13 +1,12 @@
 """An effect confirmed on earlier motion stays, unless the new motion speaks against it."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
+import diagnosed_rods
 import numpy as np
 import pytest
 import two_rods
-from diagnosed_rods import diagnosed, search_of
-from whitened_examples import quickly
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose, with_consequences
 from lagrangian_ff.diagnosis.search.forward import Search
@@ -17,23 +16,8 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.recording.motion import concatenate
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1200):
-        yield
-
-
-@pytest.fixture(scope="module")
-def stuck() -> Diagnosis:
-    """Return the diagnosis of an arm whose elbow sticks."""
-    return diagnosed(two_rods.stick)
-
-
-@pytest.fixture(scope="module")
-def stuck_search(stuck: Diagnosis) -> Search:
-    """Return the search behind `stuck`."""
-    return search_of(stuck)
+_small = few_torques(1200)
+stuck, stuck_search = diagnosed_rods.stuck, diagnosed_rods.stuck_search
 
 
 @pytest.mark.parametrize(

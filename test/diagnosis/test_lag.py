@@ -1,6 +1,5 @@
 """A lag of all torques: found as one number, set right, and confirmed on unseen motion."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -8,11 +7,11 @@ import pytest
 import two_rods
 from diagnosed_rods import FEW
 from numpy.typing import NDArray
-from whitened_examples import clean_rods, quickly, whitened_of
+from whitened_examples import clean_rods, few_torques, quickly, whitened_of
 
 from lagrangian_ff.diagnosis import diagnose, diagnosis_record, verdict
 from lagrangian_ff.diagnosis.search.lag import allowing, earlier, hysteresis_of, lag_of, set_right
-from lagrangian_ff.diagnosis.thresholds import USED, Effort, using
+from lagrangian_ff.diagnosis.thresholds import USED
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects.memory import stop
 from lagrangian_ff.identification import identify
@@ -23,10 +22,7 @@ Floats = NDArray[np.float64]
 LATE = 0.009  # s
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
-        yield
+_small = few_torques(1200)
 
 
 def late(seed: int, delay: float = LATE, hidden: two_rods.Hidden | None = None) -> Motion:

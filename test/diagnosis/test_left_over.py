@@ -1,6 +1,5 @@
 """What depends on several joints at once is named by them, and noise is called noise."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,7 @@ import two_rods
 from diagnosed_rods import model_of
 from numpy.typing import NDArray
 from sines import sines
-from whitened_examples import SHORT, quickly
+from whitened_examples import SHORT, few_torques
 
 from lagrangian_ff.diagnosis import diagnose, verdict
 from lagrangian_ff.diagnosis.results import Diagnosis
@@ -24,10 +23,7 @@ Floats = NDArray[np.float64]
 JOINTS = (*two_rods.JOINTS, "wrist")
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1500, SHORT):
-        yield
+_small = few_torques(1500, SHORT)
 
 
 def motion(seed: int, tied: float = 0.0, once: float = 0.0) -> Motion:

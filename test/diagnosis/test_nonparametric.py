@@ -1,12 +1,10 @@
 """Curves find the coordinate of a torque that no effect fits."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 import two_rods
 from numpy.typing import NDArray
-from whitened_examples import SHORT, inputs, quickly, whitened_of
+from whitened_examples import SHORT, few_torques, inputs, whitened_of
 
 from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.search.nonparametric import (
@@ -21,10 +19,7 @@ from lagrangian_ff.kernels import States
 Floats = NDArray[np.float64]
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000, SHORT):
-        yield
+_small = few_torques(1000, SHORT)
 
 
 def shaken(t: Floats, q: Floats, qd: Floats, qdd: Floats) -> Floats:

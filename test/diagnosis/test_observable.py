@@ -1,6 +1,5 @@
 """What a motion could show: as `diagnose` says it, less with less motion, and true when tried."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -9,10 +8,11 @@ import pytest
 import two_rods
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import Verdict, diagnose
 from lagrangian_ff.diagnosis.observable import Observability, observability
-from lagrangian_ff.diagnosis.thresholds import USED, Effort, using
+from lagrangian_ff.diagnosis.thresholds import USED
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import RecordingError
 from lagrangian_ff.identification import Settings, identify
@@ -22,10 +22,7 @@ FEW = Settings(train=1.0, samples=120, evaluations=20)
 MUCH = 40.0  # s
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
-        yield
+_small = few_torques(1200)
 
 
 @cache

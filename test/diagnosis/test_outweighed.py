@@ -1,13 +1,12 @@
 """Outliers count less: noise is that of all other samples, and what they hid is found."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
 from numpy.typing import NDArray
-from whitened_examples import clean_rods, quickly, whitened_of
+from whitened_examples import clean_rods, few_torques, whitened_of
 
 from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.whitening import Whitened, counting_less, in_full, outweighed
@@ -16,10 +15,7 @@ from lagrangian_ff.recording.motion import Motion
 Floats = NDArray[np.float64]
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000):
-        yield
+_small = few_torques(1000)
 
 
 def stuck(motion: Motion) -> Motion:

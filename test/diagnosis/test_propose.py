@@ -1,7 +1,6 @@
 """Formulas proposed for what no effect of the catalogue explains."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +8,10 @@ import pytest
 import two_rods
 from hypothesis import given
 from hypothesis import strategies as st
-from whitened_examples import inputs
+from whitened_examples import few_torques, inputs
 
 from lagrangian_ff.diagnosis.proposing import Proposals, proposals_record, propose
 from lagrangian_ff.diagnosis.proposing.grammar import forms
-from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS, Over, curve_over
 from lagrangian_ff.effects.user import check, load_effects
 from lagrangian_ff.errors import EffectError, ModelError
@@ -25,10 +23,7 @@ FEW = Settings(train=1.0, samples=120, evaluations=20)
 SORE = "formula_friction_bump_position"
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=800)):
-        yield
+_small = few_torques(800)
 
 
 @pytest.fixture(scope="module")

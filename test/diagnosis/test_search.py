@@ -1,13 +1,12 @@
 """Log Bayes factors agree with their definition, and the search finds what is hidden."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
 from scipy.stats import multivariate_normal
-from whitened_examples import begun, clean_rods, dense, friction, quickly, whitened_of
+from whitened_examples import begun, clean_rods, dense, few_torques, friction, whitened_of
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.backward import Needed, superfluous
@@ -27,11 +26,7 @@ from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.recording.motion import Motion, concatenate
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000):
-        yield
+_small = few_torques(1000)
 
 
 clean = pytest.fixture(scope="module")(clean_rods)

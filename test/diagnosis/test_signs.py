@@ -1,18 +1,15 @@
 """What drives where nature brakes is not confirmed, however well it explains the torque."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 import two_rods
-from whitened_examples import whitened_of
+from whitened_examples import few_torques, whitened_of
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
 from lagrangian_ff.diagnosis.results import Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.signs import unnatural
-from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS, Effect, Parameter, Shape
 from lagrangian_ff.identification import Settings, identify
 from lagrangian_ff.identification.basis import Basis
@@ -22,10 +19,7 @@ FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
 OWN = 0.8  # N·m, Coulomb friction of the elbow without what is hidden
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=800)):
-        yield
+_small = few_torques(800)
 
 
 def found(hidden: two_rods.Hidden, *names: str, steps: int = 1) -> Diagnosis:

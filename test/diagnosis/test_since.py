@@ -1,12 +1,11 @@
 """Changes since the model was identified are found, and only those."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import two_rods
-from whitened_examples import SHORT, quickly
+from whitened_examples import SHORT, few_torques
 
 from lagrangian_ff.diagnosis import diagnose, verdict
 from lagrangian_ff.diagnosis.competing import MASSES
@@ -15,11 +14,7 @@ from lagrangian_ff.diagnosis.since import changed_if_misfit, changed_since
 from lagrangian_ff.diagnosis.thresholds import Thresholds, using
 from lagrangian_ff.identification import Model, Settings, identify
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1000, SHORT):
-        yield
+_small = few_torques(1000, SHORT)
 
 
 @pytest.fixture(scope="module")

@@ -1,15 +1,14 @@
 """Friction that follows a thermometer: found, added, and predicted with the temperature."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import two_rods
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import Diagnosis, add, compare, diagnose
-from lagrangian_ff.diagnosis.thresholds import Effort, using
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.recording.motion import Motion, concatenate
@@ -18,10 +17,7 @@ FEW = Settings(train=1.0, samples=120, evaluations=20, model="chain+fri")
 NAMES = ("stribeck", "warm_up", "temperature_friction", "quadratic_drag")
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=800)):
-        yield
+_small = few_torques(800)
 
 
 def celsius(seed: int, time: two_rods.Floats) -> two_rods.Floats:

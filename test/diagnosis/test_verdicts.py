@@ -1,12 +1,13 @@
 """The verdict on each effect found, and what puts it in doubt."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
+import diagnosed_rods
 import numpy as np
 import pytest
 import two_rods
-from diagnosed_rods import FEW, diagnosed, model_of, search_of
+from diagnosed_rods import FEW, model_of
+from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import Diagnosis, Finding, Verdict, diagnose
 from lagrangian_ff.diagnosis.results import Reason
@@ -21,23 +22,8 @@ from lagrangian_ff.identification import Model, identify
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.recording.motion import WITHOUT_GRAVITY, Motion
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with using(effort=Effort(rows=1200)):
-        yield
-
-
-@pytest.fixture(scope="module")
-def stuck() -> Diagnosis:
-    """Return the diagnosis of an arm whose elbow sticks, confirmed on a second recording."""
-    return diagnosed(two_rods.stick)
-
-
-@pytest.fixture(scope="module")
-def stuck_search(stuck: Diagnosis) -> Search:
-    """Return the search behind `stuck`."""
-    return search_of(stuck)
+_small = few_torques(1200)
+stuck, stuck_search = diagnosed_rods.stuck, diagnosed_rods.stuck_search
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """The whitened residual is white, of the size of the noise, and free of what is known."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 import two_rods
 from numpy.typing import NDArray
 from sines import sines
-from whitened_examples import friction, inputs, quickly, whitened_of
+from whitened_examples import few_torques, friction, inputs, quickly, whitened_of
 
 from lagrangian_ff.diagnosis.whitening import Changing, Whitened, fit, whiten
 from lagrangian_ff.diagnosis.whitening.hyperparameters import used, with_sign_speeds
@@ -18,11 +17,7 @@ from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.recording.motion import Motion, concatenate
 
-
-@pytest.fixture(autouse=True, scope="module")
-def _small() -> Iterator[None]:
-    with quickly(1600):
-        yield
+_small = few_torques(1600)
 
 
 WIDE = friction(0.05)

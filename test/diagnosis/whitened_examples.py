@@ -4,8 +4,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
+import pytest
 import two_rods
 from numpy.typing import NDArray
 
@@ -28,6 +30,17 @@ def quickly(rows: int, stages: Stages | None = None) -> Iterator[None]:
     effort = Effort(rows) if stages is None else Effort(rows, stages)
     with using(effort=effort):
         yield
+
+
+def few_torques(rows: int, stages: Stages | None = None) -> Any:
+    """Return a fixture with which all tests of a module run `quickly`."""
+
+    @pytest.fixture(autouse=True, scope="module")
+    def few() -> Iterator[None]:
+        with quickly(rows, stages):
+            yield
+
+    return few
 
 
 def friction(width: float = two_rods.WIDTH) -> Basis:
