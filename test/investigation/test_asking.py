@@ -19,7 +19,7 @@ from lagrangian_ff.diagnosis.excite import (
 from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
-from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, NEW, TWICE, denies, promising
+from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, denies, promising
 
 STRIBECK = For(Suspect("stribeck", "elbow"))
 
@@ -171,6 +171,6 @@ def test_what_else_there_is_takes_a_motion_that_shows_effects_not_seen_so_far() 
     assert promising(diagnosis(), more, seen)
     assert not promising(diagnosis(), made(Everything(), 0.3, stribeck=90.0, ripple=7.9), seen)
     assert not promising(diagnosis(), more, {**seen, ("ripple", elbow): 25.0})
-    many = {f"effect_{k}": 50.0 for k in range(round(1.0 / NEW))}
+    many = {f"effect_{k}": 50.0 for k in range(40)}
     known = {**seen, **{(name, elbow): 50.0 for name in many}}
     assert not promising(diagnosis(), made(Everything(), 0.3, ripple=8.1, **many), known)

@@ -91,12 +91,12 @@ def test_a_wrong_name_or_a_missed_effect_is_no_success() -> None:
     assert found.findings["limits"].holds
     assert "two" not in found.findings
     assert found.figure() is not None
-    # An arm that moved for all of its time but a few seconds did not end early.
-    lines[-1]["moved"] = 237.0
-    later = DecideResults.of(lines).findings
-    assert later is not None
-    assert not later["clean"].holds
-    assert later["clean"].figures == {"wrong": 0, "early": 4}
+    # An arm that moved for all of its time, or all but a few seconds, did not end early.
+    for late in ({"story": {"ended": Ended.BUDGET.value}}, {"moved": 237.0}):
+        later = DecideResults.of([*lines[:-1], {**lines[-1], **late}]).findings
+        assert later is not None
+        assert not later["clean"].holds
+        assert later["clean"].figures == {"wrong": 0, "early": 4}
 
 
 def test_the_arms_of_the_study_stay_the_same_and_hide_what_motion_can_show() -> None:
