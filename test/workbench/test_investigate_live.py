@@ -99,7 +99,9 @@ def test_nothing_moves_before_it_is_permitted_and_the_larger_range_is_asked_for(
     assert asked(served, "ask/permit", token=shown["token"])[0] == 400, "it was for the first range"
     assert "up to the limits" in dialog.inner_text()
     page.get_by_role("button", name="Move the arm").click()
-    page.get_by_role("heading", name="In the end").wait_for(timeout=LONG)
+    page.get_by_text("It ended").first.wait_for(timeout=LONG)
+    told = page.get_by_role("heading", name="In the end")
+    assert told.is_visible(), page.locator("#view").inner_text()
     idle(page)
     assert len(driver.came) == 2
     first, second = (np.abs(path_of(one).q).max(axis=0) for one in driver.came)
