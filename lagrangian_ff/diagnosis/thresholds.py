@@ -28,7 +28,8 @@ class Thresholds:
         least_rest: share of a joint's torque below which that is not worth a word.
         remainder: share of the log BF of another effect on the joint that may be a flaw of its
             form.
-        name_share: share of the log BF of the best curve that an effect must reach to be named.
+        name_share: share of the log BF of the best curve that an effect must reach to be named, if
+            it leaves something of the curve.
         possible_share: share of the best log BF that an effect must reach to come before one with a
             shape at an end of what nature allows.
         plain_share, first_share: share of the best log BF that plain friction must reach, where

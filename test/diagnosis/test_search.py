@@ -200,6 +200,17 @@ def test_friction_of_a_load_that_is_all_inertia_is_found() -> None:
     assert found.steps[0].score.candidate.key == ("load_friction", 0)
 
 
+def test_an_effect_that_leaves_nothing_of_a_curve_is_that_curve() -> None:
+    """However much the curve gains; one that leaves a part of it is not."""
+    with thresholds.using(replace(thresholds.USED, name_share=10.0)):
+        (bump,) = search(whitened_of(two_rods.motion(2, 30.0, two_rods.stick))).steps
+        (spot, *_) = search(whitened_of(two_rods.motion(2, 30.0, two_rods.sore_spot))).steps
+    assert bump.score.candidate.key == ("stribeck", 1)
+    assert bump.free is not None
+    assert not spot.named
+    assert spot.score.candidate.joint == 0
+
+
 def test_a_tie_with_the_null_does_not_exceed_it() -> None:
     null = MaximumNull(np.full(400, 225.0))
     rounded = 225.0 * (1.0 + 1e-9)

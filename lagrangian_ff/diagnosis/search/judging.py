@@ -112,7 +112,9 @@ def judge(
     """Return the step on one joint, judged after a refit, and the motion whitened for it.
 
     The best effect and the best curve are each judged with the noise that suits them: with the
-    noise of the other they would look worse than they are.
+    noise of the other they would look worse than they are. A curve that gains much more than the
+    effect takes its place, unless the effect leaves nothing of it: then both are the same, and what
+    is left only counts as fewer independent blocks beside the one than beside the other.
 
     Args:
         whitened: the motion, as it was searched.
@@ -145,7 +147,8 @@ def judge(
     named_log_bf, free_log_bf = named_view.total(chosen) - start, free_view.total(curve) - start
     plain = chosen is not None and chosen.candidate.effect.plain
     share = limits.first_share if plain and bare(whitened, joint) else limits.name_share
-    if chosen is not None and (curve is None or named_log_bf > share * free_log_bf):
+    least = share * free_log_bf
+    if chosen is not None and (curve is None or named_log_bf > min(least, limits.floor)):
         found, view = chosen, named_view
     elif curve is not None:
         found, view = curve, free_view
@@ -154,6 +157,12 @@ def judge(
     if view is not views[0]:
         refitted = None
         refitted = whitened.assuming(view.problem)
+    displaced = found is chosen and curve is not None and named_log_bf <= least
+    if curve is not None and displaced and _leaves_a_curve(refitted, found, effects):
+        found = curve
+        if view is not free_view:
+            refitted = None
+            refitted = whitened.assuming(free_view.problem)
     without = max(whitened.system.log_evidence, *(view.base for view in views))
     log_bf = min(found.log_bf, log_bayes_factor_of(found, refitted, without))
     if limits.floor < log_bf < SURE * limits.floor:
@@ -165,6 +174,16 @@ def judge(
     p_value = null.p_value(first.log_bf)
     step = Step(replace(found, log_bf=log_bf), tuple(left), first.log_bf, p_value, curve)
     return step, refitted
+
+
+def _leaves_a_curve(
+    whitened: Whitened, score: BayesFactor, effects: Mapping[str, Effect] | None
+) -> bool:
+    """Return whether a curve on the joint still gains something beside an effect."""
+    beside = whitened.explaining(*explained_with(whitened, score.candidate))
+    left = _best_here(beside, score.candidate.joint, effects)
+    beside.forget()
+    return any(not one.candidate.named for one in left)
 
 
 def evidence_without(whitened: Whitened) -> float:
