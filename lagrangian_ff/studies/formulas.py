@@ -21,6 +21,7 @@ from lagrangian_ff.diagnosis.adding import add
 from lagrangian_ff.diagnosis.proposing.propose import propose
 from lagrangian_ff.effects import Curve, Inputs
 from lagrangian_ff.effects.formula import Range, formula_effect
+from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.kernels import States
 from lagrangian_ff.progress import Progress, part, silent
@@ -66,8 +67,9 @@ class Judged:
 
     Attributes:
         name: of the case.
-        before, curve, formula, true: N·m rms of the joint: without it, with the curve, with the
-            formula proposed first, and with the true structure; NaN where there is none.
+        before, curve, formula, true: N·m rms of the joint: without it, with the curve if the data
+            show any, with the formula proposed first, and with the true structure; NaN where there
+            is none.
         inside: share of the recording inside what the curve has seen.
         ratio_inside: the error with the curve over that with the true structure, there.
         proposed: names of the formulas proposed, best first.
@@ -110,7 +112,7 @@ def judged(
     name = JOINTS[case.joint]
     model = identify([first], settings).model
     progress(0.2, f"{case.name}: with a curve")
-    curved = add(model, "curve", name, over=case.over, friction=case.friction)
+    curved = _with_curve(model, case)
     truth = formula_effect("truth", case.true, case.ranges)
     curve, true = (_missed(one, second, case) for one in (curved, extend(model, truth, name).model))
     inside = ~_outside(curved, second, case)
@@ -132,14 +134,23 @@ def judged(
     )
 
 
+def _with_curve(model: Model, case: Strange) -> Model:
+    """Return a model with the curve of a case; as it is if its data show nothing of one."""
+    try:
+        return add(model, "curve", JOINTS[case.joint], over=case.over, friction=case.friction)
+    except ModelError:
+        return model
+
+
 def _missed(model: Model, motion: Motion, case: Strange) -> Floats:
     return np.asarray(compare(model, motion).residual[:, case.joint])
 
 
 def _outside(model: Model, motion: Motion, case: Strange) -> Flags:
-    """Return (M,) where a motion leaves what the curve of a model has seen."""
+    """Return (M,) where a motion leaves what the curve of a model, if it has one, has seen."""
     curve = model.basis.terms[-1].effect
-    assert isinstance(curve, Curve)
+    if not isinstance(curve, Curve):
+        return np.zeros(len(motion), dtype=bool)
     return curve.outside(model.inputs_of(motion), case.joint)
 
 
