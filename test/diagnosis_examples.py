@@ -41,6 +41,7 @@ def consequence(before: float = 1.5, after: float = 0.9) -> Consequence:
     """Return the consequence of an addition that helps in the first block and not in the second."""
     return Consequence(
         model(),
+        "elbow",
         time=np.array([1.5, 4.5]),
         before=np.array([1.6, 1.0]),
         after=np.array([0.8, 1.1]),
@@ -48,6 +49,7 @@ def consequence(before: float = 1.5, after: float = 0.9) -> Consequence:
         whole_after=after,
         every_before=2.0 * before,
         every_after=2.0 * after,
+        fall=1.0 - (after / before) ** 2,
     )
 
 

@@ -150,7 +150,7 @@ def with_consequences(
                 made.append(replace(finding, consequence=None))
                 continue
             new = errors_of(larger, motion)
-            consequence = consequence_of(larger, motion, finding.joint, error, new)
+            consequence = consequence_of(larger, motion, finding.joints, error, new)
             made.append(replace(finding, consequence=consequence))
             model, error = larger, new
         return made, model
@@ -169,7 +169,7 @@ def with_consequences(
         larger = extended(model, finding)
         if larger is not None:
             new = errors_of(larger, motion)
-            made = consequence_of(larger, motion, finding.joint, error, new)
+            made = consequence_of(larger, motion, finding.joints, error, new)
             finding = replace(finding, consequence=made)
             if finding.verdict is Verdict.AMBIGUOUS and not made.worth:
                 finding = _useless(finding)
@@ -179,7 +179,7 @@ def with_consequences(
         larger = extended(model, rest) if len(curves) < most_curves else None
         if larger is not None:
             new = errors_of(larger, motion)
-            made = consequence_of(larger, motion, rest.joint, error, new)
+            made = consequence_of(larger, motion, (rest.joint,), error, new)
             rest = replace(rest, consequence=made)
             if made.worth:
                 model, error = larger, new
@@ -201,7 +201,7 @@ def _useless(finding: Finding) -> Finding:
     """Return a finding that was tried as no more than suggested, since it does not help."""
     made = finding.consequence
     assert made is not None
-    words = no_help(made.beside or made, finding.joint)
+    words = no_help(made.beside or made)
     return replace(finding, doubt=Doubt(Reason.NO_HELP, words))
 
 
@@ -227,7 +227,8 @@ def _worth(
         if len(useful) > 1:
             less = without(model, finding.effect, finding.joint)
             before = errors_of(less, motion)
-            made = replace(made, beside=consequence_of(model, motion, finding.joint, before, error))
+            beside = consequence_of(model, motion, finding.joints, before, error)
+            made = replace(made, beside=beside)
         place = useful.index(finding)
         finding = replace(finding, consequence=made)
         if _helps(finding, made):

@@ -1,6 +1,6 @@
 """The change of a model's error when an effect is added, and whether adding it is worth it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,12 +22,14 @@ class Consequence:
 
     Attributes:
         model: with the finding.
-        time: (B,) s since the beginning, start of each block in which the joint moves.
-        before, after: (B,) N·m, rms error of the joint in each block of the hold-out motion.
-        whole_before, whole_after: N·m, over the whole motion.
+        joint: of those that the finding acts on, the one whose error changes most, relatively.
+        time: (B,) s since the beginning, start of each block in which that joint moves.
+        before, after: (B,) N·m, its rms error in each block of the hold-out motion.
+        whole_before, whole_after: N·m, its error over the whole motion.
         every_before, every_after: N·m, over the whole motion and all joints.
-        deviation: of the fall of the joint's squared error, relative to that error before, over
-            blocks.
+        fall: of the squared error, relative to that error before; the mean of the joints that the
+            finding acts on.
+        deviation: of the fall, over blocks.
         rise: of the error over all joints, as the mean of its relative changes, relative to its
             deviation over blocks; negative if it falls.
         rise_in_torque: the same of the squared error in N·m, which the largest joint decides.
@@ -37,6 +39,7 @@ class Consequence:
     """
 
     model: Model
+    joint: str
     time: Floats
     before: Floats
     after: Floats
@@ -44,6 +47,7 @@ class Consequence:
     whole_after: float
     every_before: float
     every_after: float
+    fall: float = 0.0
     deviation: float = 0.0
     rise: float = 0.0
     rise_in_torque: float = 0.0
@@ -53,28 +57,22 @@ class Consequence:
 
     @property
     def worth(self) -> bool:
-        """Return whether the error surely falls on its joint, and does not rise over all of them.
+        """Return whether the error surely falls on its joints, and does not rise over all.
 
         A small joint counts as much there as a large one. Each refit moves the largest joint's
         error a little, so that in N·m only a sure rise counts.
         """
         if self.beside is not None:
             return self.beside.worth
-        return self._fall > self.deviation and self.rise <= 1.0 and self.rise_in_torque <= SURELY
+        return self.fall > self.deviation and self.rise <= 1.0 and self.rise_in_torque <= SURELY
 
     @property
     def harms(self) -> bool:
-        """Return whether the error surely rises, on its joint or over all of them."""
+        """Return whether the error surely rises, on its joints or over all of them."""
         if self.beside is not None:
             return self.beside.harms
         rise = max(self.rise, self.rise_in_torque)
-        return self._fall < -SURELY * self.deviation or rise > SURELY
-
-    @property
-    def _fall(self) -> float:
-        """Return the fall of the joint's squared error, relative to that error before."""
-        before = self.whole_before
-        return 1.0 - (self.whole_after / before) ** 2 if before > 0.0 else -np.inf
+        return self.fall < -SURELY * self.deviation or rise > SURELY
 
     @property
     def raised(self) -> str:
@@ -104,10 +102,14 @@ def by_joint(model: Model, error: Floats) -> dict[str, float]:
 
 
 def consequence_of(
-    model: Model, motion: Motion, joint: str, before: Floats, after: Floats
+    model: Model, motion: Motion, joints: Sequence[str], before: Floats, after: Floats
 ) -> Consequence:
-    """Return the consequence with a larger model, of `errors_of` (M, N) before and after."""
-    column = model.joints.index(joint)
+    """Return the consequence with a larger model, of `errors_of` (M, N) before and after.
+
+    Args:
+        joints: names of those that the finding acts on.
+    """
+    own = [model.joints.index(joint) for joint in joints]
     starts = np.flatnonzero(np.diff(motion.blocks(BLOCK_SECONDS), prepend=-1))
     counts = np.add.reduceat(np.isfinite(before).astype(np.int64), starts)
     squares = [np.add.reduceat(np.nan_to_num(error) ** 2, starts) for error in (before, after)]
@@ -119,11 +121,13 @@ def consequence_of(
         float(one.sum()) / max(_deviation(one, every), tiny)
         for one in (relative.sum(axis=1), rise.sum(axis=1))
     )
+    column = max(own, key=lambda n: abs(float(relative[:, n].sum())))
     kept = counts[:, column] > 0
-    moves = counts[kept, column]
-    old, new = (np.sqrt(one[kept, column] / moves) for one in squares)
+    old, new = (np.sqrt(one[kept, column] / counts[kept, column]) for one in squares)
+    falls, moves = -relative[:, own].mean(axis=1), counts[:, own].sum(axis=1)
     return Consequence(
         model,
+        model.joints[column],
         motion.elapsed[starts[kept]],
         old,
         new,
@@ -131,7 +135,8 @@ def consequence_of(
         rms(after[:, column]),
         rms(before),
         rms(after),
-        _deviation(relative[kept, column], moves),
+        float(falls.sum()),
+        _deviation(falls[moves > 0], moves[moves > 0]),
         risen,
         in_torque,
         by_joint(model, before),

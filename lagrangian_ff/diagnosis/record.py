@@ -211,7 +211,7 @@ def _steps(tried: Sequence[tuple[Finding, Consequence]], *, joints: bool = False
     steps: list[Record] = [{"added": None, "error": tried[0][1].every_before}]
     for finding, made in tried:
         step = {"added": finding.name, "error": made.every_after}
-        own = {"joint": finding.joint, "before": made.whole_before, "after": made.whole_after}
+        own = {"joint": made.joint, "before": made.whole_before, "after": made.whole_after}
         steps.append(step | own if joints else step)
     return steps
 

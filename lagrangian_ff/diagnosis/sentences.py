@@ -130,14 +130,14 @@ def _useless(finding: Finding) -> bool:
     return finding.doubt is not None and finding.doubt.reason is Reason.NO_HELP
 
 
-def no_help(made: Consequence, joint: str) -> str:
-    """Return that adding a finding on a joint does not lower the error, with the figures."""
+def no_help(made: Consequence) -> str:
+    """Return that adding a finding does not lower the error, with the figures."""
     text = (
         "adding it does not lower the error of this model "
-        f"({made.whole_before:.3g} → {made.whole_after:.3g} N·m on {joint}"
+        f"({made.whole_before:.3g} → {made.whole_after:.3g} N·m on {made.joint}"
     )
     worst = made.raised
-    if worst and worst != joint:
+    if worst and worst != made.joint:
         before, after = made.joints_before[worst], made.joints_after[worst]
         text += f", {before:.3g} → {after:.3g} N·m on {worst}"
     return f"{text}): its other errors are larger"
@@ -209,7 +209,7 @@ def _fall(diagnosis: Diagnosis) -> str:
     if not tried:
         return ""
     (_, first), (_, last) = tried[0], tried[-1]
-    if len({finding.joint for finding, _ in tried}) == 1:
+    if len({made.joint for _, made in tried}) == 1:
         before, after, whose = first.whole_before, last.whole_after, "the joint's error"
     else:
         before, after, whose = first.every_before, last.every_after, "the error over all joints"

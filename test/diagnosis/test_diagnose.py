@@ -132,12 +132,12 @@ def test_whatever_is_still_claimed_lowers_the_error(
     ("worth", "harms", "change"),
     [
         (True, False, {}),
-        (False, False, {"whole_after": 1.0}),
+        (False, False, {"fall": 0.0}),
         (False, False, {"deviation": 0.8}),
         (False, False, {"rise": 1.5}),
         (False, True, {"rise": 2.5}),
-        (False, False, {"whole_after": 1.5, "deviation": 0.8}),
-        (False, True, {"whole_after": 1.5, "deviation": 0.6}),
+        (False, False, {"fall": -1.25, "deviation": 0.8}),
+        (False, True, {"fall": -1.25, "deviation": 0.6}),
     ],
     ids=["falls", "stays", "chance", "others rise", "others surely", "rises", "surely"],
 )
@@ -146,7 +146,8 @@ def test_an_addition_is_worth_it_if_the_error_surely_falls(
 ) -> None:
     blocks = np.array([1.0, 1.0])
     errors = {"whole_before": 1.0, "whole_after": 0.5, "every_before": 2.0, "every_after": 1.8}
-    made = Consequence(stuck.model, blocks, blocks, 0.5 * blocks, **{**errors, **change})
+    given = {**errors, "fall": 0.75, **change}
+    made = Consequence(stuck.model, "elbow", blocks, blocks, 0.5 * blocks, **given)
     assert (made.worth, made.harms) == (worth, harms)
 
 

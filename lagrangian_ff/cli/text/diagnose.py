@@ -169,7 +169,7 @@ def fall_table(tried: "Sequence[tuple[Finding, Consequence]]") -> list[str]:
     """Return the error of all joints, and of the joint concerned, after each addition."""
     rows = [["as it was", number(tried[0][1].every_before), ""]]
     for finding, made in tried:
-        own = f"{finding.joint}: {number(made.whole_before)} -> {number(made.whole_after)}"
+        own = f"{made.joint}: {number(made.whole_before)} -> {number(made.whole_after)}"
         rows.append([f"+ {finding.name}", number(made.every_after), own])
     return table(["model", "all joints", "its joint"], rows)
 

@@ -266,10 +266,9 @@ def _with_consequence(finding: Finding, base: Model, unseen: Motion, before: Flo
         larger = extend(base, finding.effect, finding.joint, finding.shape).model
     except ModelError:  # the model has it by another name
         return finding
-    made: Consequence = consequence_of(
-        larger, unseen, finding.joint, before, errors_of(larger, unseen)
-    )
+    after = errors_of(larger, unseen)
+    made: Consequence = consequence_of(larger, unseen, finding.joints, before, after)
     finding = replace(finding, consequence=made)
     if finding.doubt is None and not made.worth:
-        return replace(finding, doubt=Doubt(Reason.NO_HELP, no_help(made, finding.joint)))
+        return replace(finding, doubt=Doubt(Reason.NO_HELP, no_help(made)))
     return finding

@@ -145,9 +145,10 @@ class Decision:
                 made[name] = {"failed": str(error)}
                 continue
             gains = {
-                (name, one.joint): one.log_bayes_factor
+                (name, joint): one.log_bayes_factor
                 for one in after.findings
                 for name in (*one.rivals, one.effect.name)
+                for joint in one.joints
             }
             ranked = {(one.name, one.joint): one.log_bayes_factor for one in after.waiting}
             key = suspect.effect, suspect.joint
