@@ -209,7 +209,7 @@ def _fall(diagnosis: Diagnosis) -> str:
     if not tried:
         return ""
     (_, first), (_, last) = tried[0], tried[-1]
-    if len({made.joint for _, made in tried}) == 1:
+    if len({joint for finding, _ in tried for joint in finding.joints}) == 1:
         before, after, whose = first.whole_before, last.whole_after, "the joint's error"
     else:
         before, after, whose = first.every_before, last.every_after, "the error over all joints"
