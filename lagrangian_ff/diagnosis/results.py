@@ -162,7 +162,7 @@ class Found:
 
     @property
     def errors(self) -> tuple[float | None, float | None]:
-        """Return the error of its joint in N·m before and after adding it; None if not tried."""
+        """Return N·m before and after adding it, see `Consequence.joint`; None if not tried."""
         made = self.consequence
         return (made.whole_before, made.whole_after) if made else (None, None)
 

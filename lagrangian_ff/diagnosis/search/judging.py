@@ -157,8 +157,8 @@ def judge(
     if view is not views[0]:
         refitted = None
         refitted = whitened.assuming(view.problem)
-    displaced = found is chosen and curve is not None and named_log_bf <= least
-    if curve is not None and displaced and _leaves_a_curve(refitted, found, effects):
+    displaced = found is chosen and named_log_bf <= least
+    if curve is not None and displaced and _leaves_a_curve(refitted, found.candidate):
         found = curve
         if view is not free_view:
             refitted = None
@@ -176,14 +176,13 @@ def judge(
     return step, refitted
 
 
-def _leaves_a_curve(
-    whitened: Whitened, score: BayesFactor, effects: Mapping[str, Effect] | None
-) -> bool:
+def _leaves_a_curve(whitened: Whitened, effect: Candidate) -> bool:
     """Return whether a curve on the joint still gains something beside an effect."""
-    beside = whitened.explaining(*explained_with(whitened, score.candidate))
-    left = _best_here(beside, score.candidate.joint, effects)
+    beside = whitened.explaining(*explained_with(whitened, effect))
+    curves = [one for one in candidates_of(beside, [effect.joint], None) if not one.named]
+    left = bayes_factors(beside, curves)
     beside.forget()
-    return any(not one.candidate.named for one in left)
+    return any(score.log_bf > 0.0 for score in left)
 
 
 def evidence_without(whitened: Whitened) -> float:
