@@ -73,14 +73,18 @@ def test_a_card_shows_what_its_recording_could_show(
 def test_a_recording_that_is_not_looked_at_can_be_used(
     page: Any, tmp_path: Path, serve: Serve
 ) -> None:
-    served = serve(tmp_path / "session", moved(tmp_path / "motion.npz", 0))
-    shown(page, served)
-    page.get_by_role("button", name="Cancel: which effects motion.npz could show").click()
+    # They are looked at one after the other: the last one waits long enough to be cancelled.
+    sources = [moved(tmp_path / f"motion_{seed}.npz", seed) for seed in range(3)]
+    served = serve(tmp_path / "session", *sources)
+    page.goto(served.address)
+    which = "which effects motion_2.npz could show"
+    page.get_by_role("button", name=f"Cancel: {which}").click(timeout=LONG)
     page.get_by_text("is not known: cancelled").wait_for()
     able = page.get_by_role("button", name="Learn a model")
     playwright.expect(able).to_be_enabled(timeout=LONG)
-    page.get_by_role("button", name="Find out: which effects motion.npz could show").click()
-    page.get_by_text("At 10 % of the torque it shows").wait_for(timeout=LONG)
+    page.get_by_role("button", name=f"Find out: {which}").click()
+    seen = page.get_by_text("At 10 % of the torque it shows")
+    playwright.expect(seen).to_have_count(3, timeout=LONG)
     assert served.stop() == 0
 
 
