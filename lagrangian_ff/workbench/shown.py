@@ -98,6 +98,7 @@ def _card(found: "Finding") -> Record:
         "doubt": found.doubt.words if found.doubt else "",
         "gain": found.log_bayes_factor,
         "p_value": found.p_value,
+        "error_of": blocks.joint if blocks else found.joint,
         "before": before,
         "after": after,
         "told_apart_by": list(found.told_apart_by),

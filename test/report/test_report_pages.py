@@ -127,6 +127,12 @@ def test_an_effect_that_raises_the_error_is_not_shown_as_a_fall(tmp_path: Path) 
     assert "error 20 % higher on held-back data" in page
 
 
+def test_of_an_effect_of_two_joints_the_page_says_whose_error_falls(tmp_path: Path) -> None:
+    both = finding("coupled", joints=("elbow", "shoulder"))
+    page = written(tmp_path, "diagnose", run(diagnosis(findings=(both,))))
+    assert "error of elbow 40 % lower on held-back data" in page
+
+
 def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
     page = written(tmp_path, "investigate")
     assert re.search(

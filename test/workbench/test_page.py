@@ -218,6 +218,7 @@ def test_the_next_motion_is_drawn_and_saved(found: Served, page: Any, tmp_path: 
     page.locator("summary", has_text="cannot show").click()
     page.get_by_role("button", name="Make this motion").first.click()
     page.get_by_role("heading", name="The next motion").wait_for(timeout=LONG)
+    assert page.get_by_text(re.compile(r"Unseen error of [ab]: ")).count() >= 1
     assert page.locator("section.finding svg path").count() >= 1
     with page.expect_download() as download:
         page.get_by_role("link", name="Save the motion").click()

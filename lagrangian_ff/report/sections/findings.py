@@ -96,8 +96,10 @@ def _card(found: "Found", every: Sequence[str]) -> html.Card:
     if before is None or after is None or not before > 0.0 or not math.isfinite(after / before):
         return html.Card(spoken(found.effect.name), f"on {on}", _verdict(found))
     fall = 1.0 - after / before
+    made = found.consequence
+    of = f" of {made.joint}" if made is not None and len(found.joints) > 1 else ""
     # An error that rises is said as such, never as a negative fall.
-    change = f"error {percent(abs(fall))} {'lower' if fall >= 0.0 else 'higher'}"
+    change = f"error{of} {percent(abs(fall))} {'lower' if fall >= 0.0 else 'higher'}"
     return html.Card(
         spoken(found.effect.name),
         f"on {on}: {change} on held-back data",
@@ -121,7 +123,8 @@ def _finding(found: "Found", every: Sequence[str]) -> str:
         shown = f"what the model leaves over {residual.coordinate}, and the fitted effect"
         pictures.append(embed(partial_residual_plot(residual, name), shown))
     if found.consequence is not None:
-        shown = "error of each block before and after"
+        of = found.consequence.joint
+        shown = f"error of {of} in each block before and after"
         pictures.append(embed(before_after_plot(found.consequence), shown))
     parts.append(html.plots(pictures) if pictures else "")
     parts.append(_parameters(found, every))

@@ -54,11 +54,17 @@ def errors(nuisances: Nuisances, seed: int, model: str) -> dict[str, list[float]
 def ratio(found: dict[str, list[float]]) -> float:
     """Return the s of designed motion until the error is that of `exciting`, over the s of that.
 
-    The latter's smallest error counts, and when it came. Infinite where it is never reached.
+    The latter's smallest error counts, and when it came. Between measured times the log of the
+    designed motion's error is taken as linear. Infinite where the error is never reached.
     """
-    usual = np.array(found["exciting"])
-    soon = np.flatnonzero(np.array(found["designed"]) <= usual.min())
-    return TIMES[soon[0]] / TIMES[int(usual.argmin())] if len(soon) else np.inf
+    usual, designed = np.array(found["exciting"]), np.array(found["designed"])
+    when = TIMES[int(usual.argmin())]
+    below = np.flatnonzero(designed <= usual.min())
+    if not len(below):
+        return np.inf
+    until = slice(max(0, below[0] - 1), below[0] + 1)
+    errors, times = np.log(designed[until][::-1]), np.array(TIMES)[until][::-1]
+    return float(np.interp(np.log(usual.min()), errors, times)) / when
 
 
 def _trajectory(path: Reference) -> Trajectory:

@@ -265,10 +265,12 @@ def _once_diagnosed(recordings: Sequence[Recording], conditioning: Conditioning)
 
 
 def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
-    """Return the nats that the hidden effect's true torque gains beside all that was confirmed.
+    """Return the nats that the hidden effect's true torque should gain beside all confirmed ones.
 
-    Of the parts that are searched, and with all that the model and the noise leave open: no search
-    can see more. An effect that was confirmed has nothing left to gain.
+    Of the parts that are searched, with all that the model and the noise leave open, and tempered
+    as every score is: no search can see more. What a gear does that no model holds comes in
+    stretches, and counts as fewer independent blocks. An effect that was confirmed has nothing left
+    to gain.
     """
     conditioning = found.model.identified.conditioning
     motions = condition_alike([one.recording for one in moved], conditioning)
@@ -278,7 +280,10 @@ def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
     white = fit_for(model, motion)
     tau = white.x.mean(truth.tau)
     z = white.project(white.shared(tau, np.eye(tau.shape[1]))).sum(axis=1)
-    return 0.5 * float(z @ z)
+    information = float(z @ z)
+    rest = np.add.reduceat(z * (white.residual - z), white.starts)
+    inflation = max(1.0, float(rest @ rest) / information) if information > 0.0 else 1.0
+    return 0.5 * information / inflation
 
 
 @dataclass(frozen=True)

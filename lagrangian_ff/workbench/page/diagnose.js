@@ -29,7 +29,7 @@ function card(found, busy, go) {
       h("h3", {}, `${spoken(found.effect)} on ${found.place} `), h("span", { class: "badge " + found.verdict }, found.said),
       h("p", {}, found.meaning[0].toUpperCase() + found.meaning.slice(1) + "."),
       h("p", { class: "formula" }, "τ = " + found.formula),
-      fall === null ? null : h("p", {}, `Unseen error of the joint: ${number(found.before)} → ${number(found.after)} N·m, ${Math.abs(Math.round(100 * fall))} % ${fall >= 0 ? "lower" : "higher"}.`),
+      fall === null ? null : h("p", {}, `Unseen error of ${found.error_of}: ${number(found.before)} → ${number(found.after)} N·m, ${Math.abs(Math.round(100 * fall))} % ${fall >= 0 ? "lower" : "higher"}.`),
       h("p", { class: "quiet" }, gain + "."),
       h("ul", { class: "quiet" }, Object.entries(found.parameters).map(([name, value]) =>
         h("li", {}, `${name} = ${number(value.value)} ${value.unit}` + (value.low === null ? "" : ` (${number(value.low)} to ${number(value.high)})`)))),
