@@ -12,7 +12,12 @@ import numpy as np
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.intervals import gain_reach, reach
-from lagrangian_ff.diagnosis.search.bayes_factor import PRIOR_SHARE, expected, tempered_log_bf
+from lagrangian_ff.diagnosis.search.bayes_factor import (
+    PRIOR_SHARE,
+    expected,
+    tempered_log_bf,
+    variance_inflation_of,
+)
 from lagrangian_ff.diagnosis.whitening import Whitened, refit
 from lagrangian_ff.identification.problem import Nuisance
 from lagrangian_ff.identification.solving.posterior import exact
@@ -75,8 +80,7 @@ def linear(whitened: Whitened, columns: Floats) -> Linear:
     fitted = covariance @ sums
     left = w - z @ fitted
     rest = np.add.reduceat(z * left[:, None], whitened.starts, axis=0)
-    trace = float(np.trace(information))
-    inflation = max(1.0, float(np.sum(rest**2)) / trace) if trace > 0.0 else 1.0
+    inflation = float(variance_inflation_of(rest.ravel(), float(np.trace(information))))
     log_bf = float(tempered_log_bf(sums[None, :], information, inflation)[0])
     degrees = whitened.system.degrees
     fall = min(float(sums @ fitted) / degrees, 1.0 - 1e-9)
@@ -164,7 +168,7 @@ def gain(whitened: Whitened, later: Flags, joints: Sequence[int]) -> Gain:
     density = np.zeros((len(later), whitened.joints))
     density[:, list(joints)] = later[:, None]
     scores = np.add.reduceat(pull + density.ravel(), whitened.starts)
-    inflation = max(1.0, float(scores @ scores) / curvature)
+    inflation = float(variance_inflation_of(scores, curvature))
 
     def judged(f: float) -> float:
         posterior = curvature / f + LOG_GAIN**-2

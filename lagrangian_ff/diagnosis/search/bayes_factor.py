@@ -100,6 +100,18 @@ def tempered_log_bf(
     return np.asarray(0.5 * squares - 0.5 * np.linalg.slogdet(matrix)[1][..., None])
 
 
+def variance_inflation_of(rest: Floats, information: Floats | float) -> Floats:
+    """Return f (...): by how much sums over blocks scatter more than noise does, 1 at least.
+
+    Args:
+        rest: (..., K) sums over blocks of columns times what is left, of all blocks and columns.
+        information: (...) their variance if neighbouring samples are independent, the trace of A.
+    """
+    known = np.asarray(information)
+    scatter = np.sum(rest**2, axis=-1) / np.where(known > 0.0, known, np.inf)
+    return np.asarray(np.maximum(1.0, scatter))
+
+
 def expected_log_bf(signal: float, information: Floats) -> float:
     """Return the mean log Bayes factor in nats of an effect that is there.
 
@@ -191,8 +203,7 @@ def _scored(
     z *= fitted[:, None]
     rest = blocks - _by_block(z, whitened)
     trace = np.trace(information, axis1=1, axis2=2)
-    scatter = np.sum(rest**2, axis=(1, 2)) / np.where(trace > 0.0, trace, np.inf)
-    variance_inflation = np.maximum(1.0, scatter)
+    variance_inflation = variance_inflation_of(rest.reshape(count, -1), trace)
     log_bf = tempered_log_bf(sums[:, None, :], information, variance_inflation)[:, 0]
     before, after = (
         each.reshape(count, width).sum(axis=1, dtype=np.float64) for each in (before, after)

@@ -21,6 +21,7 @@ from lagrangian_ff.diagnosis.excite import (
     limits_of,
 )
 from lagrangian_ff.diagnosis.results import Diagnosis, Found
+from lagrangian_ff.diagnosis.search.bayes_factor import variance_inflation_of
 from lagrangian_ff.diagnosis.whitening import fit_for
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import ModelError, UserError
@@ -282,8 +283,7 @@ def _attainable(found: Diagnosis, moved: Sequence[Done]) -> float:
     z = white.project(white.shared(tau, np.eye(tau.shape[1]))).sum(axis=1)
     information = float(z @ z)
     rest = np.add.reduceat(z * (white.residual - z), white.starts)
-    inflation = max(1.0, float(rest @ rest) / information) if information > 0.0 else 1.0
-    return 0.5 * information / inflation
+    return 0.5 * information / float(variance_inflation_of(rest, information))
 
 
 @dataclass(frozen=True)
