@@ -13,7 +13,7 @@ import numpy as np
 from timing import medians, states
 
 from lagrangian_ff.effects import Inputs
-from lagrangian_ff.identification.choosing.simplex import validation_score
+from lagrangian_ff.identification.choosing.left_out import validation_score
 from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.samples import Samples
 from lagrangian_ff.identification.solving.posterior import exact

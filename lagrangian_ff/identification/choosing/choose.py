@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.special import stdtrit
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs
@@ -25,13 +24,15 @@ from lagrangian_ff.identification.choosing.evidence import (
     solvable,
 )
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
-from lagrangian_ff.identification.choosing.shapes import refit_shapes
-from lagrangian_ff.identification.choosing.simplex import (
-    log_error,
+from lagrangian_ff.identification.choosing.left_out import (
+    fold_errors,
+    mean_logs,
     require_folds,
-    search,
-    validation_score,
+    surely_less,
+    typical,
 )
+from lagrangian_ff.identification.choosing.shapes import refit_shapes
+from lagrangian_ff.identification.choosing.simplex import search
 from lagrangian_ff.identification.predicting import CHUNK_SAMPLES
 from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.records import Tried
@@ -64,8 +65,6 @@ kernel, and every other kernel with the best; for each kernel; and for the best 
 STRONG = 5.0
 """Nats, very strong evidence (Kass and Raftery 1995), by which a candidate that assumes less must
 be the likelier one: a freer kernel, or a unit of effort for each joint."""
-SURE = 0.95
-"""Confidence with which folds left out must find a candidate better."""
 NOISE_FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0)
 ROUGH_SAMPLES, JUDGED_SAMPLES = 120, 240
 ENOUGH = 0.5
@@ -232,7 +231,7 @@ class _Candidate:
         # Threads cost more than they bring on matrices as small as these.
         with one_blas_thread():
             factor, choice, folds = _least_error(self.latest.of(samples), self.factor)
-        return replace(self, factor=factor, choice=choice, cost=_typical(folds), folds=folds)
+        return replace(self, factor=factor, choice=choice, cost=typical(folds), folds=folds)
 
     def surely_beats(self, other: "_Candidate", criterion: str) -> bool:
         """Return whether it is better by more than chance.
@@ -241,9 +240,7 @@ class _Candidate:
         """
         if criterion == "evidence" or not (len(self.folds) == len(other.folds) > 1):
             return self.cost < other.cost
-        gain = other.folds - self.folds
-        error = np.std(gain, ddof=1) / np.sqrt(len(gain))
-        return bool(np.mean(gain) > stdtrit(len(gain) - 1, SURE) * error)
+        return surely_less(self.folds, other.folds)
 
     def is_likelier(self, other: "_Candidate") -> bool:
         """Return whether the evidence on as many samples is very strong for it."""
@@ -270,18 +267,12 @@ def _least_error(problem: Problem, first: int) -> tuple[int, Problem, Floats]:
 
     The search goes from the first factor to its neighbours, as long as the error falls.
     """
-    groups = problem.samples.groups()
     errors: dict[int, Floats] = {}
 
     def error(factor: int) -> float:
         if factor not in errors:
-            try:
-                found = exact(problem.noisier(NOISE_FACTORS[factor]))
-                scores = [validation_score(found, [group]) for group in groups]
-                errors[factor] = np.array([log_error(score) for score in scores])
-            except (NotPositiveDefiniteError, np.linalg.LinAlgError):
-                errors[factor] = np.full(len(groups), np.inf)
-        return _typical(errors[factor])
+            errors[factor] = mean_logs(fold_errors(problem.noisier(NOISE_FACTORS[factor])))
+        return typical(errors[factor])
 
     best = first
     for step in (1, -1):
@@ -291,11 +282,6 @@ def _least_error(problem: Problem, first: int) -> tuple[int, Problem, Floats]:
             best += step
     error(best)
     return best, problem.noisier(NOISE_FACTORS[best]), errors[best]
-
-
-def _typical(folds: Floats) -> float:
-    """Return the error of log errors by fold."""
-    return float(np.exp(np.mean(folds)))
 
 
 def _reshaped(chosen: Chosen) -> Chosen:

@@ -11,12 +11,12 @@ import numpy as np
 import scipy
 
 from lagrangian_ff.arrays import Floats, Ints
-from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification.basis import Basis
-from lagrangian_ff.identification.problem import NOISE_START, STUCK_NOISE, Problem, Scaling
+from lagrangian_ff.identification.choosing.left_out import require_folds, validation_score
+from lagrangian_ff.identification.problem import NOISE_START, Problem, Scaling
 from lagrangian_ff.identification.samples import Samples
 from lagrangian_ff.identification.settings import Settings
-from lagrangian_ff.identification.solving.posterior import Posterior, exact
+from lagrangian_ff.identification.solving.posterior import exact
 from lagrangian_ff.identification.solving.solution import NotPositiveDefiniteError
 from lagrangian_ff.identification.spec import Spec
 from lagrangian_ff.kernels.threads import one_blas_thread
@@ -26,35 +26,6 @@ NOISE_RANGE = (1e-6, 0.5)
 STAGES = ((120, 0.7), (240, 0.3))
 """Samples used and share of the evaluations spent, stage by stage."""
 FAILED = 1e12
-LEAST_ERROR = 1e-12
-"""Of a joint's error relative to its variance: rounding is no difference."""
-
-
-def validation_score(found: Posterior, groups: Sequence[Ints]) -> Floats:
-    """Return (N,) each joint's mean squared error on left-out folds, over its torque's variance.
-
-    Each torque counts by its IRLS weight, that of a joint at rest hardly. NaN for a joint that was
-    not solved.
-    """
-    residual = found.left_out(groups)
-    samples = found.problem.samples
-    weights = samples.weights / np.where(samples.x.rest, STUCK_NOISE, 1.0)
-    errors = weights * (residual / found.problem.prior.scaling.spread) ** 2
-    seen = np.isfinite(errors)
-    counted = np.sum(weights, axis=0, where=seen)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sum(errors, axis=0, where=seen) / counted)
-
-
-def log_error(score: Floats) -> float:
-    """Return the mean log of the joints' errors (N,), NaN left out.
-
-    It is, up to a factor, minus the predictive log likelihood of torques whose joints have noise of
-    unknown size each: a joint whose torque is mostly noise counts no more than one predicted to a
-    thousandth. In the mean of the errors it would decide alone.
-    """
-    known = score[np.isfinite(score)]
-    return float(np.mean(np.log(np.maximum(known, LEAST_ERROR)))) if len(known) else np.inf
 
 
 def search(
@@ -92,19 +63,6 @@ def search(
             one = _Search(settings, joint, _axes(spec))
             start = one.run(start, [start.prior.scaling], report)
     return start
-
-
-def require_folds(samples: Samples) -> None:
-    """Refuse motion with a single block, of which no part can be left out.
-
-    Raises:
-        ModelError: there is only one block.
-    """
-    if len(samples.groups()) < 2:
-        raise ModelError(
-            "a model is judged on blocks of its training motion left out in turn, which needs at "
-            "least two of them, got one: record longer, use a larger --train, or a shorter --block"
-        )
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from lagrangian_ff.identification.choosing.evidence import (
     solvable,
 )
 from lagrangian_ff.identification.choosing.gains import likeliest_gains
-from lagrangian_ff.identification.choosing.simplex import validation_score
+from lagrangian_ff.identification.choosing.left_out import validation_score
 from lagrangian_ff.identification.problem import Problem, Scaling
 from lagrangian_ff.identification.samples import Samples, evenly
 from lagrangian_ff.identification.settings import Settings
