@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from lagrangian_ff.arrays import Floats, Ints
 from lagrangian_ff.errors import ModelError
@@ -88,4 +88,4 @@ def surely_less(folds: Floats, others: Floats) -> bool:
         return True
     gain = others - folds
     error = np.std(gain, ddof=1) / np.sqrt(len(gain))
-    return bool(np.mean(gain) > stdtrit(len(gain) - 1, SURE) * error)
+    return bool(np.mean(gain) > scipy.special.stdtrit(len(gain) - 1, SURE) * error)
