@@ -150,8 +150,8 @@ def _best_noise(blueprint: Blueprint, inputs: Inputs) -> Floats:
     """Return (N,) the noise, or a multiple of it with surely a smaller error on blocks left out.
 
     One factor for all joints: more weight to one alone pulls the kernel, which all share, away from
-    the others. The worst known joints decide, and chance must not: with less noise, the others'
-    torques gain little and those of large noise are followed too closely.
+    the others. The worst known joints decide. Chance must not: less noise that it brings makes the
+    joints of large torque follow theirs.
     """
     problem = blueprint.subset(inputs, NOISE_SAMPLES)
 
