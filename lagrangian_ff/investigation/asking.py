@@ -114,12 +114,33 @@ def denies(question: Question, before: Diagnosis, after: Diagnosis) -> bool:
     return _evidence(after, question.suspect) <= _evidence(before, question.suspect)
 
 
+def unsettled(question: Question, found: Diagnosis) -> bool:
+    """Return whether what a question names was found, and is neither confirmed nor ruled out."""
+    if not question.suspects:
+        return False
+    first, *others = question.suspects
+    return any(
+        (one.effect.name, one.joint) == (first.effect, first.joint)
+        and not one.confirmed
+        and all(other.effect in one.rivals for other in others)
+        for one in found.findings
+    )
+
+
 def _evidence(found: Diagnosis, suspect: Suspect) -> float:
-    """Return the log Bayes factor of an effect in nats, whether it was found or not; 0 for none."""
+    """Return the log Bayes factor of an effect in nats, whether it was found or not; 0 for none.
+
+    A rival of what was found has at least what was found less the nats that rule out.
+    """
     wanted = suspect.effect, suspect.joint
     leads = [one.log_bayes_factor for one in found.waiting if (one.name, one.joint) == wanted]
     there = [one for one in found.findings if (one.effect.name, one.joint) == wanted]
-    return max([0.0, *leads, *(one.log_bayes_factor for one in there)])
+    beside = [
+        one.log_bayes_factor - thresholds.USED.rival_nats
+        for one in found.findings
+        if one.joint == suspect.joint and suspect.effect in one.rivals
+    ]
+    return max([0.0, *leads, *beside, *(one.log_bayes_factor for one in there)])
 
 
 def _there(one: Finding) -> bool:

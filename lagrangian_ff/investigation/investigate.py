@@ -21,7 +21,7 @@ from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model, Settings, identify
 from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.identification.settings import usual_model
-from lagrangian_ff.investigation.asking import TWICE, denies, next_question, promising
+from lagrangian_ff.investigation.asking import TWICE, denies, next_question, promising, unsettled
 from lagrangian_ff.investigation.motions import (
     SHORTEST,
     Named,
@@ -36,6 +36,7 @@ from lagrangian_ff.investigation.story import (
     Ended,
     Investigation,
     Listener,
+    PassedOver,
     Turn,
     answered,
     asked,
@@ -122,6 +123,7 @@ class _Story:
         self._looks: list[_Look] = []
         self._assumed: Assumed | None = None
         self._denied: list[Suspect] = []
+        self._passed_over: list[PassedOver] = []
         self._first_motions = self._known = 0
         self._used = 0.0
 
@@ -162,11 +164,13 @@ class _Story:
                 made = self._designed(look, question, min(seconds, MOST * self._left))
             except ModelError as error:  # no motion within the limits answers it: the next one
                 self._say(str(error))
+                self._pass_over(question, None)
                 continue
             if not promising(look.diagnosis, made, self._seen):
                 every = isinstance(question, Everything)
                 told = "shows much more" if every else f"settles it: {made.nats:.1f} nats expected"
                 self._say(f"no motion {told}")
+                self._pass_over(question, made.nats)
                 questions += [question] * TWICE
                 continue
             if float(made.reference.time[-1]) > self._left:
@@ -192,7 +196,10 @@ class _Story:
                 known = look.diagnosis, look.model, errors, total
                 turns.append(Turn(question, motion, look.used - used, made, *known))
                 used = look.used
-        found = Investigation(self._rig.joints, tuple(turns), ended, words, self._used, *before)
+        left = self._left_open()
+        found = Investigation(
+            self._rig.joints, tuple(turns), ended, words, self._used, *before, left
+        )
         if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
             return found
         try:
@@ -210,6 +217,19 @@ class _Story:
             return found
         errors, total = _errors(left.model, unseen)
         return replace(found, unlisted=left, errors=errors, total=total)
+
+    def _pass_over(self, question: Question, expected: float | None) -> None:
+        others = [one for one in self._passed_over if one.question != question]
+        self._passed_over = [*others, PassedOver(question, expected)]
+
+    def _left_open(self) -> tuple[PassedOver, ...]:
+        """Return the questions that no motion settles, of those that are open in the end."""
+        if not self._looks:
+            return ()
+        last = self._looks[-1].diagnosis
+        moved = [question for question, _, _ in self._motions]
+        left = [one for one in self._passed_over if one.question not in moved]
+        return tuple(one for one in left if unsettled(one.question, last))
 
     @property
     def _seen(self) -> Mapping[Key, float]:

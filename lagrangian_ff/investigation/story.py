@@ -46,6 +46,29 @@ Listener = Callable[[Asked], None]
 """Receives what an investigation asks, and what the answer is."""
 
 
+@dataclass(frozen=True)
+class PassedOver:
+    """A question that was left open, since no motion within the limits settles it.
+
+    Attributes:
+        question: what was not asked.
+        expected: nats that the best motion would gain; None where no motion shows anything.
+    """
+
+    question: Question
+    expected: float | None
+
+    @property
+    def said(self) -> str:
+        """Return it in words."""
+        if self.expected is None:
+            return f"{asked(self.question)} No motion within the limits shows it."
+        return (
+            f"{asked(self.question)} No motion within the limits settles it: the best would gain "
+            f"{self.expected:.1f} nats. More range or speed may."
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Turn:
     """A motion, and what is known after it.
@@ -113,6 +136,7 @@ class Investigation:
         before: by joint, N·m rms of the last model without any effect that was found, on the same
             motion as the turns' errors; empty without a turn.
         before_total: the same over all joints.
+        passed_over: questions that are open still, and that no motion within the limits settles.
         unlisted: what no effect of the catalogue fits; None for nothing.
         errors, total: as of a turn, of the model with the curves of that.
     """
@@ -124,6 +148,7 @@ class Investigation:
     seconds: float
     before: Mapping[str, float]
     before_total: float
+    passed_over: tuple[PassedOver, ...] = ()
     unlisted: Unlisted | None = None
     errors: Mapping[str, float] = field(default_factory=dict)
     total: float = 0.0
@@ -167,6 +192,10 @@ class Investigation:
                     "rmse": turn.total,
                 }
                 for turn in self.turns
+            ],
+            "passed_over": [
+                {"question": asked(one.question), "expected_nats": one.expected}
+                for one in self.passed_over
             ],
             "unlisted": self.unlisted and {
                 **self.unlisted.record(), "errors": dict(self.errors), "rmse": self.total
@@ -215,6 +244,9 @@ def _direct(question: Question | None, found: Diagnosis) -> str:
             return f"It is {spoken(one.name)}." if several else "Yes."
     if of_them:
         return f"{sentence(spoken(of_them[0].name))[:-1]} is no more than {of_them[0].said}."
+    for one in found.findings:
+        if any(one.joint == joint and effect in one.rivals for effect, joint in suspects):
+            return f"It may be that, or {spoken(one.name)}."
     if several:
         return "Neither shows."
     return "It does not show." if suspects else ""

@@ -19,7 +19,14 @@ from lagrangian_ff.diagnosis.excite import (
 from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
-from lagrangian_ff.investigation.asking import HOPE, MOST_EVERYTHING, TWICE, denies, promising
+from lagrangian_ff.investigation.asking import (
+    HOPE,
+    MOST_EVERYTHING,
+    TWICE,
+    denies,
+    promising,
+    unsettled,
+)
 
 STRIBECK = For(Suspect("stribeck", "elbow"))
 
@@ -114,6 +121,31 @@ def test_a_motion_that_shows_no_more_of_an_effect_says_no() -> None:
     assert not denies(STRIBECK, before, diagnosis(findings=(finding(),)))
     between = Between(Suspect("spring", "elbow"), Suspect("ripple", "elbow"))
     assert not denies(between, before, diagnosis())
+
+
+@pytest.mark.parametrize(
+    ("joint", "nats", "no"), [("elbow", 30.0, False), ("elbow", 9.0, True), ("neck", 30.0, True)]
+)
+def test_a_motion_that_cannot_tell_it_from_another_does_not_say_no(
+    joint: str, nats: float, no: bool
+) -> None:
+    lead = Ranked("stribeck", "elbow", 12.0, named=True, stands_out=False)
+    alike = finding("spring", joint, rivals=("stribeck",), log_bayes_factor=nats)
+    assert denies(STRIBECK, diagnosis(waiting=(lead,)), diagnosis(findings=(alike,))) == no
+
+
+def test_a_question_is_settled_when_nothing_that_it_names_is_in_doubt() -> None:
+    spring, ripple = Suspect("spring", "elbow"), Suspect("ripple", "elbow")
+    between = Between(spring, ripple)
+    alike = finding("spring", rivals=("ripple",), doubt=doubt())
+    both = diagnosis(findings=(alike,))
+    assert unsettled(between, both)
+    assert not unsettled(Between(ripple, spring), both)
+    assert unsettled(For(spring), both)
+    for settled in ((), (finding("spring"),), (finding("ripple", doubt=doubt()),)):
+        assert not unsettled(between, diagnosis(findings=settled))
+        assert not unsettled(For(spring), diagnosis(findings=settled))
+    assert not unsettled(Everything(), both)
 
 
 def test_what_its_motion_did_not_show_is_not_told_from_its_rivals() -> None:

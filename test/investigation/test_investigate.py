@@ -124,6 +124,23 @@ def test_an_answer_begins_with_what_became_of_the_effect_that_was_asked_for() ->
         (Between(other, other), "Neither shows. Missing"),
     ):
         assert replace(last, question=question).answer.startswith(words)
+    alike = replace(last.diagnosis, findings=(replace(one, rivals=("ripple",)),))
+    of_rival = replace(last, question=For(other), diagnosis=alike)
+    assert of_rival.answer.startswith(f"It may be that, or quadratic drag on {one.joint}. ")
+
+
+def test_a_question_that_no_motion_settles_is_left_open_and_told() -> None:
+    """Here after the first motions everything touches, so that no design is clear."""
+    rig = PendulumRig(FAINT)
+
+    def clear(path: np.ndarray) -> str:
+        return "the wall" if len(rig.moved) > 1 else ""
+
+    story = investigate(rig, plan(36.0, clear=clear), lambda proposal: True)
+    (left,) = story.passed_over
+    assert (left.question, left.expected) == (For(Suspect("quadratic_drag", "elbow")), None)
+    assert "quadratic drag on elbow? No motion within the limits shows it." in left.said
+    assert story.record()["passed_over"][0]["question"].startswith("Is there quadratic drag")
 
 
 def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:

@@ -24,11 +24,12 @@ from test_report_html import texts
 
 from lagrangian_ff.diagnosis import Comparison, DiagnosisRun
 from lagrangian_ff.diagnosis.compare import Interval
+from lagrangian_ff.diagnosis.excite import Between, Suspect
 from lagrangian_ff.diagnosis.where import COORDINATES, Bins, Compared, ResidualSeries
 from lagrangian_ff.identification import Score
 from lagrangian_ff.identification.history import ErrorChange
 from lagrangian_ff.identification.records import Estimate
-from lagrangian_ff.investigation import Ended
+from lagrangian_ff.investigation import Ended, PassedOver
 from lagrangian_ff.report import (
     Section,
     compare_page,
@@ -149,6 +150,13 @@ def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
         turn = replace(first, diagnosis=diagnosis(findings=findings))
         story = replace(investigated(), turns=(turn,))
         assert heading(tmp_path, "investigate", story) == title
+        page = written(tmp_path, "investigate", story)
+        assert "The error falls" not in page
+        assert "without what was found" not in page
+    assert "Stribeck on elbow is no more than suggested" in page
+    between = Between(Suspect("stribeck", "elbow"), Suspect("ripple", "elbow"))
+    left = replace(story, passed_over=(PassedOver(between, 1.73),))
+    assert "Is it stribeck or ripple on elbow? No motion" in written(tmp_path, "investigate", left)
     bare = replace(investigated(), turns=())
     assert heading(tmp_path, "investigate", bare) == "It ended before anything was known"
     refused = replace(bare, ended=Ended.REFUSED)

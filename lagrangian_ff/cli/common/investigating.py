@@ -104,6 +104,8 @@ def say(found: "Investigation", console: Console) -> None:
     if not found.turns:
         console.say("nothing is known")
         return
+    for passed in found.passed_over:
+        console.paragraph(passed.said, "   ", "   ")
     last = found.turns[-1]
     console.say(["", "error on motion that no model learned from, rms in N·m"])
     errors, total = (found.errors, found.total) if found.curves else (last.errors, last.total)

@@ -13,6 +13,7 @@ from lagrangian_ff.words import sentence, spoken
 if TYPE_CHECKING:
     from lagrangian_ff.investigation import Investigation, Turn
 
+WITHOUT = "without what was found"
 DRAWN = 400
 """Points of a motion that its figure has, at most."""
 
@@ -47,12 +48,15 @@ def staircase_section(story: "Investigation") -> Section | None:
     """Return the error after each question, on motion that no model learned from."""
     if not story.turns:
         return None
-    names = ["without what was found", *(f"question {k + 1}" for k in range(len(story.turns)))]
-    errors = [story.before_total, *(turn.total for turn in story.turns)]
-    joints = {
-        joint: [story.before[joint], *(turn.errors[joint] for turn in story.turns)]
-        for joint in story.joints
-    }
+    names = [f"question {number + 1}" for number in range(len(story.turns))]
+    errors = [turn.total for turn in story.turns]
+    joints = {joint: [turn.errors[joint] for turn in story.turns] for joint in story.joints}
+    falls = bool(story.confirmed or story.curves)
+    if falls:
+        names.insert(0, WITHOUT)
+        errors.insert(0, story.before_total)
+        for joint, values in joints.items():
+            values.insert(0, story.before[joint])
     if story.curves:
         names.append("with curves")
         errors.append(story.total)
@@ -60,7 +64,7 @@ def staircase_section(story: "Investigation") -> Section | None:
             values.append(story.errors[joint])
     rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
     return Section(
-        "The error falls",
+        "The error falls" if falls else "The error",
         "Each model is judged on the same motion: the last part of every few seconds of every "
         "recording, from which none of them learned.",
         embed(fall_plot(names, errors), "error after each question")
@@ -84,10 +88,11 @@ def ended_section(story: "Investigation") -> Section:
             for one in found.unexplained
         ]
         texts += [
-            f"{sentence(spoken(one.name))} is no more than {one.said}."
+            sentence(f"{spoken(one.name)} is no more than {one.said}")
             for one in found.findings
             if not one.confirmed
         ]
+        texts += [one.said for one in story.passed_over]
     return Section("What is left", "", html.bullets(texts))
 
 
