@@ -20,7 +20,7 @@ from lagrangian_ff.diagnosis.search.candidates import Candidate, named, nonparam
 from lagrangian_ff.diagnosis.search.change import change_of
 from lagrangian_ff.diagnosis.search.forward import search
 from lagrangian_ff.diagnosis.search.judging import possible_first
-from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each, rivals
+from lagrangian_ff.diagnosis.search.significance import MaximumNull, best_of_each
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification.basis import Basis, Term
@@ -105,14 +105,6 @@ def test_a_shape_at_an_end_comes_after_an_effect_that_may_be(clean: Whitened) ->
         names = possible_first([first, replace(drag, log_bf=nats)], clean.x)
         assert names[0].candidate == expected.candidate
         assert len(names) == 2
-
-
-def test_effects_that_are_alike_are_rivals_and_others_are_not() -> None:
-    whitened = whitened_of(two_rods.motion(2, 30.0, two_rods.stick))
-    found = best_of_each(bayes_factors(whitened, named(whitened.x, whitened.basis, (1,))))
-    names = [score.candidate.source.name for score in rivals(found[0], found[1:])]
-    assert "ripple" not in names
-    assert "drift" not in names
 
 
 def test_nothing_takes_hold_of_a_clean_arm(clean: Whitened) -> None:

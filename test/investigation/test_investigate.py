@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pendulum_rig import START, PendulumRig, limits, plan
 
-from lagrangian_ff.diagnosis.excite import Between, For, Suspect
+from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
 from lagrangian_ff.effects.user import load_effects
@@ -21,7 +21,7 @@ from lagrangian_ff.investigation import (
     StoppedError,
     investigate,
 )
-from lagrangian_ff.investigation.motions import size_of
+from lagrangian_ff.investigation.motions import for_design, size_of
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
 
@@ -153,6 +153,25 @@ def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:
     assert size == pytest.approx(one.size / spread)
     other = For(Suspect("ripple", "elbow"))
     assert size_of(last.diagnosis, other, last.model) == SIZE != size
+
+
+def test_a_motion_is_designed_with_one_of_two_that_look_alike() -> None:
+    """Whichever is there, without it the model takes it for noise; but not if it is in question."""
+    _, story, _ = found(DRAG)
+    last = story.turns[-1].diagnosis
+    (one,) = [one for one in last.findings if one.joint == "elbow"]
+    alike = replace(last, findings=(replace(one, rivals=("ripple",)),))
+    drag, ripple, other = (
+        Suspect(name, "elbow") for name in (one.effect.name, "ripple", "position_friction")
+    )
+    for question, there in (
+        (Everything(), True),
+        (For(other), True),
+        (For(ripple), False),
+        (Between(drag, ripple), False),
+    ):
+        terms = for_design(alike, question).basis.terms
+        assert any(term.effect.name == drag.effect for term in terms) == there
 
 
 def test_a_stop_while_the_rest_is_looked_at_keeps_the_story() -> None:

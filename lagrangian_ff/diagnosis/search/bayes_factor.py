@@ -54,6 +54,11 @@ class BayesFactor:
     information: Floats
     likelihood: Floats
 
+    def tempered(self, variance_inflation: float) -> float:
+        """Return the log Bayes factor, nats, with another f."""
+        sums = self.blocks.sum(axis=0)[None]
+        return float(tempered_log_bf(sums, self.information, variance_inflation)[0])
+
     @property
     def once(self) -> bool:
         """Return whether it is an event, which happens once, in a few blocks."""
