@@ -156,6 +156,11 @@ class Found:
         return self.verdict is Verdict.CONFIRMED
 
     @property
+    def useless(self) -> bool:
+        """Return whether it is there, but adding it does not lower the error."""
+        return self.doubt is not None and self.doubt.reason is Reason.NO_HELP
+
+    @property
     def once(self) -> bool:
         """Return whether it is an event of the recording, not a property of the arm."""
         return self.effect.kind == "event"

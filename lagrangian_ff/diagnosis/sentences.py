@@ -9,7 +9,6 @@ from lagrangian_ff.diagnosis.lag import late
 from lagrangian_ff.diagnosis.results import (
     Diagnosis,
     Finding,
-    Reason,
     Remainder,
     TakenUp,
     Unexplained,
@@ -31,9 +30,9 @@ def verdict(diagnosis: Diagnosis, changed: Sequence["Changed"] | None = None) ->
         changed: since the model was identified, which is said first; None if it was not asked.
     """
     unsure = [one for one in diagnosis.findings if one.verdict is Verdict.AMBIGUOUS]
-    useless = [one for one in diagnosis.findings if _useless(one)]
+    useless = [one for one in diagnosis.findings if one.useless]
     suggested = [one for one in diagnosis.findings if one.verdict is Verdict.SUGGESTED]
-    maybe = [one for one in suggested if not _useless(one)]
+    maybe = [one for one in suggested if not one.useless]
     parts = [since(changed, diagnosis.model.joints)] if changed else []
     misfit = diagnosis.misfit
     if not changed and misfit is not None and misfit.larger:
@@ -123,11 +122,6 @@ def amount(one: "Changed", every: Sequence[str]) -> str:
     if one.parameters:
         return f"{spoken(one.what)} on {where}, {', '.join(by)} ({size})"
     return f"other masses, as by a load attached or taken off: {size}, felt on {where}"
-
-
-def _useless(finding: Finding) -> bool:
-    """Return whether a finding is there, but of no use to the model."""
-    return finding.doubt is not None and finding.doubt.reason is Reason.NO_HELP
 
 
 def no_help(made: Consequence) -> str:

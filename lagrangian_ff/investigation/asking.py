@@ -6,7 +6,7 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Suspect
 from lagrangian_ff.diagnosis.excite.assumed import Key
 from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason
+from lagrangian_ff.diagnosis.results import Diagnosis
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.effects.usual import weight
 
@@ -58,7 +58,7 @@ def _open(
         gear = gears.get(one.joint)
         rivals = sorted(filter(_shown, one.rivals), key=lambda name: -weight(name, gear))
         yield from (Between(suspect, Suspect(name, one.joint)) for name in rivals)
-        if not rivals and not one.confirmed and not _there(one):
+        if not rivals and not one.confirmed and not one.useless:
             yield For(suspect)
 
 
@@ -73,7 +73,7 @@ def _faint(found: Diagnosis) -> Iterator[Question]:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
     # More of what is there only sharpens its parameters, until the error falls.
-    there = [one for one in found.findings if _there(one) and not one.rivals]
+    there = [one for one in found.findings if one.useless and not one.rivals]
     yield from (For(Suspect(one.effect.name, one.joint)) for one in there)
 
 
@@ -141,11 +141,6 @@ def _evidence(found: Diagnosis, suspect: Suspect) -> float:
         if one.joint == suspect.joint and suspect.effect in one.rivals
     ]
     return max([0.0, *leads, *beside, *(one.log_bayes_factor for one in there)])
-
-
-def _there(one: Finding) -> bool:
-    """Return whether an effect is there, though no error falls by it yet."""
-    return one.doubt is not None and one.doubt.reason is Reason.NO_HELP
 
 
 def _shown(name: str) -> bool:

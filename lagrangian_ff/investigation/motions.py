@@ -11,7 +11,7 @@ from lagrangian_ff.diagnosis import apply
 from lagrangian_ff.diagnosis.excite import Limits, Question, Reference, excite
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
-from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Reason, Verdict
+from lagrangian_ff.diagnosis.results import Diagnosis, Verdict
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend
 
@@ -89,20 +89,13 @@ def both(permitted: Limits, seen: Limits, start: Floats) -> Limits:
     )
 
 
-def _is_there(one: Finding) -> bool:
-    """Return whether unseen motion confirms that this is there, or one that looks like it."""
-    if one.doubt is None:
-        return one.verdict is Verdict.AMBIGUOUS and not one.once
-    return one.doubt.reason is Reason.NO_HELP
-
-
 def for_design(
     found: Diagnosis, question: Question, made: dict[tuple[Named, ...], Model] | None = None
 ) -> Model:
     """Return the model with all that unseen motion confirms, also what no error falls by yet.
 
-    What is missing is noise that hides the rest: so is what may be one of two, of which one stands
-    for both. What is asked for is left out.
+    What is missing is noise that hides the rest. Of two that cannot be told apart one is added, in
+    place of both. What is asked for is left out.
 
     Args:
         made: models that were fitted for the same diagnosis, by the effects that were added.
@@ -113,7 +106,7 @@ def for_design(
     added = [
         one
         for one in found.findings
-        if _is_there(one)
+        if one.useless or (one.verdict is Verdict.AMBIGUOUS and not one.once)
         if wanted.isdisjoint((name, one.joint) for name in (one.effect.name, *one.rivals))
     ]
     names = tuple((one.effect.name, one.joint) for one in added)

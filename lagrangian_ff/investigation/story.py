@@ -52,7 +52,7 @@ class PassedOver:
 
     Attributes:
         question: what was not asked.
-        expected: nats that the best motion would gain; None where no motion shows anything.
+        expected: nats that the best motion would gain; None if no motion could be designed.
     """
 
     question: Question

@@ -342,19 +342,14 @@ def _left(found: "Investigation") -> list[str]:
         return []
     last = found.turns[-1].diagnosis
     curves = {one.joint for one in found.curves}
-    return (
-        [
-            f"{one.joint}: something depends on {one.coordinate} that no known effect fits; "
-            + (
-                "the model holds it as a curve"
-                if one.joint in curves
-                else "no curve lowers the error"
-            )
-            for one in last.unexplained
-        ]
-        + [f"{one.name}: {one.said}" for one in last.findings if not one.confirmed]
-        + [one.said for one in found.passed_over]
-    )
+    texts = [
+        f"{one.joint}: something depends on {one.coordinate} that no known effect fits; "
+        + ("the model holds it as a curve" if one.joint in curves else "no curve lowers the error")
+        for one in last.unexplained
+    ]
+    texts += [f"{one.name}: {one.said}" for one in last.findings if not one.confirmed]
+    texts += [one.said for one in found.passed_over]
+    return texts
 
 
 def _picture(turn: "Turn") -> Record:

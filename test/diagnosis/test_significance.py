@@ -1,4 +1,4 @@
-"""Effects are told apart by what they explain, not by how well their noise happens to be known."""
+"""Two effects that explain the same torque are compared with the same noise."""
 
 from dataclasses import replace
 

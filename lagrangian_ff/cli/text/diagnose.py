@@ -153,9 +153,7 @@ def doubt(found: "Found", every: Sequence[str]) -> str:
 
 def no_fall(found: "Found") -> str:
     """Return what it may mean that adding an effect which is there does not lower the error."""
-    from lagrangian_ff.diagnosis.results import Reason
-
-    if found.doubt is None or found.doubt.reason is not Reason.NO_HELP:
+    if found.doubt is None or not found.useless:
         return ""
     return (
         f"{found.effect.name} on {', '.join(found.joints)}: {found.doubt.words}. Or the kernel has "

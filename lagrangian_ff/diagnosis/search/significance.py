@@ -105,8 +105,9 @@ def best_of_each(
 def lead(one: BayesFactor, other: BayesFactor) -> tuple[float, float]:
     """Return the nats by which a candidate is ahead of another, and their variance by blocks.
 
-    Two that explain nearly the same torque see the same noise. A few dozen blocks tell the variance
-    inflation of each to a quarter only, which alone would put one far ahead: so both get the same.
+    Two that explain nearly the same torque see the same noise, so both get the same variance
+    inflation. Their own are estimates from a few dozen blocks with errors of a quarter, and such
+    an error alone can put one far ahead.
     """
     differences = one.likelihood - other.likelihood
     scatter = len(differences) * float(np.var(differences))

@@ -13,7 +13,6 @@ from lagrangian_ff.words import sentence, spoken
 if TYPE_CHECKING:
     from lagrangian_ff.investigation import Investigation, Turn
 
-WITHOUT = "without what was found"
 DRAWN = 400
 """Points of a motion that its figure has, at most."""
 
@@ -48,20 +47,15 @@ def staircase_section(story: "Investigation") -> Section | None:
     """Return the error after each question, on motion that no model learned from."""
     if not story.turns:
         return None
-    names = [f"question {number + 1}" for number in range(len(story.turns))]
-    errors = [turn.total for turn in story.turns]
-    joints = {joint: [turn.errors[joint] for turn in story.turns] for joint in story.joints}
+    models = [(f"question {n}", turn.total, turn.errors) for n, turn in enumerate(story.turns, 1)]
     falls = bool(story.confirmed or story.curves)
     if falls:
-        names.insert(0, WITHOUT)
-        errors.insert(0, story.before_total)
-        for joint, values in joints.items():
-            values.insert(0, story.before[joint])
+        models.insert(0, ("without what was found", story.before_total, story.before))
     if story.curves:
-        names.append("with curves")
-        errors.append(story.total)
-        for joint, values in joints.items():
-            values.append(story.errors[joint])
+        models.append(("with curves", story.total, story.errors))
+    names = [name for name, _, _ in models]
+    errors = [total for _, total, _ in models]
+    joints = {joint: [by_joint[joint] for _, _, by_joint in models] for joint in story.joints}
     rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
     return Section(
         "The error falls" if falls else "The error",
