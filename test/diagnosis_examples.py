@@ -9,17 +9,15 @@ import pendulum
 import pendulum_models
 
 from lagrangian_ff.diagnosis import Changed, Diagnosis, DiagnosisRun, Finding, Round
+from lagrangian_ff.diagnosis.confidence import Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
 from lagrangian_ff.diagnosis.preflight import Check
 from lagrangian_ff.diagnosis.results import (
     Change,
-    Doubt,
-    HoldOut,
     NotObservable,
     PartialResidual,
     Ranked,
-    Reason,
     Remainder,
     TakenUp,
     Unexplained,

@@ -4,16 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Doubt, Reason, Verdict
 from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of
-from lagrangian_ff.diagnosis.results import (
-    Diagnosis,
-    Doubt,
-    Finding,
-    Reason,
-    Unexplained,
-    Verdict,
-    sorted_findings,
-)
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Unexplained, sorted_findings
 from lagrangian_ff.diagnosis.sentences import history_of_curve, no_help, reason
 from lagrangian_ff.effects import EFFECTS, Effect, Over, curve_over
 from lagrangian_ff.effects.curve import NAME as CURVE

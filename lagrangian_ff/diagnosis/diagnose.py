@@ -6,15 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Doubt, Reason
 from lagrangian_ff.diagnosis.contacts import Contact, contacts_of
 from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.misfit import misfit_of
 from lagrangian_ff.diagnosis.results import (
     Change,
     Diagnosis,
-    Doubt,
     Ranked,
-    Reason,
     Remainder,
     TakenUp,
     Unexplained,

@@ -4,16 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Verdict
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.lag import late
-from lagrangian_ff.diagnosis.results import (
-    Diagnosis,
-    Finding,
-    Remainder,
-    TakenUp,
-    Unexplained,
-    Verdict,
-)
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Remainder, TakenUp, Unexplained
 from lagrangian_ff.words import counted, listed, sentence, spoken, which
 
 if TYPE_CHECKING:

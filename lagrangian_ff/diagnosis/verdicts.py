@@ -2,9 +2,10 @@
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.intervals import widened
 from lagrangian_ff.diagnosis.partial_residual import partial_residual
-from lagrangian_ff.diagnosis.results import Change, Doubt, Finding, HoldOut, Reason, sorted_findings
+from lagrangian_ff.diagnosis.results import Change, Finding, sorted_findings
 from lagrangian_ff.diagnosis.search.candidates import at_end
 from lagrangian_ff.diagnosis.search.forward import Search, Step, beside_others
 from lagrangian_ff.diagnosis.search.hold_out import HoldOutMotion, frozen, judge_hold_out

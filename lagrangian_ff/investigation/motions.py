@@ -8,10 +8,11 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import apply
+from lagrangian_ff.diagnosis.confidence import Verdict
 from lagrangian_ff.diagnosis.excite import Limits, Question, Reference, excite
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
-from lagrangian_ff.diagnosis.results import Diagnosis, Verdict
+from lagrangian_ff.diagnosis.results import Diagnosis
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend
 

@@ -22,8 +22,8 @@ from lagrangian_ff.diagnosis import (
     verdict,
     with_consequences,
 )
+from lagrangian_ff.diagnosis.confidence import Reason
 from lagrangian_ff.diagnosis.consequence import Consequence
-from lagrangian_ff.diagnosis.results import Reason
 from lagrangian_ff.diagnosis.thresholds import Thresholds, using
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.errors import EffectError, ModelError, RecordingError

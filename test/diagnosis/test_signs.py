@@ -6,7 +6,7 @@ import two_rods
 from whitened_examples import few_torques, whitened_of
 
 from lagrangian_ff.diagnosis import Diagnosis, diagnose
-from lagrangian_ff.diagnosis.results import Reason
+from lagrangian_ff.diagnosis.confidence import Reason
 from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.signs import unnatural

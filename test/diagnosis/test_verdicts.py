@@ -10,7 +10,7 @@ from diagnosed_rods import FEW, model_of
 from whitened_examples import few_torques
 
 from lagrangian_ff.diagnosis import Diagnosis, Finding, Verdict, diagnose
-from lagrangian_ff.diagnosis.results import Reason
+from lagrangian_ff.diagnosis.confidence import Reason
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.forward import Search, search
 from lagrangian_ff.diagnosis.search.hold_out import judge_hold_out

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from diagnosis_examples import JOINTS, diagnosis, doubt, finding
 
+from lagrangian_ff.diagnosis.confidence import Doubt, Reason
 from lagrangian_ff.diagnosis.excite import (
     Between,
     Design,
@@ -16,7 +17,7 @@ from lagrangian_ff.diagnosis.excite import (
     Reference,
     Suspect,
 )
-from lagrangian_ff.diagnosis.results import Diagnosis, Doubt, Ranked, Reason
+from lagrangian_ff.diagnosis.results import Diagnosis, Ranked
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.investigation import next_question
 from lagrangian_ff.investigation.asking import (

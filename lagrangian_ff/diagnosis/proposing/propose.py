@@ -8,10 +8,11 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Doubt, Reason
 from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of, rms
 from lagrangian_ff.diagnosis.diagnose import searched_and_unseen
 from lagrangian_ff.diagnosis.proposing.grammar import Form, forms
-from lagrangian_ff.diagnosis.results import Doubt, Finding, Reason, sorted_findings
+from lagrangian_ff.diagnosis.results import Finding, sorted_findings
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     BayesFactor,
     bayes_factors,

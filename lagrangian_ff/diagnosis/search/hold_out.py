@@ -7,8 +7,9 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import Doubt, HoldOut, Reason
 from lagrangian_ff.diagnosis.intervals import reach_of_all
-from lagrangian_ff.diagnosis.results import Change, Doubt, HoldOut, Reason
+from lagrangian_ff.diagnosis.results import Change
 from lagrangian_ff.diagnosis.search.bayes_factor import BayesFactor
 from lagrangian_ff.diagnosis.search.candidates import Candidate, bends_over_speed
 from lagrangian_ff.diagnosis.search.carried import Carried

@@ -11,8 +11,8 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
+from lagrangian_ff.diagnosis.confidence import HoldOut
 from lagrangian_ff.diagnosis.lag import Lag
-from lagrangian_ff.diagnosis.results import HoldOut
 from lagrangian_ff.diagnosis.search.bayes_factor import tempered_log_bf
 from lagrangian_ff.diagnosis.whitening import Whitened, whiten
 from lagrangian_ff.effects import EFFECTS, Inputs

@@ -5,7 +5,8 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any
 
-from lagrangian_ff.diagnosis.results import Found, Verdict
+from lagrangian_ff.diagnosis.confidence import Verdict
+from lagrangian_ff.diagnosis.results import Found
 
 
 class Outcome(str, Enum):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from lagrangian_ff.diagnosis.results import Verdict
+from lagrangian_ff.diagnosis.confidence import Verdict
 from lagrangian_ff.report.colours import FAINT, INK, RUNS
 from lagrangian_ff.report.style import new_figure, styled
 from lagrangian_ff.studies.measured.known import Known
