@@ -14,7 +14,8 @@ ARGS ?=
 # processors with the numerics. The others are kept from those. What takes longest comes first.
 PATIENT = test/nodes/test_your_robot.py test/nodes/test_ros_rig.py \
 	test/nodes/test_feedforward_action.py test/demo test/workbench/test_investigate_live.py \
-	test/nodes/test_familiar.py test/nodes/test_identify_services.py test/nodes/test_job_work.py
+	test/nodes/test_familiar.py test/nodes/test_other_arm.py \
+	test/nodes/test_identify_services.py test/nodes/test_job_work.py
 # The soak keeps a processor busy: beside it comes what is least in a hurry.
 BEFORE = test/nodes/test_soak.py test/nodes/test_identify_node.py test/nodes/test_fault_table.py
 PROMPT = $(BEFORE) test/workbench/test_live_page.py \

@@ -2,13 +2,14 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
@@ -41,7 +42,9 @@ class Driver(threading.Thread):
         silent: whether it publishes nothing.
         refusals: how many of the trajectories after the first it refuses.
         deaf: whether it takes trajectories without following them.
+        hasty: whether it begins each when it comes, whatever its stamp says.
         q: (2,) rad, where it is.  velocity: (2,) rad/s.
+        jump: rad, the widest step from one sample to the next.
         came: the trajectories.
     """
 
@@ -49,9 +52,10 @@ class Driver(threading.Thread):
         super().__init__(daemon=True)
         self._states = node.create_publisher(JointState, "joint_states", 100)
         self._drag = drag
-        self.moving, self.silent, self.deaf = True, False, False
+        self.moving, self.silent, self.deaf, self.hasty = True, False, False, False
         self.refusals = 0
         self.came: list[JointTrajectory] = []
+        self.jump = 0.0
         self._followed: tuple[float, Any] | None = None
         self.q, self.velocity = np.zeros(2), np.zeros(2)
         self._end = threading.Event()
@@ -69,7 +73,7 @@ class Driver(threading.Thread):
                     self.refusals -= 1
                 else:
                     begins = nanoseconds(came.header.stamp)
-                    since = began + (begins - epoch) / 1e9 if begins else now
+                    since = began + (begins - epoch) / 1e9 if begins and not self.hasty else now
                     self._followed = None if self.deaf else (since, path_of(came))
             q, qd, qdd = motion_at(now - began)
             if not self.moving:
@@ -77,6 +81,7 @@ class Driver(threading.Thread):
                 if self._followed is not None:
                     since, path = self._followed
                     q, qd, qdd = path.sample(now - since)
+            self.jump = max(self.jump, float(np.abs(q - self.q).max()))
             self.q, self.velocity = q, qd
             tau = 8.0 * np.cos(q) + 1.5 * qdd + 0.4 * qd + np.tanh(qd / 0.02)
             tau[1] += self._drag * qd[1] * abs(qd[1])
@@ -103,15 +108,29 @@ def path_of(message: JointTrajectory) -> Trajectory:
 
 
 @contextmanager
-def driving(drag: float, *, moving: bool = True) -> Iterator[Driver]:
-    """Yield the scripted arm in its own node, from its start to its end."""
+def driving(drag: float, *, moving: bool = True, takes: Sequence[str] = ()) -> Iterator[Driver]:
+    """Yield the scripted arm in its own node, from its start to its end.
+
+    Args:
+        takes: its parameter `joints`, as ros2_control's controllers have it; empty for none.
+    """
     context = Context()
     rclpy.init(context=context)
     node = rclpy.create_node("driver", context=context)
+    if takes:
+        node.declare_parameter("joints", list(takes))
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    spinning = threading.Thread(target=executor.spin, daemon=True)
+    spinning.start()
     made = Driver(node, drag)
     made.moving = moving
     made.start()
-    yield made
-    made.end()
-    node.destroy_node()
-    context.try_shutdown()
+    try:
+        yield made
+    finally:
+        made.end()
+        executor.shutdown()
+        spinning.join(5.0)
+        node.destroy_node()
+        context.try_shutdown()

@@ -1,4 +1,4 @@
-"""How sure a finding is, and why it is doubted."""
+"""The verdict on a finding, the reason to doubt it, and how it did on motion held out."""
 
 from dataclasses import dataclass
 from enum import Enum

@@ -7,6 +7,7 @@ import numpy as np
 
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.confidence import Doubt, Reason
+from lagrangian_ff.diagnosis.consequence import by_joint, errors_of
 from lagrangian_ff.diagnosis.contacts import Contact, contacts_of
 from lagrangian_ff.diagnosis.lag import Lag
 from lagrangian_ff.diagnosis.misfit import misfit_of
@@ -98,6 +99,7 @@ def diagnose(
         noise=found.whitened.noise,
         wanting=found.wanting,
         remainders=_remainders(found, again, model.joints),
+        missed=by_joint(model, errors_of(model, decimated(unseen))),
         misfit=misfit,
         contacts=tuple(contacts),
         lag=lag,

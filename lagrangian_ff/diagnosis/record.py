@@ -67,6 +67,7 @@ def diagnosis_record(diagnosis: Diagnosis) -> Record:
         "findings": [_finding(diagnosis, one) for one in diagnosis.found],
         "unexplained": [_unexplained(one, "MODEL.npz") for one in diagnosis.unexplained],
         "more_than_noise": [asdict(one) for one in diagnosis.remainders],
+        "missed_on_unseen": dict(diagnosis.missed),
         "lag": asdict(diagnosis.lag) if diagnosis.lag is not None else None,
         "contacts": [{**asdict(one), "sure": one.sure} for one in diagnosis.contacts],
         "not_observable": [asdict(one) for one in diagnosis.not_observable],

@@ -1,12 +1,13 @@
 """The results of a diagnosis, which every reader may import."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 import numpy as np
 
 from lagrangian_ff.arrays import Floats
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.confidence import Doubt, HoldOut, Reason, Verdict
 from lagrangian_ff.diagnosis.consequence import Consequence
 from lagrangian_ff.diagnosis.contacts import Contact
@@ -278,6 +279,7 @@ class Diagnosis:
         noise: (N,) N·m, standard deviation of each joint's unexplained torque.
         wanting: s of such motion that a verdict needs besides; without them there is none.
         remainders: of the joints where that is more than the measurement's noise.
+        missed: by joint, N·m rms that the model misses on `held_out`; empty if not looked at.
         misfit: the errors of the model on `motion` beside its own; None if they were not compared.
         contacts: touches, in their order.  lag: of all torques, which the findings allow for.
     """
@@ -296,6 +298,7 @@ class Diagnosis:
     noise: Floats
     wanting: float = 0.0
     remainders: tuple[Remainder, ...] = ()
+    missed: Mapping[str, float] = field(default_factory=dict)
     misfit: Misfit | None = None
     contacts: tuple[Contact, ...] = ()
     lag: Lag | None = None
@@ -316,6 +319,16 @@ class Diagnosis:
         """Return what is unexplained and lowers the error as a curve, added after the findings."""
         tried = [(one, one.consequence) for one in self.unexplained]
         return tuple((one, made) for one, made in tried if made is not None and made.worth)
+
+    @property
+    def failing(self) -> Mapping[str, float]:
+        """Return by joint the N·m rms that the model misses of `held_out` with all that was added.
+
+        Only where that is so far above the joint's noise that the model does not know the arm.
+        """
+        missed = self.tried[-1][1].joints_after if self.tried else self.missed
+        most = dict(zip(self.model.joints, thresholds.USED.fails * self.noise, strict=True))
+        return {joint: error for joint, error in missed.items() if error > most[joint]}
 
     @property
     def found(self) -> tuple[Found, ...]:

@@ -239,17 +239,30 @@ def _nothing(diagnosis: Diagnosis, *, known: bool) -> str:
             left = listed([_remainder(one) for one in diagnosis.remainders])
             return (
                 f"Nothing that is known explains what is left, and it is more than noise: {left}. "
-                "Record the same motion again: what repeats is the arm's."
+                f"Record the same motion again: what repeats is the arm's.{_missed(diagnosis)}"
             )
         return (
             "No effect of the catalogue is missing that this motion could show: what is left is "
-            "noise."
+            f"noise.{_missed(diagnosis)}"
         )
     return (
         f"Nothing stands out from chance. The best guess, {spoken(best.name)} on {best.joint}, "
         f"gains {best.log_bayes_factor:.0f} nats; on this motion chance gives "
         f"{diagnosis.threshold:.0f} once in twenty times. Record longer: the more blocks of "
         "motion, the less chance can do."
+    )
+
+
+def _missed(diagnosis: Diagnosis) -> str:
+    """Return on which joint the model fails on unseen motion, as a sentence; empty if on none."""
+    noise = dict(zip(diagnosis.model.joints, diagnosis.noise.tolist(), strict=True))
+    ratios = [(missed / noise[on], on, missed) for on, missed in diagnosis.failing.items()]
+    if not ratios:
+        return ""
+    ratio, joint, missed = max(ratios)
+    return (
+        f" On unseen motion, though, the model misses {missed:.2g} N·m on {joint}, {ratio:.0f} "
+        "times that noise: it has not learned enough of the arm. Identify from more motion."
     )
 
 

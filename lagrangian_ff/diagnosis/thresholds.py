@@ -83,6 +83,8 @@ class Thresholds:
             surely exceeded, from which the arm counts as another than the one identified. Motion
             of another kind alone makes it 1 to 1.3.
         poor: nmse of a joint from which what a model leaves is not called noise.
+        fails: error on unseen motion, in parts of the noise, from which a model does not know the
+            arm, whatever it leaves of the motion that was searched.
         covered_deviations: standard deviations, one second counted as one sample, by which a short
             motion may fall below 90 %.
     """
@@ -137,6 +139,7 @@ class Thresholds:
     covered_least: float = 0.65
     misfit: float = 1.5
     poor: float = 0.2
+    fails: float = 5.0
     covered_deviations: float = 3.0
 
 

@@ -77,15 +77,16 @@ class Shape:
 
     Attributes:
         name: as in the formula.  unit: SI.  meaning: what it is, in a few words.
-        low, high: the range searched, on a logarithmic scale.
+        low, high: the range searched, on a logarithmic scale unless `even`.
         start: its value before any search.
-        steps: how many values, evenly spread over the logarithm of the range, are tried first.
+        steps: how many values, spread evenly over that scale, are tried first.
         whole: whether only whole numbers mean anything; all of the range are tried then.
         joint: whether it is a joint, counted from 0.
         of_model: whether it makes up for what one model believes, so that it does not carry over
             to another.
         bounds: whether nature keeps within the range, so that data which ask for more, and end
             there, show something else.
+        even: whether it is a place, which may be negative and is not searched logarithmically.
     """
 
     name: str
@@ -99,12 +100,30 @@ class Shape:
     joint: bool = False
     of_model: bool = False
     bounds: bool = False
+    even: bool = False
+
+    @property
+    def zero(self) -> float:
+        """Return what is taken from a value before its logarithm.
+
+        Logarithms of an even range are taken from one range below it, where they are nearly even.
+        """
+        return 2.0 * self.low - self.high if self.even else 0.0
+
+    def logarithm(self, value: float) -> float:
+        """Return a value on the scale that is searched."""
+        return float(np.log(value - self.zero))
+
+    def value(self, logarithm: float) -> float:
+        """Return the value that has a logarithm."""
+        return float(self.zero + np.exp(logarithm))
 
     def grid(self) -> list[float]:
         """Return the values tried first."""
         if self.whole:
             return [float(k) for k in range(int(self.low), int(self.high) + 1)]
-        return [float(v) for v in np.geomspace(self.low, self.high, self.steps)]
+        scale = np.geomspace(self.low - self.zero, self.high - self.zero, self.steps)
+        return [float(v) for v in self.zero + scale]
 
     def words(self, value: float, joints: Sequence[str]) -> str:
         """Return a value for a person: a joint by its name, a whole number without a point."""

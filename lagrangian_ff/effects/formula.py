@@ -27,12 +27,18 @@ USUAL_STEPS, MOST_STEPS = 6, 400
 INPUTS = {"q": "rad", "qd": "rad/s", "qdd": "rad/s²", "load": "N·m"}
 SINCE = "since"
 """The input that is the time in s since the joint turned round."""
+OVER = {"q": "position", SINCE: "since_reversal", "load": "load", "qdd": "acceleration",
+        "qd": "velocity", "": "position"}  # fmt: skip
+"""Coordinate over which a formula shows, by the first of these inputs that it has. Velocity is
+last: mostly only its sign is there."""
 OTHER = re.compile(r"(q|qd|qdd|load)_([1-9]\d{0,2})")
 """The inputs of other joints."""
 SIGN = "sign(qd)"
 """The smoothed sign of the joint's own velocity, as wide as that of its Coulomb friction."""
-Range = tuple[float, float] | tuple[float, float, int]
-"""The ends of what is searched for a number, and how many values are tried first."""
+Range = tuple[float, float] | tuple[float, float, int] | tuple[float, float, int, str]
+"""The ends of what is searched for a number, how many values are tried first, `EVENLY` if so."""
+EVENLY = "even"
+"""Says that values are spread evenly, as a place's, not over the logarithm."""
 CONSTANTS = {"pi": np.pi}
 FUNCTIONS: dict[str, Callable[[Floats], Floats]] = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "tanh": np.tanh, "atan": np.arctan,
@@ -78,6 +84,21 @@ class Formula(Effect):
     tree: ClassVar[ast.expr]
     inputs: ClassVar[Mapping[str, tuple[str, int | None]]]
     only: ClassVar[int | None] = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A process, or a copy, makes it again: its class has no place to be found at.
+        return formula_of, (self.stored(), self.only)
+
+    def stored(self) -> dict[str, Any]:
+        """Return the formula as JSON holds it, in a file of effects or in a model's."""
+        units = {one.name: one.unit for one in self.parameters}
+        units |= {one.name: one.unit for one in self.shapes}
+        shapes = {
+            one.name: [one.low, one.high, one.steps, *([EVENLY] if one.even else [])]
+            for one in self.shapes
+        }
+        known = {"name": self.name, "formula": self.formula, "shapes": shapes}
+        return {**known, "units": units, "meaning": self.meaning}
 
     @property
     def last(self) -> int:
@@ -135,11 +156,14 @@ def formula_effect(
     inputs = {one: read for one in names if (read := _input(one)) is not None}
     unknown = [one for one in names if one not in {**inputs, **CONSTANTS}]
     units = units or {}
-    for shape, (low, high, *_) in shapes.items():
+    for shape, (low, high, *more) in shapes.items():
         if shape not in unknown:
             raise _error(name, f"{shape} has a range and is not in the formula")
-        if not 0.0 < low < high < np.inf:
-            raise _error(name, f"{shape} has the range {low} to {high}, expected 0 < low < high")
+        if not -np.inf < low < high < np.inf or (low == 0.0 and more[1:] != [EVENLY]):
+            expected = "0 < low < high, or low < 0 for a place"
+            raise _error(name, f"{shape} has the range {low} to {high}, expected {expected}")
+        if more[1:] not in ([], [""], [EVENLY]):
+            raise _error(name, f"{shape}: expected '{EVENLY}' as fourth value, got {more[1]!r}")
     brakes = any(what in ("qd", SINCE) for what, _ in inputs.values())
     own = [one for one in unknown if one not in shapes]
     if not own:
@@ -158,7 +182,7 @@ def formula_effect(
         "shapes": tuple(_shape(one, units.get(one, "SI"), *given) for one, given in shapes.items()),
         "uses": frozenset({"load"} & {what for what, _ in inputs.values()}),
         "remembers": SINCE in inputs,
-        "coordinate": "velocity" if "qd" in names else "position",
+        "coordinate": next(over for one, over in OVER.items() if one in names or not one),
         "kind": "friction" if brakes else "mechanics",
         "part": "friction" if brakes else "inertia" if "qdd" in inputs else "gravity",
     }
@@ -178,40 +202,52 @@ def _input(name: str) -> tuple[str, int | None] | None:
     return (name, None) if name in INPUTS or name == SINCE else None
 
 
-def _shape(name: str, unit: str, low: float, high: float, steps: int = USUAL_STEPS) -> Shape:
-    middle = float(np.sqrt(low * high))
-    return Shape(name, unit, "a number of the formula", low, high, middle, steps)
+def _shape(
+    name: str, unit: str, low: float, high: float, steps: int = USUAL_STEPS, spread: str = ""
+) -> Shape:
+    even = spread == EVENLY or low < 0.0
+    middle = 0.5 * (low + high) if even else float(np.sqrt(low * high))
+    return Shape(name, unit, "a number of the formula", low, high, middle, steps, even=even)
 
 
 def read_formulas(file: Path) -> list[Effect]:
     """Return the effects in a JSON file: a list `effects` of objects.
 
-    Each has `name` and `formula`, and may have `shapes`, by name [low, high] or [low, high, steps],
-    `units` by name, and `meaning`.
+    Each has `name` and `formula`, and may have `shapes`, by name [low, high], [low, high, steps] or
+    [low, high, steps, "even"], `units` by name, and `meaning`.
 
     Raises:
         EffectError: the file cannot be read, or holds something else.
     """
     try:
         listed = json.loads(budget.text_of(file, EffectError))["effects"]
-        return [_read(one) for one in listed]
+        return [formula_of(one) for one in listed]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise EffectError(
             f'{file}: expected {{"effects": [{{"name": ..., "formula": ...}}]}}, got {error}'
         ) from error
 
 
-def _read(one: Mapping[str, Any]) -> Effect:
-    ranges = one.get("shapes", {})
+def formula_of(record: Mapping[str, Any], only: int | None = None) -> Formula:
+    """Return the effect that one object of such a file describes.
+
+    Args:
+        only: see `formula_effect`.
+
+    Raises:
+        EffectError: its formula cannot be read.
+        TypeError, ValueError, AttributeError: it is of another form.
+    """
+    ranges = record.get("shapes", {})
     shapes = {str(name): _range(*given) for name, given in ranges.items()}
-    units = {str(key): str(unit) for key, unit in one.get("units", {}).items()}
-    name, formula, meaning = (str(one.get(key, "")) for key in ("name", "formula", "meaning"))
-    return formula_effect(name, formula, shapes, meaning, units)
+    units = {str(key): str(unit) for key, unit in record.get("units", {}).items()}
+    name, formula, meaning = (str(record.get(key, "")) for key in ("name", "formula", "meaning"))
+    return formula_effect(name, formula, shapes, meaning, units, only)
 
 
-def _range(low: Any, high: Any, steps: Any = USUAL_STEPS) -> Range:
+def _range(low: Any, high: Any, steps: Any = USUAL_STEPS, spread: Any = "") -> Range:
     """Return the range of a shape from JSON."""
-    return float(low), float(high), int(np.clip(int(steps), 2, MOST_STEPS))
+    return float(low), float(high), int(np.clip(int(steps), 2, MOST_STEPS)), str(spread)
 
 
 def _error(name: str, words: str) -> EffectError:

@@ -218,9 +218,11 @@ def _check_numbers(effect: Effect) -> None:
         _refuse(effect, "shapes", expected, effect.shapes)
     shapes: Sequence[base.Shape] = effect.shapes
     for shape in shapes:
-        if not shape.low <= shape.start <= shape.high or (shape.low <= 0.0 and not shape.whole):
+        at_zero = shape.low <= 0.0 and not shape.whole and not shape.even
+        if not shape.low <= shape.start <= shape.high or at_zero:
             came = f"{shape.low}, {shape.start}, {shape.high}"
-            _refuse(effect, f"shape {shape.name}", "0 < low <= start <= high", came)
+            expected = "0 < low <= start <= high (or even=True)"
+            _refuse(effect, f"shape {shape.name}", expected, came)
     numbers = [p.name for p in effect.parameters] + [s.name for s in shapes]
     if len(set(numbers)) < len(numbers):
         _refuse(effect, "parameters and shapes", "different names", ", ".join(numbers))

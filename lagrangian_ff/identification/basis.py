@@ -84,10 +84,11 @@ class Basis:
                 continue
             for shape in term.effect.shapes:
                 value = term.shape.get(shape.name, 0.0)
-                if value > 0.0 and not shape.whole:
+                away = value - shape.zero
+                if away > 0.0 and not shape.whole:
                     up, down = (
-                        replace(term, shape={**term.shape, shape.name: value * factor})
-                        for factor in (1.0 + step, 1.0 - step)
+                        replace(term, shape={**term.shape, shape.name: value + by})
+                        for by in (step * away, -step * away)
                     )
                     found.append((up, down))
         return found

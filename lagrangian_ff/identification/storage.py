@@ -10,6 +10,8 @@ from lagrangian_ff import budget
 from lagrangian_ff.arrays import Flags, Floats
 from lagrangian_ff.effects import EFFECTS, Effect
 from lagrangian_ff.effects.curve import Curve, from_stored
+from lagrangian_ff.effects.formula import Formula, formula_of
+from lagrangian_ff.effects.user import check
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.files import whole
 from lagrangian_ff.identification.basis import Basis, Term
@@ -53,8 +55,8 @@ PROBES = 20
 TRUST = "trust"
 """The array of IRLS weights, one for each torque learned from; absent for the square loss."""
 
-CURVE = "curve"
-"""What the file holds of a curve, beside its name."""
+CURVE, FORMULA = "curve", "formula"
+"""The keys that hold the definition of a curve or a formula: a model needs no other file for it."""
 
 HELD = ("header", TEMPERATURE, TRUST, *ARRAYS)
 """All that is read of a file."""
@@ -285,7 +287,9 @@ def _family(header: dict[str, Any], path: Path, given: Linkage | None) -> Family
     # Effects at joints come last in a model's name, and a joint's own may hold a +.
     without_joints, at, _ = header["name"].partition("@")
     basic = without_joints.rpartition("+")[0] if at else without_joints
-    family, held = parse(basic or "none").kernel, header.get("mechanism")
+    formulas = {entry["effect"] for entry in header["basis"] if FORMULA in entry}
+    known = "+".join(part for part in basic.split("+") if part not in formulas)
+    family, held = parse(known or "none").kernel, header.get("mechanism")
     if held is None:
         return family
     if held["kind"] == ROBOT:
@@ -330,13 +334,19 @@ def _require_weight(weight: Floats, shape: tuple[int, ...]) -> None:
 
 def _term_record(term: Term) -> dict[str, Any]:
     record = {"effect": term.effect.name, "joint": term.joint, "shape": dict(term.shape)}
-    return record | ({CURVE: term.effect.stored()} if isinstance(term.effect, Curve) else {})
+    if isinstance(term.effect, Curve):
+        return record | {CURVE: term.effect.stored()}
+    return record | ({FORMULA: term.effect.stored()} if isinstance(term.effect, Formula) else {})
 
 
 def _effect(entry: dict[str, Any], joints: tuple[str, ...], path: Path) -> Effect:
     name = entry["effect"]
     if CURVE in entry:
         return from_stored(entry[CURVE], joints)
+    if FORMULA in entry:
+        found = formula_of(entry[FORMULA])
+        check(found)
+        return found
     if name not in EFFECTS:
         raise ModelError(
             f"{path} has the effect '{name}', which is not in the catalogue; if it is one of "

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import yaml
@@ -12,7 +13,7 @@ from lagrangian_ff import budget
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite import Limits, urdf_limits
 from lagrangian_ff.errors import ModelError, UserError
-from lagrangian_ff.kernels.rigid.robot import FIXED, urdf_joints
+from lagrangian_ff.kernels.rigid.robot import FIXED, joint_ends, urdf_joints
 
 SPEED = 0.5
 """Share of the highest speeds that motions may take."""
@@ -32,20 +33,73 @@ FIELDS = {
 OPTIONAL = ("qdd_max", "jerk_max", "tau_max")
 
 
-def urdf_names(path: Path, heard: Sequence[str]) -> tuple[str, ...]:
+def arm_names(
+    heard: Sequence[str], taken: Sequence[str], urdf: Path | None, file: Path | None
+) -> tuple[str, ...]:
+    """Return the joints of an arm, base to tool, where the user does not name them.
+
+    They are those of the file of limits, else of the URDF, that the controller takes. Where it is
+    not known what that takes, what comes behind a fork of the URDF is left out: fingers.
+
+    Args:
+        heard: joints whose states are heard of.
+        taken: joints of the controller; empty if it does not say.
+        urdf, file: as in `allowed`.
+
+    Raises:
+        UserError: a file is of another form, or none of the joints is heard of or taken.
+    """
+    if file is not None:
+        names, source = file_names(file), file
+    elif urdf is not None:
+        names, source = urdf_names(urdf, heard, forks=bool(taken)), urdf
+    else:
+        return ()
+    if taken and not (names := tuple(name for name in names if name in taken)):
+        raise UserError(f"{source}: the controller takes none of its joints: {', '.join(taken)}")
+    return names
+
+
+def urdf_names(path: Path, heard: Sequence[str], *, forks: bool = False) -> tuple[str, ...]:
     """Return the joints of a URDF that move by themselves and are heard of, base to tool.
+
+    Args:
+        heard: joints.
+        forks: whether to go on where the arm forks; without, all of what forks at its base.
 
     Raises:
         ModelError: the file is no URDF, or none of its joints is heard of.
     """
-    names = tuple(
+    joints = urdf_joints(path)
+    names = joints if forks else _trunk(joints) or joints
+    found = tuple(
         name
-        for name, joint in urdf_joints(path).items()
-        if joint.get("type") != FIXED and joint.find("mimic") is None and name in heard
+        for name in names
+        if joints[name].get("type") != FIXED
+        and joints[name].find("mimic") is None
+        and name in heard
     )
-    if not names:
+    if not found:
         raise ModelError(f"{path}: none of its joints is heard of; heard: {', '.join(heard)}")
-    return names
+    return found
+
+
+def _trunk(joints: dict[str, Element]) -> list[str]:
+    """Return the joints that move, from the base to the first link from which two ways move on."""
+    ways: dict[str, list[str]] = {}
+    for name, joint in reversed(joints.items()):
+        parent, child = joint_ends(joint)
+        if joint.get("type") != FIXED or child in ways:
+            ways.setdefault(parent, []).append(name)
+    children = {joint_ends(joint)[1] for joint in joints.values()}
+    link = next((one for one in ways if one not in children), "")
+    found: list[str] = []
+    while len(ways.get(link, ())) == 1:
+        (name,) = ways.pop(link)
+        if joints[name].get("type") != FIXED:
+            found.append(name)
+        link = joint_ends(joints[name])[1]
+    return found
 
 
 def file_names(path: Path) -> tuple[str, ...]:

@@ -3,7 +3,15 @@
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Suspect
+from lagrangian_ff.diagnosis.excite import (
+    Between,
+    Design,
+    Everything,
+    For,
+    Parameters,
+    Question,
+    Suspect,
+)
 from lagrangian_ff.diagnosis.excite.assumed import Key
 from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
 from lagrangian_ff.diagnosis.results import Diagnosis
@@ -15,6 +23,8 @@ TWICE = 2
 MOST_EVERYTHING = 3
 NEW = 0.04
 """Share of all effects and joints that a motion shows for the first time, to be worth making."""
+LESS = 0.8
+"""Share of what a model missed of unseen motion, below which more motion taught it something."""
 HOPE = 8.0
 """Nats from which on the best candidate of a joint, beside what was found, is worth a motion. One
 that stood out was judged already: what it gains is another's."""
@@ -40,11 +50,23 @@ def next_question(
     """
     everything = Everything()
     for question in _open(found, gears or {}, denied):
-        if asked.count(question) < TWICE:
+        if _times(question, asked) < TWICE:
             return question
     if asked.count(everything) < MOST_EVERYTHING and unseen():
         return everything
-    return next((one for one in _faint(found) if asked.count(one) < TWICE), None)
+    more: list[Question] = list(_faint(found))
+    if found.failing and not found.unexplained:  # what nobody explains is why it fails, and stays
+        more.append(Parameters())
+    return next((one for one in more if _times(one, asked) < TWICE), None)
+
+
+def _times(question: Question, asked: Sequence[Question]) -> int:
+    """Return how often a question was asked, of two rivals in either order."""
+    return sum(_key(one) == _key(question) for one in asked)
+
+
+def _key(question: Question) -> tuple[type, list[str]]:
+    return type(question), sorted(map(str, question.suspects))
 
 
 def _open(
@@ -53,7 +75,7 @@ def _open(
     """Yield the questions that what was found leaves open."""
     for one in found.findings:
         suspect = Suspect(one.effect.name, one.joint)
-        if not shown_by_motion(one.effect) or suspect in denied:
+        if not _shown(one.effect.name) or suspect in denied:
             continue
         gear = gears.get(one.joint)
         rivals = sorted(filter(_shown, one.rivals), key=lambda name: -weight(name, gear))
@@ -73,7 +95,9 @@ def _faint(found: Diagnosis) -> Iterator[Question]:
             looked.add(ranked.joint)
             yield For(Suspect(ranked.name, ranked.joint))
     # More of what is there only sharpens its parameters, until the error falls.
-    there = [one for one in found.findings if one.useless and not one.rivals]
+    there = [
+        one for one in found.findings if one.useless and not one.rivals and _shown(one.effect.name)
+    ]
     yield from (For(Suspect(one.effect.name, one.joint)) for one in there)
 
 
@@ -96,6 +120,8 @@ def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool
         return sum(new) >= NEW * len(gains)
     if isinstance(question, Between):
         return TWICE * nats >= limits.rival_nats
+    if isinstance(question, Parameters):
+        return True
     assert isinstance(question, For)
     wanted = question.suspect.effect, question.suspect.joint
     if wanted in [(one.effect.name, one.joint) for one in found.findings]:
@@ -104,11 +130,15 @@ def promising(found: Diagnosis, made: Design, seen: Mapping[Key, float]) -> bool
 
 
 def denies(question: Question, before: Diagnosis, after: Diagnosis) -> bool:
-    """Return whether a motion made for an effect says no: all motions with it show no more of it.
+    """Return whether a motion brought nothing of what it was made for, so that another will not.
+
+    All motions with it show no more of the effect; or the model misses hardly less.
 
     Args:
         before, after: of all motions without it and with it.
     """
+    if isinstance(question, Parameters):
+        return sum(after.failing.values()) > LESS * sum(before.failing.values())
     if not isinstance(question, For):
         return False
     return _evidence(after, question.suspect) <= _evidence(before, question.suspect)

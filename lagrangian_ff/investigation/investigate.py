@@ -1,14 +1,15 @@
 """The loop that closes itself: move, identify, diagnose, design the next motion, until it ends."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
-from lagrangian_ff.diagnosis import apply, diagnose, thresholds, with_consequences
+from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
     Design,
     Everything,
     For,
+    Parameters,
     Question,
     Reference,
     Suspect,
@@ -16,20 +17,13 @@ from lagrangian_ff.diagnosis.excite import (
     limits_of,
 )
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, Key
-from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.diagnosis.proposing import Proposals
 from lagrangian_ff.errors import ModelError, UserError
-from lagrangian_ff.identification import Model, Settings, identify
+from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.identification.settings import usual_model
 from lagrangian_ff.investigation.asking import TWICE, denies, next_question, promising, unsettled
-from lagrangian_ff.investigation.motions import (
-    SHORTEST,
-    Named,
-    both,
-    first_motion,
-    for_design,
-    size_of,
-)
+from lagrangian_ff.investigation.looking import Look, Looking
+from lagrangian_ff.investigation.motions import SHORTEST, both, first_motion, for_design, size_of
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
 from lagrangian_ff.investigation.story import (
     Asked,
@@ -41,37 +35,13 @@ from lagrangian_ff.investigation.story import (
     answered,
     asked,
 )
-from lagrangian_ff.investigation.stretches import closely, learned_and_unseen
-from lagrangian_ff.investigation.unlisted import take_in
+from lagrangian_ff.investigation.unlisted import Unlisted, take_in
 from lagrangian_ff.kernels.threads import one_blas_thread
 from lagrangian_ff.progress import Progress, part, silent
-from lagrangian_ff.recording import Motion, Recording, concatenate, condition_alike
+from lagrangian_ff.recording import Motion, concatenate
 
 MOST = 0.9
 """Share of the time that is left, for which a motion is designed: limits may make it longer."""
-
-
-@dataclass(frozen=True)
-class _Look:
-    """A model of all motions so far, and what it lacks.
-
-    Attributes:
-        base: the model that was diagnosed.  diagnosis: of that model.
-        model: `base` with what is confirmed.
-        used: s of motion so far.
-        made: the models that motions were designed with; `for_design` fits none of them twice.
-    """
-
-    base: Model
-    diagnosis: Diagnosis
-    model: Model
-    used: float
-    made: dict[tuple[Named, ...], Model] = field(default_factory=dict)
-
-    @property
-    def found(self) -> tuple[Term, ...]:
-        """Return the effects that were confirmed."""
-        return self.model.basis.terms[len(self.base.basis.terms) :]
 
 
 def investigate(
@@ -87,7 +57,7 @@ def investigate(
     stretch of a motion is learned from and searched, the rest confirms. What is left open is the
     next question, and the motion that decides it is designed within what was permitted. What no
     effect fits in the end is taken in as a curve if that lowers the error, and formulas are
-    proposed for it.
+    proposed for it; one that unseen motion confirms is added, and what is left is looked at again.
 
     Args:
         permit: is asked before the first motion and before each larger range.
@@ -117,15 +87,16 @@ class _Story:
         self._listen, self._asked = listen, Asked("", 0.0)
         self._start = rig.pose() if plan.start is None else plan.start
         self._limits = plan.limits
-        self._recordings: list[Recording] = []
-        self._conditioning = plan.conditioning
+        self._looking = Looking(rig.joints, plan.model, plan.conditioning, self._say)
         self._motions: list[tuple[Question | None, Reference, Design | None]] = []
-        self._looks: list[_Look] = []
+        self._looks: list[Look] = []
         self._assumed: Assumed | None = None
         self._denied: list[Suspect] = []
         self._passed_over: list[PassedOver] = []
-        self._first_motions = self._known = 0
+        self._first_motions = 0
         self._used = 0.0
+        self._leaves: tuple[Look, Unlisted | None] | None = None
+        self._proposed: dict[str, Proposals] = {}
 
     @property
     def knows(self) -> bool:
@@ -150,10 +121,13 @@ class _Story:
             )
             self._move(motion, None, None)
             self._first_motions += 1
-        look = self._look()
+        look = self._looked()
         questions: list[Question] = []
         while True:
             question = self._next(look, questions)
+            if self._named(question):
+                look = self._looks[-1]
+                continue
             if question is None:
                 return Ended.NOTHING_LEFT, Ended.NOTHING_LEFT.value
             seconds = min(self._plan.each, self._left)
@@ -176,7 +150,7 @@ class _Story:
             if float(made.reference.time[-1]) > self._left:
                 return Ended.BUDGET, Ended.BUDGET.value
             self._move(made.reference, question, made)
-            before, look = look, self._look()
+            before, look = look, self._looked()
             if denies(question, before.diagnosis, look.diagnosis):
                 questions.append(question)
                 if isinstance(question, For) and made.nats >= thresholds.USED.floor:
@@ -184,39 +158,81 @@ class _Story:
 
     def told(self, ended: Ended, words: str) -> Investigation:
         """Return the story so far, all models judged on the same unseen motion."""
-        turns: list[Turn] = []
-        before: tuple[dict[str, float], float] = ({}, 0.0)
-        if self._looks:
-            _, unseen = self._parts()
-            # The first motions are looked at together: they are one turn.
-            moved = self._motions[self._first_motions - 1 :]
-            before, used = _errors(self._looks[-1].base, unseen), 0.0
-            for (question, motion, made), look in zip(moved, self._looks, strict=False):
-                errors, total = _errors(look.model, unseen)
-                known = look.diagnosis, look.model, errors, total
-                turns.append(Turn(question, motion, look.used - used, made, *known))
-                used = look.used
-        left = self._left_open()
-        found = Investigation(
-            self._rig.joints, tuple(turns), ended, words, self._used, *before, left
-        )
-        if ended is Ended.STOPPED or not turns or not self._plan.unlisted:
-            return found
-        try:
-            return self._with_unlisted(found)
-        except StoppedError as error:  # what is known is kept
-            return replace(found, ended=Ended.STOPPED, words=str(error))
+        # What came after the last look could not be read, or was not looked at before a stop.
+        del self._looking.recordings[max(0, self._first_motions + len(self._looks) - 1) :]
+        if ended is Ended.BUDGET:
+            try:
+                self._named(None)
+            except UserError as error:  # what is known is kept
+                ended, words = Ended.STOPPED, str(error)
+        turns, before = self._turns()
+        over, used = self._left_open(), self._used
+        found = Investigation(self._rig.joints, turns, ended, words, used, *before, over)
+        return self._with_unlisted(found) if turns and self._plan.unlisted else found
+
+    def _turns(self) -> tuple[tuple[Turn, ...], tuple[dict[str, float], float]]:
+        """Return the turns, and the errors of the last model without what was found."""
+        if not self._looks:
+            return (), ({}, 0.0)
+        _, unseen = self._looking.parts()
+        turns, used = list[Turn](), 0.0
+        # The first motions are looked at together: they are one turn.
+        moved = self._motions[self._first_motions - 1 :]
+        for (question, motion, made), look in zip(moved, self._looks, strict=False):
+            errors, total = _errors(look.model, unseen)
+            known = look.diagnosis, look.model, look.answer, errors, total
+            turns.append(Turn(question, motion, look.used - used, made, *known))
+            used = look.used
+        return tuple(turns), _errors(self._looks[-1].base, unseen)
 
     def _with_unlisted(self, found: Investigation) -> Investigation:
-        """Return the story with what no effect fits, as curves and formulas."""
-        learned, unseen = self._parts()
-        self._say("looking at what no effect fits")
-        with one_blas_thread():
-            left = take_in(self._looks[-1].diagnosis, learned, unseen)
-        if left is None:
+        """Return the story with what no effect fits: formulas that were added, and the rest."""
+        left: Unlisted | None = None
+        if found.ended is not Ended.STOPPED:
+            try:
+                left = self._taken_in()
+            except UserError as error:  # what is known is kept
+                found = replace(found, ended=Ended.STOPPED, words=str(error))
+        added = tuple(self._proposed.values())
+        if left is None and not added:
             return found
-        errors, total = _errors(left.model, unseen)
+        left = (left or Unlisted((), (), found.turns[-1].model, ())).beside(added)
+        errors, total = _errors(left.model, self._looking.parts()[1])
         return replace(found, unlisted=left, errors=errors, total=total)
+
+    def _taken_in(self) -> Unlisted | None:
+        """Return what no effect fits at the last look."""
+        last = self._looks[-1]
+        if self._leaves is None or self._leaves[0] is not last:
+            learned, unseen = self._looking.parts()
+            self._say("looking at what no effect fits")
+            with one_blas_thread():
+                self._leaves = last, take_in(last.diagnosis, learned, unseen)
+        return self._leaves[1]
+
+    def _named(self, question: Question | None) -> bool:
+        """Look again with formulas that are confirmed for what no effect fits, if there are any.
+
+        What no effect fits hides the rest, and pulls the model: it is named as soon as possible.
+        Where not even its coordinate is known, that waits until no other question is left.
+
+        Args:
+            question: to be asked next; None for none.
+        """
+        *before, last = self._looks
+        ripe = last.diagnosis.unexplained or question is None or isinstance(question, Parameters)
+        left = self._taken_in() if self._plan.unlisted and ripe else None
+        if left is None:
+            return False
+        names = self._rig.joints
+        new = [term for term in left.terms if names[term.joint] not in self._proposed]
+        if not new:
+            return False
+        for term in new:
+            joint = names[term.joint]
+            self._proposed[joint] = next(one for one in left.proposals if one.joint == joint)
+        self._looks = [*before, self._look(before, (*last.found, *new))]
+        return True
 
     def _pass_over(self, question: Question, expected: float | None) -> None:
         others = [one for one in self._passed_over if one.question != question]
@@ -256,46 +272,31 @@ class _Story:
         self._asked = Asked(asked(question), seconds, made.nats if made else None)
         self._listen(self._asked)
         known = self._looks[-1].model if self._looks else None
-        self._recordings.append(self._rig.run(motion, known, here))
+        self._looking.recordings.append(self._rig.run(motion, known, here))
         self._motions.append((question, motion, made))
         self._used += seconds
 
-    def _look(self) -> _Look:
-        learned, unseen = self._parts()
-        base, found = self._diagnosed(learned, unseen)
-        if (lag := found.lag) is not None:
-            self._conditioning = lag.applied(self._conditioning)
-            learned, unseen = self._parts()
-            base, found = self._diagnosed(learned, unseen)
-            found = replace(found, lag=lag)
-        with one_blas_thread():
-            found = with_consequences(found, confirmed_only=True)
-        self._known = len(learned)
-        look, self._assumed = _Look(base, found, apply(found), self._used), None
-        self._looks.append(look)
-        names = tuple(one.name for one, _ in found.tried)
-        answer = answered(self._motions[-1][0], found)
-        self._listen(replace(self._asked, answer=answer, confirmed=names))
-        return look
+    def _looked(self) -> Look:
+        """Look at all motions so far, and return what is seen."""
+        known = self._looks[-1].found if self._looks else ()
+        self._looks.append(self._look(self._looks, known))
+        return self._looks[-1]
 
-    def _diagnosed(
-        self, learned: Sequence[Motion], unseen: Sequence[Motion]
-    ) -> tuple[Model, Diagnosis]:
-        """Return a model of what is learned from, and what it lacks."""
-        self._say("identifying a model")
-        name = self._plan.model or usual_model(self._plan.conditioning.effort)
-        base = identify(learned, Settings(model=name, train=1.0)).model
-        self._say("looking for what is missing")
-        with one_blas_thread():
-            found = diagnose(
-                base,
-                self._newest_closely(learned),
-                self._newest_closely(unseen),
-                known=self._looks[-1].found if self._looks else (),
-            )
-        return base, found
+    def _look(self, before: Sequence[Look], known: Sequence[Term]) -> Look:
+        """Return a look at all motions so far, and tell the answer.
 
-    def _next(self, look: _Look, asked_before: Sequence[Question]) -> Question | None:
+        Args:
+            before: the looks at fewer motions.
+            known: what is taken to be there, unless these motions are against it.
+        """
+        last = before[-1] if before else None
+        look = self._looking.look(known, last.stretches if last else 0)
+        answer = answered(self._motions[-1][0], look.diagnosis, last.confirmed if last else ())
+        self._assumed = None
+        self._listen(replace(self._asked, answer=answer, confirmed=look.confirmed))
+        return replace(look, answer=answer, used=self._used)
+
+    def _next(self, look: Look, asked_before: Sequence[Question]) -> Question | None:
         def unseen() -> bool:
             with one_blas_thread():
                 self._assumed = Assumed.of(for_design(look.diagnosis, Everything(), look.made))
@@ -304,7 +305,7 @@ class _Story:
         gears = self._plan.gears
         return next_question(look.diagnosis, unseen, asked_before, gears, self._denied)
 
-    def _designed(self, look: _Look, question: Question, seconds: float) -> Design:
+    def _designed(self, look: Look, question: Question, seconds: float) -> Design:
         self._say(f"designing a motion: {asked(question)}")
         model = for_design(look.diagnosis, question, look.made)
         every = isinstance(question, Everything)
@@ -319,19 +320,6 @@ class _Story:
             assumed=self._assumed if every else None,
             seed=self._plan.seed + len(self._motions),
         )
-
-    def _parts(self) -> tuple[list[Motion], list[Motion]]:
-        """Return what is learned from and searched of each motion, and what is not."""
-        motions = condition_alike(self._recordings, self._conditioning)
-        return learned_and_unseen([motion.select(self._rig.joints) for motion in motions])
-
-    def _newest_closely(self, stretches: Sequence[Motion]) -> list[Motion]:
-        """Return the stretches; those since the last look, for a question, are looked at closely.
-
-        They would drown in all that came before.
-        """
-        new = stretches[self._known :]
-        return [*stretches[: self._known], *(closely(one) for one in new)]
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)

@@ -1,17 +1,26 @@
 """What an investigation did and found, turn by turn."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from lagrangian_ff.diagnosis import verdict
-from lagrangian_ff.diagnosis.excite import Between, Design, Everything, For, Question, Reference
+from lagrangian_ff.diagnosis.excite import (
+    Between,
+    Design,
+    Everything,
+    For,
+    Parameters,
+    Question,
+    Reference,
+)
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Unexplained
+from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation.unlisted import Unlisted
 from lagrangian_ff.record_json import finite
-from lagrangian_ff.words import sentence, spoken
+from lagrangian_ff.words import listed, sentence, spoken
 
 
 class Ended(str, Enum):
@@ -80,6 +89,7 @@ class Turn:
         design: how it was found; None for a motion of a kind.
         diagnosis: of all motions so far, with consequences.
         model: with all that is confirmed.
+        answer: to the question, and the verdict of the diagnosis, in words.
         errors: by joint, N·m rms of that model on the part of all motions of the investigation that
             no model learned from; so that turns compare.
         total: the same over all joints.
@@ -91,6 +101,7 @@ class Turn:
     design: Design | None
     diagnosis: Diagnosis
     model: Model
+    answer: str
     errors: Mapping[str, float]
     total: float
 
@@ -98,11 +109,6 @@ class Turn:
     def asked(self) -> str:
         """Return the question in words."""
         return asked(self.question)
-
-    @property
-    def answer(self) -> str:
-        """Return the answer to the question, and the verdict of the diagnosis, in words."""
-        return answered(self.question, self.diagnosis)
 
     @property
     def confirmed(self) -> tuple[Finding, ...]:
@@ -116,7 +122,7 @@ class Turn:
 
     @property
     def gained(self) -> float | None:
-        """Return the log Bayes factor of what was asked for; None if that was not found."""
+        """Return the nats for what was asked for, of all motions; None if it was not found."""
         suspects = of_question(self.question)
         for one in self.diagnosis.findings:
             if (one.effect.name, one.joint) in suspects:
@@ -169,6 +175,35 @@ class Investigation:
     def confirmed(self) -> tuple[Finding, ...]:
         """Return what is confirmed in the end."""
         return self.turns[-1].confirmed if self.turns else ()
+
+    @property
+    def formulas(self) -> tuple[Finding, ...]:
+        """Return those that were proposed here, for what no effect of the catalogue fits."""
+        return tuple(one for one in self.confirmed if one.effect.name not in EFFECTS)
+
+    @property
+    def left(self) -> tuple[str, ...]:
+        """Return what is unexplained, not confirmed or not asked in the end, in sentences."""
+        if not self.turns:
+            return ()
+        last, curves = self.turns[-1].diagnosis, {one.joint for one in self.curves}
+        return (
+            *(
+                f"On {one.joint} something is left that depends on {one.coordinate}: "
+                + (
+                    "the model holds it as a curve."
+                    if one.joint in curves
+                    else "a curve does not lower the error."
+                )
+                for one in last.unexplained
+            ),
+            *(
+                sentence(f"{spoken(one.name)} is no more than {one.said}")
+                for one in last.findings
+                if not one.confirmed
+            ),
+            *(one.said for one in self.passed_over),
+        )
 
     def record(self) -> dict[str, Any]:
         """Return the story for JSON."""
@@ -227,18 +262,28 @@ def of_question(question: Question | None) -> tuple[tuple[str, str], ...]:
     return ()
 
 
-def answered(question: Question | None, found: Diagnosis) -> str:
-    """Return the answer to a question, and the verdict of the diagnosis, in words."""
-    direct, said = _direct(question, found), verdict(found)
+def answered(question: Question | None, found: Diagnosis, known: Collection[str] = ()) -> str:
+    """Return the answer to a question, and the verdict of the diagnosis, in words.
+
+    Args:
+        known: names of what was confirmed before the question.
+    """
+    direct, said = _direct(question, found, known), verdict(found)
     return f"{direct} {sentence(said)}" if direct else said
 
 
-def _direct(question: Question | None, found: Diagnosis) -> str:
+def _direct(question: Question | None, found: Diagnosis, known: Collection[str]) -> str:
     """Return what became of the effects that a question names, in words."""
     suspects = of_question(question)
     several = len(suspects) > 1
     of_them = [one for one in found.findings if (one.effect.name, one.joint) in suspects]
-    added = {one.name for one, _ in found.tried}
+    added = [one.name for one, _ in found.tried]
+    if isinstance(question, Everything):
+        new = [spoken(name) for name in added if name not in known]
+        return f"New: {listed(new)}." if new else "Nothing new is confirmed."
+    if isinstance(question, Parameters):
+        still = [f"{error:.2g} N·m on {joint}" for joint, error in found.failing.items()]
+        return f"The model still misses {listed(still)}." if still else "The model knows it now."
     for one in of_them:
         if one.name in added:
             return f"It is {spoken(one.name)}." if several else "Yes."
@@ -261,4 +306,6 @@ def asked(question: Question | None) -> str:
         return f"Is it {spoken(first.effect)} or {spoken(second.effect)} on {first.joint}?"
     if isinstance(question, Everything):
         return "What else is there, that the motions so far do not show?"
+    if isinstance(question, Parameters):
+        return "How heavy is the arm? The model fails on unseen motion."
     return "What does the arm do?"

@@ -1,19 +1,24 @@
 """Physics that nobody listed: taken in as curves, and formulas proposed for it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from lagrangian_ff.diagnosis import apply, with_consequences
 from lagrangian_ff.diagnosis.proposing import Proposals, proposals_record, propose
-from lagrangian_ff.diagnosis.results import Diagnosis, Remainder, Unexplained
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Remainder, Unexplained
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
+from lagrangian_ff.identification.basis import Term
 from lagrangian_ff.progress import Progress, part, silent
 from lagrangian_ff.recording import Motion
 
 MOST = 2
 """Joints for which formulas are proposed, those with the largest torque first."""
+AS_GOOD = 1.05
+"""Share of the error with a curve, on unseen motion, up to which a formula takes its place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +38,37 @@ class Unlisted:
     proposals: tuple[Proposals, ...]
 
     @property
+    def terms(self) -> tuple[Term, ...]:
+        """Return the formulas that unseen motion confirms, one a joint, to be taken into a model.
+
+        Where a curve fits the joint clearly better, its formula stays a proposal.
+        """
+        first = (_confirmed(found) for found in self.proposals)
+        joints = self.model.joints
+        return tuple(
+            Term(one.effect, joints.index(one.joint), one.shape) for one in first if one is not None
+        )
+
+    @property
     def effects(self) -> list[dict[str, Any]]:
-        """Return the formulas as a file of effects holds them."""
-        return [one.record() for found in self.proposals for one in found.proposals]
+        """Return the formulas as a file of effects holds them.
+
+        What is proposed for two joints is one of them, with ranges for both.
+        """
+        held: dict[str, dict[str, Any]] = {}
+        for found in self.proposals:
+            for one in found.proposals:
+                made = one.record()
+                shapes = held.get(one.name, made)["shapes"]
+                both = {name: _both(shapes[name], own) for name, own in made["shapes"].items()}
+                held[one.name] = {**held.get(one.name, made), "shapes": both}
+        return list(held.values())
+
+    def beside(self, earlier: Sequence[Proposals]) -> "Unlisted":
+        """Return the same with formulas that the model has by now, of other joints or replaced."""
+        new = {found.joint for found in self.proposals}
+        kept = tuple(found for found in earlier if found.joint not in new)
+        return replace(self, proposals=(*kept, *self.proposals))
 
     def record(self) -> dict[str, Any]:
         """Return it for JSON."""
@@ -52,6 +85,22 @@ class Unlisted:
             ],
             "proposals": [proposals_record(one) for one in self.proposals],
         }
+
+
+def _confirmed(found: Proposals) -> Finding | None:
+    """Return the best formula that is confirmed, and as good as the curve in its place."""
+    for one in found.proposals:
+        made = one.finding.consequence
+        if one.finding.confirmed and made is not None:
+            bound = np.inf if found.curve_error is None else AS_GOOD * found.curve_error
+            return one.finding if made.whole_after <= bound else None
+    return None
+
+
+def _both(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
+    """Return the range of a shape, as JSON holds it, that holds two."""
+    low, high, steps = min(first[0], second[0]), max(first[1], second[1]), max(first[2], second[2])
+    return [low, high, steps, *first[3:]]
 
 
 def take_in(

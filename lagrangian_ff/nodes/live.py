@@ -199,6 +199,7 @@ class LiveNode(ClosingNode):
             "adopt": lambda number, asked: self._sender.adopt(
                 str(asked["file"]), str(asked["topic"]), np.array(asked["from"]), int(asked["at"])
             ),
+            "takes": lambda number, asked: {"joints": self._sender.takes(str(asked["topic"]))},
             "pose": lambda number, asked: {"q": self._poses.standing(asked["joints"]).tolist()},
         }
         self.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, 100)

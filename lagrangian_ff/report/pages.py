@@ -93,10 +93,12 @@ def investigation_page(path: str | PathLike[str], story: "Investigation") -> Pat
         still = story.ended is Ended.REFUSED
         title = "The arm did not move" if still else "It ended before anything was known"
     elif not found:
-        last = story.turns[-1].diagnosis
+        last, last_errors = story.turns[-1].diagnosis, story.turns[-1].errors
         title = "Nothing is missing that these motions can show"
         if story.curves:
-            title = "Something that nobody listed, held as a curve"
+            joint = story.curves[0].joint
+            fall = f"{typeset(last_errors[joint])} → {typeset(story.errors[joint])} N·m"
+            title = f"A torque of {joint} that nobody listed, held as a curve: {fall} unseen"
         elif last.found or last.unexplained:
             title = "Something may be missing; these motions confirm nothing"
     else:
@@ -223,6 +225,14 @@ def _of_comparison(make: "Make[Localisation]") -> "Make[DiagnosisRun]":
     return lambda run: make(run.where) if run.where else None
 
 
+def _evidence(run: "DiagnosisRun") -> Section | None:
+    return evidence_section(run.diagnosis)
+
+
+def _evidence_in_the_end(story: "Investigation") -> Section | None:
+    return evidence_section(story.turns[-1].diagnosis) if story.turns else None
+
+
 def _joints_of_diagnosis(run: "DiagnosisRun") -> Section | None:
     """Return the panels of all joints, that of the first finding on top."""
     if run.where is None:
@@ -241,7 +251,7 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
     changed_section,
     touched_section,
     _of_comparison(regions_section),
-    evidence_section,
+    _evidence,
     ranking_section,
     fall_section,
     usual_section,
@@ -254,6 +264,7 @@ DIAGNOSE: "list[Make[DiagnosisRun]]" = [
 INVESTIGATION: "list[Make[Investigation]]" = [
     turns_section,
     staircase_section,
+    _evidence_in_the_end,
     unlisted_section,
     ended_section,
 ]

@@ -205,8 +205,8 @@ def _bump(q: Floats, centre: float, width: float) -> Floats:
     return np.asarray(np.exp(-(((q - centre) / width) ** 2)))
 
 
-PLACE: dict[str, Range] = {"c": (1.0, 4.0, 60), "w": (0.03, 1.5, 10)}
-"""Ranges of a place c, as q + 2.5, and of a width."""
+PLACE: dict[str, Range] = {"c": (-1.5, 1.5, 60), "w": (0.03, 1.5, 10)}
+"""Ranges of a place and of a width."""
 CASES = (
     Strange("cubic drag", 1, "A*qd^3", {}, ("velocity",), False,
             ("formula_friction_power_velocity",), _own(lambda q, v: v**3)),
@@ -221,11 +221,11 @@ CASES = (
             _own(lambda q, v: np.tanh(v / 0.02) * np.log1p(np.abs(v) / 0.05))),
     Strange("detent", 4, "A*cos(n*q)+B*sin(n*q)", {"n": (5.0, 11.0, 60)}, ("position",), False,
             ("formula_wave_position",), _own(lambda q, v: np.sin(7.5 * q + 0.4))),
-    Strange("soft stop", 1, "A*(q+2.5-c+abs(q+2.5-c))", {"c": (1.0, 4.0, 60)}, ("position",), False,
+    Strange("soft stop", 1, "A*(q-c+abs(q-c))", {"c": (-1.5, 1.5, 60)}, ("position",), False,
             ("formula_upper_stop_position",), _own(lambda q, v: np.maximum(q - 0.4, 0.0))),
     Strange("hardening cable", 3, "A*exp(q/w)", {"w": (0.05, 3.0, 12)}, ("position",), False,
             ("formula_growth_position",), _own(lambda q, v: np.exp(q / 0.3))),
-    Strange("dry spot in grease", 0, "A*qd*exp(-((q+2.5-c)/w)^2)", PLACE,
+    Strange("dry spot in grease", 0, "A*qd*exp(-((q-c)/w)^2)", PLACE,
             ("position", "velocity"), False, ("formula_viscous_bump_position",),
             _own(lambda q, v: v * _bump(q, 0.3, 0.35))),
     Strange("wave of dry friction", 2, "A*sign(qd)*cos(n*q)+B*sign(qd)*sin(n*q)",
@@ -239,20 +239,20 @@ CASES = (
     Strange("after a reversal", 1, "A*sign(qd)*exp(-since/s)", {"s": (0.02, 3.0, 20)},
             ("reversal",), True, ("formula_friction_decay_reversal",),
             lambda x, j: _rub(x, j) * np.exp(-x.since_reversal(j) / 0.3)),
-    Strange("pressed by another", 3, "A*sign(qd)*exp(-((q_5+2.5-c)/w)^2)", PLACE,
+    Strange("pressed by another", 3, "A*sign(qd)*exp(-((q_5-c)/w)^2)", PLACE,
             ("position@joint_5",), True, ("formula_friction_bump_position5",),
             lambda x, j: _rub(x, j) * _bump(x.q[:, 4], -0.2, 0.4)),
     Strange("hose of two joints", 2, "A*cos(n*(q-q_4))+B*sin(n*(q-q_4))", {"n": (1.0, 5.0, 40)},
             ("position", "position@joint_4"), False, ("formula_wave_position_position4",),
             lambda x, j: np.cos(2.2 * (x.q[:, j] - x.q[:, 3]) + 0.5)),
-    *(Strange(f"pitting, {JOINTS[j]}", j, "A*sign(qd)*exp(-((q+2.5-c)/w)^2)", PLACE, ("position",),
+    *(Strange(f"pitting, {JOINTS[j]}", j, "A*sign(qd)*exp(-((q-c)/w)^2)", PLACE, ("position",),
               True, ("formula_friction_bump_position",), physics="pitting") for j in (1, 4)),
     *(Strange(f"capstan, {JOINTS[j]}", j, f"A*sign(qd)*cos(1.6*(q-q_{k + 1}))"
               f"+B*sign(qd)*sin(1.6*(q-q_{k + 1}))", {},
               ("position", f"position@{JOINTS[k]}"), True,
               (f"formula_friction_wave_position_position{k + 1}",), physics="capstan")
       for j, k in ((1, 2), (3, 4))),
-    *(Strange(f"pinched, {JOINTS[j]}", j, f"A*sign(qd)*tanh((q_{k + 1}+2.5-c)/w)", PLACE,
+    *(Strange(f"pinched, {JOINTS[j]}", j, f"A*sign(qd)*tanh((q_{k + 1}-c)/w)", PLACE,
               (f"position@{JOINTS[k]}",), True, (f"formula_friction_step_position{k + 1}",),
               physics="pinched") for j, k in ((2, 3), (0, 1))),
 )  # fmt: skip

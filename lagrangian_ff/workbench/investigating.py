@@ -267,9 +267,11 @@ class Investigate:
         investigation_page(self.page, found)
         last = found.turns[-1].model if found.turns else None
         read = last.identified.conditioning if last else None
+        rest, names = found.unlisted, {one.effect.name for one in found.formulas}
+        proposals, effects = (rest.proposals, rest.effects) if rest else ((), [])
         return finite({
             **found.record(),
-            "left": _left(found),
+            "left": list(found.left),
             "pictures": [_picture(turn) for turn in found.turns],
             "models": self._models(found),
             "learned": LEARNED,
@@ -279,8 +281,10 @@ class Investigate:
             "scale": {j: v for j, v in self.scale.items() if j in found.joints},
             "proposed": {
                 one.joint: proposals_cards(one)
-                for one in (found.unlisted.proposals if found.unlisted else ())
+                for one in proposals
+                if one.joint not in {formula.joint for formula in found.formulas}
             },
+            "formulas": [one for one in effects if one["name"] in names],
         })  # fmt: skip
 
     def _models(self, found: "Investigation") -> list[Record]:
@@ -293,7 +297,9 @@ class Investigate:
         last = found.turns[-1].diagnosis
         made: list[tuple[Model, Record, Record]] = [(last.model, {}, {})]
         for one, tried in last.tried:
-            added = {"effect": one.effect.name, "joint": one.joint}
+            added: Record = {"effect": one.effect.name, "joint": one.joint}
+            if one in found.formulas:
+                added["shape"] = dict(one.shape)
             made.append((tried.model, added, for_history(one, last)))
         for rest in found.curves:
             assert rest.curve is not None
@@ -334,22 +340,6 @@ def _require_same(ready: Ready, nodes: tuple[str, ...], pose: "Floats") -> None:
         raise StoppedError("other nodes take the motions now than were named: nothing moved")
     if abs(ready.rig.pose() - pose).max() > MOVED:
         raise StoppedError("the arm has moved since it was asked: nothing moved")
-
-
-def _left(found: "Investigation") -> list[str]:
-    """Return what is left unexplained or unconfirmed, in words."""
-    if not found.turns:
-        return []
-    last = found.turns[-1].diagnosis
-    curves = {one.joint for one in found.curves}
-    texts = [
-        f"{one.joint}: something depends on {one.coordinate} that no known effect fits; "
-        + ("the model holds it as a curve" if one.joint in curves else "no curve lowers the error")
-        for one in last.unexplained
-    ]
-    texts += [f"{one.name}: {one.said}" for one in last.findings if not one.confirmed]
-    texts += [one.said for one in found.passed_over]
-    return texts
 
 
 def _picture(turn: "Turn") -> Record:

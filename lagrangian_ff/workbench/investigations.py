@@ -198,6 +198,8 @@ class Investigations:
         settings = {"model": "", "asked": "", "urdf": "", **read, "learned": story.pop("learned"),
                     "stretch": story.pop("stretch")}  # fmt: skip
         parent, made = "", []
+        for formula in story.pop("formulas"):
+            session.add_formula(formula)
         for one in models:
             added, why = one["added"], one["why"]
             title = f"+ {title_of(added)}" if added else now["title"]

@@ -62,6 +62,18 @@ def test_a_model_with_it_is_read_by_every_command(
     assert words in outcome.out
 
 
+def test_commands_to_type_next_have_it(folder: Path) -> None:
+    add = ("add", "old.npz", "pit", "--joint", "elbow", "--output", "next.npz")
+    for arguments in (add, ("compare", "model.npz", "arm.csv")):
+        outcome = run(folder, *arguments)
+        _, shown = outcome.out.split("next:")
+        (command,) = [line for line in shown.splitlines() if line.startswith("  lagrangian_ff")]
+        assert command.endswith(f" --effects-file {folder / 'mine.py'}")
+        if arguments is add:
+            followed = process(*command.split()[1:])
+            assert followed.code == 0, followed
+
+
 def test_without_the_file_the_error_names_effect_and_option(folder: Path) -> None:
     outcome = run(folder, "predict", "model.npz", "arm.csv", own=False)
     assert_refused(outcome, "model.npz", "'pit'", "--effects-file")

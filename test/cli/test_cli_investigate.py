@@ -52,6 +52,7 @@ def test_the_simulated_arm_is_investigated(
         (["--simulate", "nothing", "--minutes", "0"], "--minutes 0"),
         (["--topic", TOPIC, "--limits", "FILE", "--floor", "0"], "need --urdf"),
         (["--topic", TOPIC, "--limits", "FILE", "--output", "m.csv"], "ends in .npz"),
+        (["--topic", TOPIC, "--limits", "FILE", "--folder", "HERE"], "is not empty"),
     ],
 )
 def test_mistakes_are_said_before_anything_moves(
@@ -59,7 +60,8 @@ def test_mistakes_are_said_before_anything_moves(
 ) -> None:
     file = tmp_path / "limits.yaml"
     file.write_text(LIMITS)
-    arguments = [str(file) if one == "FILE" else one for one in given]
+    places = {"FILE": str(file), "HERE": str(tmp_path)}
+    arguments = [places.get(one, one) for one in given]
     assert main(["investigate", *arguments]) == 2
     assert words in capsys.readouterr().err
 

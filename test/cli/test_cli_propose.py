@@ -71,7 +71,12 @@ def test_a_formula_is_proposed_kept_and_added(folder: Path) -> None:
     finally:
         for name in names:
             EFFECTS.pop(name, None)
-    assert_refused(lagrangian_ff("history", better), names[0], "--effects-file")
+    # The model has the formula itself: nothing needs its file any more.
+    outcome = lagrangian_ff("history", better)
+    assert outcome.code == 0, outcome
+    outcome = lagrangian_ff("export", better, "--to", "json", "--output", folder / "better.json")
+    assert outcome.code == 0, outcome
+    assert names[0] in (folder / "better.json").read_text()
 
 
 def test_mistakes_are_said(folder: Path) -> None:

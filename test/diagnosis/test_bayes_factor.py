@@ -12,13 +12,16 @@ from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     PRIOR_SHARE,
     bayes_factors,
+    best_shape,
     log_bayes_factor_of,
+    refined,
 )
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.search.judging import evidence_without
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import chain_of
 from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.identification.problem import Nuisance
 
 _small = few_torques(1000)
@@ -55,6 +58,27 @@ def test_it_is_a_difference_of_log_evidence(clean: Whitened) -> None:
     expected = multivariate_normal.logpdf(y, cov=amplitude * gram + flat @ flat.T)
     untempered = log_bayes_factor_of(score, small, 0.0) * score.variance_inflation
     assert untempered == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("centre", [0.2, 0.25])
+def test_a_narrow_place_is_found_where_a_wide_grid_stands_beside_it(
+    clean: Whitened, centre: float
+) -> None:
+    def sore(t: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        near = np.exp(-(((q[:, 0] - centre) / 0.1) ** 2))
+        return np.outer(3.0 * np.tanh(qd[:, 0] / two_rods.WIDTH) * near, [1.0, 0.0])
+
+    spot = formula_effect(
+        "spot", "A*sign(qd)*exp(-((q-c)/w)^2)", {"c": (-1.5, 1.5, 8, "even"), "w": (0.03, 1.5, 7)}
+    )
+    sick = whitened_of(two_rods.motion(1, 30.0, hidden=sore))
+    sick = with_prior(sick, noise=clean.problem.noise, **clean.problem.kernel.hyperparameters)
+    scores = bayes_factors(sick, [Candidate(spot, 0, s) for s in spot.candidates(sick.x, 0)])
+    highest = max(scores, key=lambda one: one.log_bf)
+    assert refined(sick, highest).log_bf < 100.0  # a place far off, or wide
+    best = best_shape(sick, scores)
+    assert best.log_bf > 400.0
+    assert best.candidate.shape == pytest.approx({"c": centre, "w": 0.1}, abs=0.05)
 
 
 def test_a_candidate_that_takes_the_place_of_gravity_is_rejected(clean: Whitened) -> None:

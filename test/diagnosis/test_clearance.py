@@ -1,5 +1,6 @@
 """What touches on a path, by the shapes of a URDF; and the limits that it gives."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,18 @@ def bars(tmp_path: Path) -> Path:
 STRAIGHT = np.zeros((1, 3))
 
 
+def box_stl(path: Path, low: tuple[float, ...], high: tuple[float, ...]) -> None:
+    """Write a box as triangles."""
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    lines = ["solid box"]
+    for a, b, c, d in sides:
+        for triangle in ((a, b, c), (a, c, d)):
+            vertices = [f"vertex {x} {y} {z}" for x, y, z in corners[list(triangle)]]
+            lines += ["facet normal 0 0 0", "outer loop", *vertices, "endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid box", ""]))
+
+
 def test_links_that_fold_onto_each_other_touch(bars: Path) -> None:
     clear = Clearance.of(bars, JOINTS, STRAIGHT)
     assert clear(STRAIGHT) == ""
@@ -104,6 +117,18 @@ def test_limits_of_the_urdf_are_kept_too(bars: Path) -> None:
     assert found.tau_max is not None
     np.testing.assert_allclose(found.tau_max, 15.0)
     assert found.jerk_max is seen.jerk_max
+
+
+@pytest.mark.parametrize("name", ["../meshes/bar.stl", "package://bars_description/meshes/bar.stl"])
+def test_meshes_are_found_beside_the_file_and_in_its_package(tmp_path: Path, name: str) -> None:
+    package = tmp_path / "bars_description"
+    for folder in ("urdf", "meshes"):
+        (package / folder).mkdir(parents=True)
+    box_stl(package / "meshes" / "bar.stl", (0.05, -0.03, -0.03), (0.45, 0.03, 0.03))
+    shape = f'<collision><geometry><mesh filename="{name}"/></geometry></collision>'
+    clear = Clearance.of(urdf(package / "urdf" / "bars.urdf", shape), JOINTS, STRAIGHT)
+    assert not clear(STRAIGHT)
+    assert "hand" in clear(np.array([[0.0, 2.5, 2.5]]))
 
 
 def test_mistakes(tmp_path: Path, bars: Path) -> None:

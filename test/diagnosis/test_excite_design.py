@@ -247,6 +247,7 @@ def test_the_joint_in_question_is_also_moved_alone() -> None:
     small = way.kept(little)
     assert small is not None
     assert np.ptp(small[1][:, 1]) > 0
+    assert both.kept(little) is None  # joints that hardly move are held, and none is left
 
 
 def test_the_seed_decides() -> None:

@@ -50,6 +50,7 @@ def test_the_true_form_is_proposed_with_its_numbers(found: Proposals) -> None:
     assert after < 0.7 * before
     assert "dry friction that differs near position" in one.words
     assert one.finding.parameters["A"].unit == "N·m"
+    assert one.finding.shape == pytest.approx({"c": 0.2, "w": 0.1}, abs=0.03)
     assert found.tried > 200
 
 
@@ -112,7 +113,7 @@ def test_every_formula_of_the_grammar_is_sound_and_has_dimensions(number: int) -
     assert all("N·m" in p.unit or p.unit == "1" for p in one.effect.parameters)
     assert all(shape.unit != "SI" for shape in one.effect.shapes)
     shape = {each.name: each.start for each in one.effect.shapes}
-    assert "{" not in one.words(shape)
+    assert "{" not in one.words(shape) + one.effect.meaning
 
 
 def test_formulas_are_of_the_coordinates_that_are_allowed() -> None:

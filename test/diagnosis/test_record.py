@@ -83,6 +83,17 @@ def test_what_is_left_is_called_noise_only_if_it_is() -> None:
     assert "more than noise: 0.41 N·m on elbow (8% of its torque)" in said
 
 
+def test_a_model_that_fails_on_unseen_motion_is_not_said_to_be_done() -> None:
+    noise = diagnosis().noise
+    joints = diagnosis().model.joints
+    for times, fails in ((4.0, False), (14.0, True)):
+        missed = dict(zip(joints, noise * [1.0, times], strict=True))
+        said = verdict(diagnosis(missed=missed))
+        assert said.startswith("No effect of the catalogue is missing")
+        assert ("14 times that noise: it has not learned enough of the arm" in said) == fails
+        assert (f"N·m on {joints[1]}" in said) == fails
+
+
 def test_a_load_and_a_contact_are_said_with_their_moments() -> None:
     load = verdict(diagnosis(taken_up=taken_up()))
     assert load.startswith("From 7.0 s on the arm carries a load that the model does not know")

@@ -36,6 +36,43 @@ def test_parameters_are_factors_and_what_has_a_range_is_searched() -> None:
     check(bump)
 
 
+@pytest.mark.parametrize(
+    ("formula", "over"),
+    [
+        ("A*sin(q)", "position"),
+        ("A*qd*abs(qd)", "velocity"),
+        ("sign(qd)*A*exp(-(q/w)^2)", "position"),
+        ("sign(qd)*(A*load^2)", "load"),
+        ("A*qdd*abs(qdd)", "acceleration"),
+        ("sign(qd)*A*exp(-since/w)", "since_reversal"),
+        ("A*sin(q_2)", "position"),
+    ],
+)
+def test_it_is_drawn_over_what_its_function_is_of(formula: str, over: str) -> None:
+    shapes = {"w": (0.1, 1.0)} if "w" in formula else {}
+    assert formula_effect("mine", formula, shapes).coordinate == over
+
+
+def test_a_place_may_be_negative_and_is_searched_evenly() -> None:
+    x = trial_motion()
+    for given_range in ((-0.5, 1.0, 16), (0.1, 1.6, 16, "even"), (0.0, 1.5, 16, "even")):
+        bump = formula_effect("bump", "A*exp(-((q-c)/0.2)^2)", {"c": given_range})
+        (place,) = bump.shapes
+        grid = place.grid()
+        assert (min(grid), max(grid)) == pytest.approx((place.low, place.high))
+        gaps = np.diff(grid)
+        assert gaps.max() < 2.0 * gaps.min()
+        for value in grid:
+            assert place.value(place.logarithm(value)) == pytest.approx(value, abs=1e-12)
+        shape = {"c": grid[3]}
+        expected = np.exp(-(((x.q[:, 0] - grid[3]) / 0.2) ** 2))
+        np.testing.assert_allclose(bump.columns(x, 0, shape)[:, 0], expected, atol=1e-12)
+        check(bump)
+    (width,) = formula_effect("wave", "A*sin(w*q)", {"w": (0.1, 1.0, 5)}).shapes
+    assert not width.even
+    np.testing.assert_allclose(width.grid(), np.geomspace(0.1, 1.0, 5))
+
+
 def test_formulas_read_other_joints_and_the_time_since_a_reversal() -> None:
     x = trial_motion()
     text = "A*cos(q-q_3) + B*qd_2 + C*sign(qd)*exp(-since/T)"
@@ -96,6 +133,8 @@ def test_units_and_the_number_of_values_come_from_the_file(tmp_path: Path) -> No
         ("qd^A", {}, "not linear in A"),
         ("A*qd", {"w": (0.1, 1.0)}, "not in the formula"),
         ("A*sin(w*q)", {"w": (1.0, 0.1)}, "0 < low < high"),
+        ("A*exp(-(q/w)^2)", {"w": (0.0, 1.0)}, "0 < low < high"),
+        ("A*cos(q-c)", {"c": (0.1, 1.0, 6, "evenly")}, "expected 'even'"),
         ("__import__('os').system('true')", {}, "holds"),
         ("A*q.real", {}, "holds"),
         ("A*[x for x in q]", {}, "holds"),

@@ -163,6 +163,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, words: list[s
     [
         ('Shape("w", "s", "width", 0.0, 2.0, 1.0)', ["shape w", "0 < low"]),
         ('Shape("w", "s", "width", 0.1, 2.0, 3.0)', ["shape w", "3.0"]),
+        ('Shape("w", "s", "width", -1.0, 2.0, 3.0, even=True)', ["shape w", "3.0"]),
         ('Shape("F", "s", "width", 0.1, 2.0, 1.0)', ["different names"]),
         ('"w"', ["shapes", "tuple"]),
     ],

@@ -16,6 +16,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, Settings, extend, identify
 from lagrangian_ff.identification.storage import VERSION
@@ -97,6 +98,38 @@ def test_the_joints_of_an_added_effect_may_have_any_name(tmp_path: Path) -> None
     _, x = pendulum.states(2.0, 20.0, seed=5)
     states = x.q, x.qd, x.qdd
     np.testing.assert_array_equal(again.predict(*states), wider.predict(*states))
+
+
+def with_formula(saved: Path, tmp_path: Path) -> tuple[Model, Path]:
+    """Return a model with a formula on the elbow, and its file."""
+    wave = formula_effect("my_wave", "A*cos(n*q)+B*q_1", {"n": (2.0, 9.0)}, units={"A": "N·m"})
+    wider = extend(Model.load(saved), wave, "elbow").model
+    wider.save(tmp_path / "wider.npz")
+    return wider, tmp_path / "wider.npz"
+
+
+def test_a_formula_needs_no_other_file(saved: Path, tmp_path: Path) -> None:
+    wider, file = with_formula(saved, tmp_path)
+    assert "my_wave" not in EFFECTS
+    again = Model.load(file)
+    _, x = pendulum.states(2.0, 20.0, seed=5)
+    states = x.q, x.qd, x.qdd
+    np.testing.assert_array_equal(again.predict(*states), wider.predict(*states))
+    *_, term = again.basis.terms
+    assert (term.effect.name, term.effect.formula) == ("my_wave", "A*cos(n*q)+B*q_1")
+    assert [one.unit for one in term.effect.parameters] == ["N·m", "SI"]
+
+
+@pytest.mark.parametrize(
+    "formula", [3, {}, {"name": "my_wave", "formula": "q"}, {"name": "../x", "formula": "A*q"}]
+)
+def test_a_formula_that_is_none_is_a_damage(saved: Path, tmp_path: Path, formula: object) -> None:
+    def damage(content: dict[str, Any]) -> None:
+        content["header"]["basis"][-1]["formula"] = formula
+
+    _, file = with_formula(saved, tmp_path)
+    with pytest.raises(ModelError, match="is damaged"):
+        Model.load(rewrite(file, tmp_path / "strange.npz", damage))
 
 
 def test_a_kernel_that_is_not_known_is_named(saved: Path, tmp_path: Path) -> None:

@@ -39,6 +39,7 @@ class PendulumRig:
         rough: N·m of friction that is a wave over the elbow's position, as no known effect is.
         late: s by which torques are reported late.
         last: number of the motion in which it is stopped; 0 for none.
+        stuck: number of the motion that it does not do; 0 for none.
         moved: the motions that were done.
     """
 
@@ -46,6 +47,7 @@ class PendulumRig:
     rough: float = 0.0
     late: float = 0.0
     last: int = 0
+    stuck: int = 0
     joints: tuple[str, ...] = pendulum.JOINTS
     moved: list[Reference] = field(default_factory=list)
 
@@ -57,6 +59,10 @@ class PendulumRig:
         if len(self.moved) + 1 == self.last:
             raise StoppedError("somebody stopped it")
         self.moved.append(motion)
+        if len(self.moved) == self.stuck:
+            motion = motion._replace(
+                q=0 * motion.q + motion.q[0], qd=0 * motion.qd, qdd=0 * motion.qdd
+            )
         x = States.of(motion.q, motion.qd, motion.qdd)
         tau = pendulum.rigid_torque(x) + pendulum.friction_torque(x)
         tau[:, 1] += self.drag * x.qd[:, 1] * np.abs(x.qd[:, 1])

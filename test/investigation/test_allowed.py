@@ -7,7 +7,13 @@ import pytest
 
 from lagrangian_ff.arm.description import JOINTS, URDF, limits
 from lagrangian_ff.errors import UserError
-from lagrangian_ff.investigation.allowed import UNTIL_FAST, allowed, file_names, urdf_names
+from lagrangian_ff.investigation.allowed import (
+    UNTIL_FAST,
+    allowed,
+    arm_names,
+    file_names,
+    urdf_names,
+)
 
 FILE = """
 joint_limits:
@@ -67,6 +73,45 @@ def test_the_joints_of_a_urdf_go_from_the_base_to_the_tool(tmp_path: Path) -> No
     assert urdf_names(path, ["second", "first"]) == ("first", "second")
     found = allowed(("first", "second"), path)
     assert found.q_high[1] == pytest.approx(np.pi - INSIDE * 2 * np.pi)
+
+
+def forked(path: Path, kinds: dict[str, tuple[str, str, str]]) -> Path:
+    """Write a URDF of joints, each with its type and the links that it is between."""
+    links = {link for _, *ends in kinds.values() for link in ends}
+    parts = [f'<link name="{link}"/>' for link in sorted(links)]
+    parts += [
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{child}"/></joint>'
+        for name, (kind, parent, child) in kinds.items()
+    ]
+    path.write_text(f'<robot name="r">{"".join(parts)}</robot>')
+    return path
+
+
+HAND = {
+    "left": ("prismatic", "hand", "l"),
+    "right": ("prismatic", "hand", "r"),
+    "camera": ("fixed", "wrist", "c"),
+    "flange": ("fixed", "wrist", "hand"),
+    "two": ("revolute", "upper", "wrist"),
+    "one": ("revolute", "base", "upper"),
+    "mount": ("fixed", "world", "base"),
+}
+
+
+def test_fingers_are_no_joints_of_the_arm(tmp_path: Path, file: Path) -> None:
+    hand, heard = forked(tmp_path / "hand.urdf", HAND), [*HAND][::-1]
+    assert urdf_names(hand, heard) == ("one", "two")
+    assert urdf_names(hand, heard, forks=True) == ("one", "two", "left", "right")
+    cart = {"wheel": ("continuous", "base", "w"), "turn": ("revolute", "base", "a")}
+    rolling = forked(tmp_path / "cart.urdf", cart)
+    assert urdf_names(rolling, [*cart]) == ("wheel", "turn"), "it forks at its base"
+    assert arm_names(heard, (), hand, None) == ("one", "two")
+    assert arm_names(heard, ("left", "two"), hand, None) == ("two", "left")
+    assert arm_names(heard, ("joint_1",), hand, file) == ("joint_1",)
+    assert arm_names(heard, (), hand, file) == file_names(file)
+    with pytest.raises(UserError, match=r"takes none of its joints: track"):
+        arm_names(heard, ("track",), hand, None)
 
 
 @pytest.mark.parametrize(

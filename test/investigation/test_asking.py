@@ -13,12 +13,14 @@ from lagrangian_ff.diagnosis.excite import (
     Everything,
     Expected,
     For,
+    Parameters,
     Question,
     Reference,
     Suspect,
 )
-from lagrangian_ff.diagnosis.results import Diagnosis, Ranked
+from lagrangian_ff.diagnosis.results import Diagnosis, Ranked, Unexplained
 from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.investigation import next_question
 from lagrangian_ff.investigation.asking import (
     HOPE,
@@ -110,6 +112,37 @@ def test_one_question_is_asked_twice_at_most() -> None:
     found = diagnosis(findings=(finding(doubt=doubt()),))
     assert asked(found, (STRIBECK,)) == STRIBECK
     assert asked(found, (STRIBECK,) * TWICE) is None
+
+
+def test_two_rivals_are_one_question_in_either_order() -> None:
+    one, other = Suspect("spring", "elbow"), Suspect("ripple", "elbow")
+    found = diagnosis(findings=(finding("spring", rivals=("ripple",)),))
+    assert asked(found, (Between(other, one),)) == Between(one, other)
+    assert asked(found, (Between(other, one), Between(one, other))) is None
+
+
+def test_a_model_that_fails_on_unseen_motion_is_taught_the_arm_last() -> None:
+    fails = diagnosis(missed={"shoulder": 0.02, "elbow": 1.5})
+    assert fails.failing == {"elbow": 1.5}
+    assert asked(fails, unseen=True) == Everything()
+    assert asked(fails) == Parameters()
+    assert asked(fails, (Parameters(),) * TWICE) is None
+    assert promising(fails, made(Parameters(), 0.0), {})
+    knows = diagnosis(missed={"shoulder": 0.02, "elbow": 0.3})
+    assert asked(knows) is None
+    assert not denies(Parameters(), fails, knows)
+    assert denies(Parameters(), fails, fails)
+
+
+def test_what_nobody_explains_is_why_it_fails_and_more_motion_does_not_help() -> None:
+    rest = Unexplained("shoulder", "position", 0.19, 40.0)
+    assert asked(diagnosis(missed={"elbow": 1.5}, unexplained=(rest,))) is None
+
+
+def test_what_is_no_effect_of_the_catalogue_is_not_asked_for() -> None:
+    mine = formula_effect("my_wave", "A*cos(3*q)", {})
+    found = finding(doubt=doubt())
+    assert asked(diagnosis(findings=(replace(found, effect=mine),))) is None
 
 
 def test_a_motion_that_shows_no_more_of_an_effect_says_no() -> None:

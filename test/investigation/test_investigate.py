@@ -13,6 +13,7 @@ from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
 from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation import (
     Asked,
     Ended,
@@ -22,8 +23,10 @@ from lagrangian_ff.investigation import (
     investigate,
 )
 from lagrangian_ff.investigation.motions import for_design, size_of
+from lagrangian_ff.investigation.story import answered
 from lagrangian_ff.record_json import to_json
 from lagrangian_ff.report import investigation_page
+from lagrangian_ff.words import sentence
 
 DRAG = 0.9  # N·m s²/rad²
 FAINT = 0.08
@@ -122,11 +125,14 @@ def test_an_answer_begins_with_what_became_of_the_effect_that_was_asked_for() ->
         (For(other), "It does not show. Missing"),
         (Between(it, other), f"It is quadratic drag on {one.joint}. Missing"),
         (Between(other, other), "Neither shows. Missing"),
+        (Everything(), f"New: quadratic drag on {one.joint}. Missing"),
     ):
-        assert replace(last, question=question).answer.startswith(words)
+        assert answered(question, last.diagnosis).startswith(words)
+    again = answered(Everything(), last.diagnosis, known=[one.name])
+    assert again.startswith("Nothing new is confirmed. Missing")
     alike = replace(last.diagnosis, findings=(replace(one, rivals=("ripple",)),))
-    of_rival = replace(last, question=For(other), diagnosis=alike)
-    assert of_rival.answer.startswith(f"It may be that, or quadratic drag on {one.joint}. ")
+    of_rival = answered(For(other), alike)
+    assert of_rival.startswith(f"It may be that, or quadratic drag on {one.joint}. ")
 
 
 def test_a_question_that_no_motion_settles_is_left_open_and_told() -> None:
@@ -221,7 +227,7 @@ def test_every_motion_keeps_the_jerk_and_the_torque_that_were_permitted() -> Non
     jerk, torque = np.array([20.0, 30.0]), np.array([60.0, 30.0])
     allowed = replace(limits(), jerk_max=jerk, tau_max=torque)
     rig = PendulumRig(FAINT)
-    story = investigate(rig, replace(plan(36.0), limits=allowed), lambda proposal: True)
+    story = investigate(rig, replace(plan(33.0), limits=allowed), lambda proposal: True)
     assert len(story.turns) > 1
     for one in rig.moved:
         assert np.all(np.abs(jerk_of(one)) <= jerk * (1.0 + 1e-6))
@@ -254,9 +260,26 @@ def test_a_question_without_a_motion_gives_way_to_the_next() -> None:
     assert len(story.turns) == len(rig.moved) == 1
 
 
-@pytest.mark.usefixtures("catalogue_kept")
-def test_what_nobody_listed_becomes_a_curve_and_formulas(tmp_path: Path) -> None:
+def test_a_formula_that_unseen_motion_confirms_is_added(tmp_path: Path) -> None:
     story = investigate(PendulumRig(rough=0.3), plan(24.0), lambda proposal: True)
+    assert [one.name for one in story.confirmed] == ["formula_friction_wave_position on elbow"]
+    assert not story.curves
+    assert story.turns[-1].errors["elbow"] < 0.2 * story.before["elbow"]
+    (term,) = [one for one in story.confirmed[0].parameters.items() if one[0] == "B"]
+    assert term[1].low < 0.3 < term[1].high
+    assert story.confirmed[0].shape["n"] == pytest.approx(5.3, rel=0.02)
+    assert story.model is not None
+    story.model.save(tmp_path / "model.npz")  # needs no other file
+    assert Model.load(tmp_path / "model.npz").name == story.model.name
+    page = investigation_page(tmp_path / "story.html", story).read_text()
+    for words in ("Found formula friction wave position on elbow", "What nobody listed"):
+        assert words in page
+    assert "wave_position" in story.record()["unlisted"]["proposals"][0]["proposals"][0]["name"]
+
+
+@pytest.mark.usefixtures("catalogue_kept")
+def test_what_no_formula_surely_fits_becomes_a_curve(tmp_path: Path) -> None:
+    story = investigate(PendulumRig(drag=0.2, rough=0.3), plan(24.0), lambda proposal: True)
     assert story.unlisted is not None
     assert [one.joint for one in story.curves] == ["elbow"]
     assert story.errors["elbow"] < 0.5 * story.turns[-1].errors["elbow"]
@@ -269,4 +292,20 @@ def test_what_nobody_listed_becomes_a_curve_and_formulas(tmp_path: Path) -> None
     assert len(load_effects(file)) == len(formulas)
     page = investigation_page(tmp_path / "story.html", story).read_text()
     assert "What nobody listed" in page
+    assert "A torque of elbow that nobody listed, held as a curve" in page
+    first = story.unlisted.proposals[0].proposals[0]
+    residual = first.finding.partial_residual
+    assert residual is not None
+    assert residual.coordinate == "position"
+    np.testing.assert_allclose(residual.effect, residual.residual, atol=0.1)
+    assert f"{sentence(first.words)}</p>" in page
     assert story.record()["unlisted"]["rmse"] == pytest.approx(story.total)
+
+
+def test_an_arm_that_stands_still_when_it_is_sent_loses_nothing() -> None:
+    story = investigate(PendulumRig(FAINT, stuck=3), plan(36.0), lambda proposal: True)
+    assert story.ended is Ended.STOPPED
+    assert "no joint moves" in story.words
+    (turn,) = story.turns
+    assert [one.effect.name for one in turn.diagnosis.findings] == ["quadratic_drag"]
+    assert story.model is not None

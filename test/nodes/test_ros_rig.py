@@ -1,5 +1,6 @@
 """A robot in the graph does what an investigation asks, and stands still after everything else."""
 
+import json
 import os
 import re
 import signal
@@ -21,14 +22,14 @@ from node_harness import Bench, open_bench
 from scripted_arm import Driver, path_of
 from std_srvs.srv import Trigger
 
-from lagrangian_ff.arm import HOME, JOINTS
+from lagrangian_ff.arm import HOME, JOINTS, Trajectory
 from lagrangian_ff.arm.description import URDF
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.excite import Limits, Reference, excite
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.investigation import StoppedError
 from lagrangian_ff.nodes.attached.client import Client
-from lagrangian_ff.nodes.attached.rig import RosRig
+from lagrangian_ff.nodes.attached.rig import RosRig, connected
 from lagrangian_ff.progress import silent
 
 TOPIC = "/arm/joint_trajectory"
@@ -139,9 +140,9 @@ def test_a_dead_process_is_replaced_to_stop_the_motion(rig: RosRig) -> None:
     assert speed(rig) < 0.02
 
 
-def test_joint_states_that_end_stop_it_and_a_small_motion_must_be_followed(
-    bench: Bench, tmp_path: Path
-) -> None:
+@pytest.fixture
+def scripted(bench: Bench, tmp_path: Path) -> Iterator[tuple[Driver, RosRig]]:
+    """Yield an arm that a script moves, and the rig that moves it."""
     driver = Driver(bench.node)
     driver.moving = False
     driver.start()
@@ -149,22 +150,61 @@ def test_joint_states_that_end_stop_it_and_a_small_motion_must_be_followed(
     try:
         client.wait(lambda: "a" in client.status.get("joints", ()) or None, 30.0, "hear a")
         client.listeners(scripted_arm.TOPIC)
-        rig = RosRig(client, scripted_arm.TOPIC, scripted_arm.JOINTS, tmp_path)
-        small = Limits(*(end * np.ones(2) for end in (-0.1, 0.1, 0.4, 2.0)))
-        path = excite("exciting", rig.joints, small, start=np.zeros(2), duration=5.0)
-        driver.deaf = True
-        with pytest.raises(StoppedError, match="a, b did not follow the motion"):
-            rig.run(path, None, silent)
-        driver.deaf = False
-        timer = after(3.0, lambda: setattr(driver, "silent", True))
-        with pytest.raises(StoppedError, match="joint states of a, b have ended"):
-            rig.run(path, None, silent)
-        timer.join()
-        bench.until(lambda: np.abs(driver.velocity).max() == 0.0, "the end of the motion")
-        assert path_of(driver.came[-1]).duration < 1.0  # a stop, and no other motion
+        yield driver, RosRig(client, scripted_arm.TOPIC, scripted_arm.JOINTS, tmp_path)
     finally:
         client.close()
         driver.end()
+
+
+def test_the_joints_are_those_that_the_controller_takes_also_beside_another_arm(
+    bench: Bench, tmp_path: Path
+) -> None:
+    limits = tmp_path / "limits.yaml"
+    one = {"min_position": -1.0, "max_position": 1.0, "max_velocity": 1.0}
+    limits.write_text(json.dumps({"joint_limits": {"b": one, "gripper": one}}))
+    with scripted_arm.driving(0.0, moving=False, takes=["a", "b"]) as driver:
+        client = Client()
+        with connected(client, scripted_arm.TOPIC, (), None, limits, tmp_path / "bags") as rig:
+            assert rig.joints == ("b",)
+            assert not driver.came
+
+
+def test_joint_states_that_end_stop_it_and_a_small_motion_must_be_followed(
+    bench: Bench, scripted: tuple[Driver, RosRig]
+) -> None:
+    driver, rig = scripted
+    small = Limits(*(end * np.ones(2) for end in (-0.1, 0.1, 0.4, 2.0)))
+    path = excite("exciting", rig.joints, small, start=np.zeros(2), duration=5.0)
+    driver.deaf = True
+    with pytest.raises(StoppedError, match="a, b did not follow the motion"):
+        rig.run(path, None, silent)
+    driver.deaf = False
+    timer = after(3.0, lambda: setattr(driver, "silent", True))
+    with pytest.raises(StoppedError, match="joint states of a, b have ended"):
+        rig.run(path, None, silent)
+    timer.join()
+    bench.until(lambda: np.abs(driver.velocity).max() == 0.0, "the end of the motion")
+    assert path_of(driver.came[-1]).duration < 1.0  # a stop, and no other motion
+
+
+def test_an_arm_that_ignores_stamps_is_followed_and_stopped_without_a_jump(
+    scripted: tuple[Driver, RosRig],
+) -> None:
+    driver, rig = scripted
+    driver.hasty = True
+    wide = Limits(*(end * np.ones(2) for end in (-1.2, 1.2, 1.5, 6.0)))
+    path = excite("exciting", rig.joints, wide, start=np.zeros(2), duration=8.0)
+    found = rig.run(path, None, silent)
+    expected = Trajectory(*path, rig.joints).sample(found.time - found.time[0])[0]
+    assert np.nanmax(np.abs(found.position - expected)) < 0.1
+    driver.jump = 0.0
+    timer = after(5.0, lambda: rig.stop("enough"))
+    with pytest.raises(StoppedError, match="enough"):
+        rig.run(path, None, silent)
+    timer.join()
+    assert len(driver.came) == 3
+    assert driver.jump < 0.1
+    assert np.abs(driver.velocity).max() == 0.0
 
 
 def test_a_refused_motion_is_said(rig: RosRig) -> None:

@@ -126,10 +126,9 @@ def investigated() -> Investigation:
     path = Reference(time, q, 0.0 * q, 0.0 * q)
     question = For(Suspect("stribeck", "elbow"))
     errors = {"shoulder": 0.3, "elbow": 0.4}
-    first = Turn(None, path, 20.0, None, diagnosis(), model(), errors, 0.5)
-    second = Turn(
-        question, path, 20.0, None, diagnosis(findings=(finding(),)), model(), errors, 0.2
-    )
+    first = Turn(None, path, 20.0, None, diagnosis(), model(), SCRIPT, errors, 0.5)
+    found = diagnosis(findings=(finding(),))
+    second = Turn(question, path, 20.0, None, found, model(), SCRIPT, errors, 0.2)
     return Investigation(
         JOINTS, (first, second), Ended.NOTHING_LEFT, SCRIPT, 40.0, dict(errors), 0.5
     )

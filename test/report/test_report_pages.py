@@ -140,6 +140,8 @@ def test_an_investigation_is_told_turn_by_turn(tmp_path: Path) -> None:
         r"<h1>Found stribeck on elbow: the unseen error of elbow falls, [\d.]+ → ", page
     )
     assert "2 questions to 2 joints, 40 s" in page
+    expected = ["Question by question", "The error falls", "The evidence", "What is left"]
+    assert re.findall(r"<h2>(.*?)</h2>", page) == expected
     for words in ("What does the arm do?", "Is there stribeck on elbow?"):
         assert words in page
     first = investigated().turns[0]

@@ -52,6 +52,8 @@ def plots() -> dict[str, Plot]:
         "fall": fall_plot(["as it was", "+ stribeck on elbow"], [2.0, 1.0]),
         "changes": changes_plot([changed("payload")], ["shoulder", "elbow"]),
         "joints": joints_fall_plot(["identified", "+ a"], {"elbow": [2.0, 1.0]}),
+        "fall from": fall_plot(["question 1", "question 2"], [1.0, 0.9], 1.5),
+        "joints from": joints_fall_plot(["question 1"], {"elbow": [1.0]}, {"elbow": 2.0}),
     }
 
 
@@ -141,3 +143,14 @@ def test_any_number_and_text_goes_through_the_page(value: float, text: str) -> N
 
 def test_colours_fade() -> None:
     assert faded("#c2410c", 0.5) == "rgba(194,65,12,0.5)"
+
+
+def test_a_fall_shows_what_it_is_without_the_effects_that_were_found() -> None:
+    plot = fall_plot(["question 1", "question 2"], [1.0, 0.9], 1.5)
+    level, fall = plot.data
+    assert (list(level["y"]), list(fall["y"])) == ([1.5, 1.5], [1.0, 0.9])
+    assert level["name"] == "the last model without what was found: 1.50 N·m"
+    assert plot.layout["yaxis"]["range"][1] > 1.5
+    assert len(fall_plot(["as it was", "+ a"], [2.0, 1.0]).data) == 1
+    shares = joints_fall_plot(["question 1", "question 2"], {"elbow": [1.0, 0.5]}, {"elbow": 2.0})
+    assert list(shares.data[0]["y"]) == [50.0, 25.0]

@@ -64,6 +64,9 @@ def test_one_click_and_the_story_is_told(
     assert "the time for motion is used" in words
     assert "Its 1 motion is a card" in words
     assert page.locator("section.finding svg path").count() == 6, "all joints have moved"
+    found = "Confirmed by then" in words
+    assert page.locator("svg .beside").count() == found, "the model without what was found"
+    assert page.get_by_role("heading", name="the error falls").count() == found
     with page.expect_download() as download:
         page.get_by_role("link", name="Page of the story").click()
     assert "Question by question" in Path(download.value.path()).read_text()

@@ -131,6 +131,35 @@ def answered_late(route: Any) -> None:
     route.fulfill(response=answer)
 
 
+def test_the_focus_stays_while_the_view_is_made_again(
+    served: Served, driver: Driver, page: Any
+) -> None:
+    send = page.get_by_role("button", name="Send…")
+    driver.moving, driver.q = False, np.array([0.1, 0.0])
+
+    def made_again() -> None:
+        old = page.locator("[data-key=prepare]").element_handle()
+        for what in ("record", "finish"):
+            status, answer = asked(served, what)
+            assert status == 200, answer
+            page.wait_for_timeout(500)
+        page.wait_for_function("one => !one.isConnected", arg=old, timeout=LONG)
+
+    send.focus()
+    made_again()
+    playwright.expect(send).to_be_focused()
+    held: list[Any] = []
+    page.route("**/api/live/prepare", lambda route: held.append(route))
+    send.click()
+    made_again()
+    held[0].continue_()
+    dialog = page.get_by_role("dialog")
+    dialog.wait_for(timeout=LONG)
+    page.keyboard.press("Escape")
+    playwright.expect(dialog).to_have_count(0)
+    playwright.expect(send).to_be_focused()
+
+
 def test_a_motion_is_sent_after_its_confirmation_and_not_without(
     served: Served, driver: Driver, page: Any
 ) -> None:
@@ -144,7 +173,7 @@ def test_a_motion_is_sent_after_its_confirmation_and_not_without(
     assert focused.inner_text() == "Do not send"
     page.keyboard.press("Escape")
     playwright.expect(dialog).to_have_count(0)
-    assert page.locator(":focus").inner_text() == "Send…"
+    playwright.expect(page.get_by_role("button", name="Send…")).to_be_focused()
 
     motion = {"motion": "back_and_forth.csv", "topic": TOPIC}
     assert asked(served, "send", token="guessed", **motion)[0] == 400

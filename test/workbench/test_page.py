@@ -296,7 +296,7 @@ def test_work_can_be_cancelled(
     served = serve(tmp_path / "session", *recordings[:1])
     shown(page, served)
     page.get_by_role("button", name="Learn a model").click()
-    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("button", name="Cancel", exact=True).click()
     page.get_by_text("learning a model: cancelled").wait_for()
     page.get_by_text("not learned yet").wait_for()
     served.stop()

@@ -81,7 +81,7 @@ def test_formulas_are_proposed_and_one_takes_the_place_of_the_curve(
     page.goto(served.address + "#diagnose")
     propose = page.get_by_role("button", name="Propose formulas")
     propose.click()
-    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("button", name="Cancel", exact=True).click()
     page.get_by_text("proposing formulas for b: cancelled").wait_for()
     propose.click()
     card = page.locator("article", has_text="A formula for b").first

@@ -25,14 +25,15 @@ USAGE = "--topic TOPIC (--urdf FILE | --limits FILE) [options]"
 DESCRIPTION = """\
 Closes the loop by itself: moves the arm within the limits that you give, identifies a model, finds
 what it lacks, designs the motion that decides what is open, moves again, until nothing is open or
-the time for motion is used. What no known effect fits in the end is taken in as a curve, and
-formulas are proposed for it. It asks on the terminal before the first motion and before each larger
-range. Ctrl-C stops the arm at once; what is known by then is written all the same. A touch that a
-running node `monitor` reports stops the arm, too. With --simulate it moves the simulated arm,
-without ROS and faster than real time."""
+the time for motion is used. Formulas are proposed for what no known effect fits; one that unseen
+motion confirms is added, and the model's file holds it. Where none does, it is taken in as a curve
+in the end. It asks on the terminal before the first motion and before each larger range. Ctrl-C
+stops the arm at once; what is known by then is written all the same. A touch that a running node
+`monitor` reports stops the arm, too. With --simulate it moves the simulated arm, without ROS and
+faster than real time."""
 EPILOG = """\
 examples:
-  lagrangian_ff investigate --simulate quadratic_drag@joint_2:0.05 --report story.html
+  lagrangian_ff investigate --simulate quadratic_drag@joint_2:0.1 --report story.html
   lagrangian_ff investigate --topic /joint_trajectory_controller/joint_trajectory \\
       --urdf robot.urdf --floor 0 --output model.npz --report story.html
   lagrangian_ff investigate --topic /arm/joint_trajectory --limits joint_limits.yaml \\
@@ -54,7 +55,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         ("--topic", str, "TOPIC", "where it takes trajectory_msgs/JointTrajectory"),
         ("--joint-states", str, "TOPIC", "where it publishes joint states (default: joint_states)"),
         ("--joints", list, "JOINT",
-         "joints to move, from base to tool (default: those of --limits or --urdf)"),
+         "joints to move, from base to tool (default: those of --limits or --urdf that the "
+         "controller takes; without fingers)"),
         ("--simulate", list, "EFFECT@JOINT:SIZE",
          "move the simulated arm instead, and hide these in it, as simulate --hidden does; "
          "`nothing` hides nothing"),
@@ -134,6 +136,8 @@ def _check(arguments: Namespace) -> None:
             f"--yes {arguments.yes}: expected the very name of the topic, {arguments.topic}; "
             "nothing moves"
         )
+    if arguments.folder and arguments.folder.is_dir() and any(arguments.folder.iterdir()):
+        raise UserError(f"--folder {arguments.folder}: is not empty; name another one")
 
 
 def _simulated(

@@ -1,6 +1,7 @@
 """Text, tables and progress bars of a command."""
 
 import os
+import re
 import shutil
 import sys
 import textwrap
@@ -12,6 +13,8 @@ from typing import TextIO
 from lagrangian_ff.progress import Progress
 
 WIDEST = 100
+COMMAND = re.compile(r"^  lagrangian_ff \S+(?: \S+)*", re.MULTILINE)
+"""A command to type next, without what is said of it behind spaces."""
 QUIET_SECONDS = 2.0
 """A log does not mention work that is shorter than this."""
 
@@ -22,16 +25,22 @@ class Console:
     Args:
         json: the value of --json; with "-" standard output belongs to the record, and the text
             goes to standard error.
+
+    Attributes:
+        option: that a command to type next needs, too, as --effects-file FILE; empty for none.
     """
 
     def __init__(self, json: str | None = None) -> None:
         self._stream = sys.stderr if json == "-" else sys.stdout
         self._width = min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns)
         self._noted: set[str] = set()
+        self.option = ""
 
     def say(self, lines: str | Iterable[str] = "") -> None:
-        """Print lines as they are."""
+        """Print lines as they are; a command to type next gets `option`, unless it has one such."""
         for line in [lines] if isinstance(lines, str) else lines:
+            if self.option and self.option.split()[0] not in line:
+                line = COMMAND.sub(lambda found: f"{found[0]} {self.option}", line)
             try:
                 print(line, file=self._stream, flush=True)
             except BrokenPipeError:  # the reader (head, less) has left; the work goes on

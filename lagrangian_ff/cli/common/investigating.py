@@ -99,13 +99,13 @@ def say(found: "Investigation", console: Console) -> None:
     """Print what an investigation did and found."""
     console.say(["", f"ended after {found.seconds:.0f} s of motion: {found.words}"])
     for count, turn in enumerate(found.turns, 1):
-        console.say(f"{count}. {turn.asked} ({float(turn.motion.time[-1]):.0f} s)")
+        console.say(f"{count}. {turn.asked} ({turn.seconds:.0f} s)")
         console.paragraph(turn.answer, "   ", "   ")
     if not found.turns:
         console.say("nothing is known")
         return
-    for passed in found.passed_over:
-        console.paragraph(passed.said, "   ", "   ")
+    for text in found.left:
+        console.paragraph(text, "   ", "   ")
     last = found.turns[-1]
     console.say(["", "error on motion that no model learned from, rms in N·m"])
     errors, total = (found.errors, found.total) if found.curves else (last.errors, last.total)
@@ -119,8 +119,10 @@ def say(found: "Investigation", console: Console) -> None:
             f"taken in as a curve: {one.joint} over {one.coordinate}, which no known effect fits"
         )
         console.say(words)
+    added = [one.name for one in found.formulas]
     for proposals in found.unlisted.proposals if found.unlisted else ():
         for formula in proposals.proposals:
-            said = f"formula for {proposals.joint}, {formula.finding.said}: {formula.formula}"
+            verdict = "added" if formula.finding.name in added else formula.finding.said
+            said = f"formula for {proposals.joint}, {verdict}: {formula.formula}"
             console.say(said)
             console.paragraph(formula.words, "  ", "  ")

@@ -5,6 +5,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.cli.common.console import Console
@@ -260,6 +261,7 @@ def load_own_effects(arguments: Namespace, console: Console) -> None:
         console.note(str(warning.message))
     for path in arguments.effects_file:
         load_effects(path)
+    console.option = " ".join(f"--effects-file {quote(str(one))}" for one in arguments.effects_file)
 
 
 def effect_named(name: str) -> "Effect":

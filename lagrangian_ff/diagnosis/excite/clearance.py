@@ -18,6 +18,9 @@ LOOKED_AT = 200
 """Poses of the model's own data at which links that touch may touch."""
 LARGE = 20.0
 """m, thickness of a floor."""
+AROUND = 4
+"""Folders, from that of a URDF upwards, in which its meshes are looked for: a description's package
+is one or two above its `urdf`."""
 FIXED = 0
 """Pinocchio's joint of what does not move."""
 
@@ -77,13 +80,15 @@ class Clearance:
         import pinocchio
 
         model = pinocchio.buildModelFromUrdf(str(path))
+        around = [str(folder) for folder in path.resolve().parents[:AROUND]]
         try:
             kind = pinocchio.GeometryType.COLLISION
-            geometry = pinocchio.buildGeomFromUrdf(model, str(path), kind)
+            geometry = pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=around)
         except (ValueError, RuntimeError) as error:
             raise ModelError(
-                f"{path}: its collision shapes cannot be read: {error}; meshes are looked for in "
-                "the packages of ROS_PACKAGE_PATH"
+                f"{path}: its collision shapes cannot be read: {error}; meshes are looked for "
+                f"beside it, in the {AROUND - 1} folders around it, and in the packages of "
+                "AMENT_PREFIX_PATH and ROS_PACKAGE_PATH"
             ) from error
         if not len(geometry.geometryObjects):
             raise ModelError(f"{path}: no link has a collision shape: nothing can be checked")

@@ -194,14 +194,15 @@ class Way:
     def kept(self, found: Found) -> tuple[Splines, Floats] | None:
         """Return the splines and control points of a motion that keeps the limits.
 
-        It is slowed down, and made smaller where that does not help. None if nothing helps.
+        It is slowed down, and made smaller where that does not help. None if nothing helps, or
+        hardly anything moves.
         """
         control = self._held(found.control)
-        while (splines := self.keeper.kept(self.splines, control)) is None:
+        while np.ptp(control, axis=0).max() >= 0.05 * LEAST:
+            if (splines := self.keeper.kept(self.splines, control)) is not None:
+                return splines, control
             control = self.pose + SMALLER * (control - self.pose)
-            if np.ptp(control, axis=0).max() < 0.05 * LEAST:
-                return None
-        return splines, control
+        return None
 
     def _held(self, control: Floats) -> Floats:
         """Return control points with joints held that hardly move, if the way is clear then.

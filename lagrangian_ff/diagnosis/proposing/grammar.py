@@ -12,7 +12,7 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.effects import Inputs, Over
-from lagrangian_ff.effects.formula import Formula, Range, formula_effect
+from lagrangian_ff.effects.formula import EVENLY, Formula, Range, formula_effect
 
 NARROWEST, WIDEST = 0.03, 1.0
 """Widths that are searched, over the range of the coordinate."""
@@ -99,7 +99,6 @@ class Body:
         shapes: ranges by name.
         units: of the parameters, as powers of the coordinate that divide it; 0 is none.
         shape_units: by name.
-        shift: what is taken from the shape c to have the place in the coordinate.
     """
 
     text: str
@@ -108,7 +107,6 @@ class Body:
     shapes: Mapping[str, Range] = field(default_factory=dict)
     powers: tuple[float, ...] = (0.0,)
     shape_units: Mapping[str, str] = field(default_factory=dict)
-    shift: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -127,12 +125,18 @@ class Form:
     def words(self, shape: Mapping[str, float]) -> str:
         """Return what it might be, for shapes by name."""
         values = {name: f"{value:.3g}" for name, value in shape.items()}
-        if "c" in shape:
-            values["c"] = f"{shape['c'] - self.body.shift:.3g}"
         if "n" in shape:
-            values["period"] = f"{360.0 / shape['n']:.3g}"
-        said = self.body.words.format(u=self.coordinate.words, unit=self.coordinate.unit, **values)
-        return f"{self.head.words} {said}"
+            kind = "a wave" if shape["n"] < 1.0 else TOOTH
+            values["every"] = f"{kind} every {360.0 / shape['n']:.3g}°"
+        return _said(self.head, self.body, self.coordinate, values)
+
+
+TOOTH = "a detent, a tooth or a wave"
+
+
+def _said(head: Head, body: Body, u: Coordinate, values: Mapping[str, str]) -> str:
+    """Return what a formula might be, for shapes by name, in words."""
+    return f"{head.words} {body.words.format(u=u.words, unit=u.unit, **values)}"
 
 
 def _widths(u: Coordinate, name: str, steps: int = WIDTHS) -> tuple[dict[str, Range], dict]:
@@ -160,21 +164,20 @@ def _even(u: Coordinate) -> Iterator[Body]:
 def _placed(u: Coordinate) -> Iterator[Body]:
     """Yield functions of a place."""
     t = u.text
-    shift = u.width - u.low
     widths, unit = _widths(u, "w")
-    centred = {"c": (u.width, 2.0 * u.width, CENTRES), **widths}
+    centred = {"c": (u.low, u.low + u.width, CENTRES, EVENLY), **widths}
     units = {**unit, "c": u.unit}
-    away = f"{t}{shift:+.5g}-c"
+    away = f"{t}-c"
     near = "near {u} = {c} {unit}, within {w}"
     yield Body(f"A*exp(-(({away})/w)^2)", "bump", f"that differs {near}: a damaged or tight place",
-               centred, shape_units=units, shift=shift)  # fmt: skip
+               centred, shape_units=units)  # fmt: skip
     yield Body(f"A*tanh(({away})/w)", "step", f"that steps {near}: something that is taken along "
-               "or pinched", centred, shape_units=units, shift=shift)  # fmt: skip
+               "or pinched", centred, shape_units=units)  # fmt: skip
     at = {"c": centred["c"]}
     yield Body(f"A*({away}+abs({away}))/2", "upper_stop", "that grows beyond {u} = {c} {unit}: "
-               "something soft is touched", at, (1.0,), {"c": u.unit}, shift)  # fmt: skip
+               "something soft is touched", at, (1.0,), {"c": u.unit})  # fmt: skip
     yield Body(f"A*({away}-abs({away}))/2", "lower_stop", "that grows below {u} = {c} {unit}: "
-               "something soft is touched", at, (1.0,), {"c": u.unit}, shift)  # fmt: skip
+               "something soft is touched", at, (1.0,), {"c": u.unit})  # fmt: skip
     stiffens = "that grows exponentially with {u}, by e in {w} {unit}: something that stiffens"
     falls = "that falls exponentially with {u}, by e in {w} {unit}: something that slackens"
     yield Body(f"A*exp({t}/w)", "growth", stiffens, widths, shape_units=unit)
@@ -193,7 +196,7 @@ def _waves(u: Coordinate) -> Iterator[Body]:
         return
     ratio = 1.0 + TURN / (highest * u.width)
     steps = int(np.clip(np.log(highest / lowest) / np.log(ratio), 8, 300))
-    words = "with {u}, {n} times a turn: a detent, a tooth or a wave every {period}°"
+    words = "with {u}, {n} times a turn: {every}"
     yield Body(f"A*cos(n*{_inner(u)})+B*sin(n*{_inner(u)})", "wave", words,
                {"n": (lowest, highest, steps)}, (0.0, 0.0), {"n": "1"})  # fmt: skip
 
@@ -285,7 +288,7 @@ def _form(head: Head, body: Body, u: Coordinate, joint: int) -> Form | None:
     powers = dict(zip(names, body.powers, strict=True))
     units = {**body.shape_units, **{name: _unit(head, u, power) for name, power in powers.items()}}
     word = "_".join(["formula", *HEAD_WORDS[head.text], body.name, _word(u)])
-    meaning = f"{head.words} {body.words}".replace("{u}", u.words)
+    meaning = _said(head, body, u, {**{name: name for name in body.shapes}, "every": TOOTH})
     effect = formula_effect(word, text, body.shapes, meaning, units, joint)
     return Form(effect, u, head, body)
 

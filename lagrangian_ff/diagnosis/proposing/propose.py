@@ -16,8 +16,8 @@ from lagrangian_ff.diagnosis.results import Finding, sorted_findings
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     BayesFactor,
     bayes_factors,
+    best_shape,
     log_bayes_factor_of,
-    refined,
 )
 from lagrangian_ff.diagnosis.search.candidates import named, nonparametric
 from lagrangian_ff.diagnosis.search.forward import Search
@@ -33,6 +33,7 @@ from lagrangian_ff.diagnosis.sentences import no_help
 from lagrangian_ff.diagnosis.verdicts import findings_of
 from lagrangian_ff.diagnosis.whitening import Whitened, fit_for
 from lagrangian_ff.effects import Curve, Effect, Over
+from lagrangian_ff.effects.formula import Formula
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend, without
 from lagrangian_ff.identification.basis import Basis
@@ -70,14 +71,8 @@ class Proposal:
     def record(self) -> dict[str, Any]:
         """Return the formula as a file of effects holds it."""
         effect = self.finding.effect
-        shapes = {one.name: one.unit for one in effect.shapes}
-        return {
-            "name": effect.name,
-            "formula": effect.formula,
-            "shapes": {one.name: [one.low, one.high, one.steps] for one in effect.shapes},
-            "units": {**{one.name: one.unit for one in effect.parameters}, **shapes},
-            "meaning": self.words,
-        }
+        assert isinstance(effect, Formula)
+        return {**effect.stored(), "meaning": self.words}
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +212,10 @@ def _looked(whitened: Whitened, found: dict[str, Form], joint: int, progress: Pr
     step, refitted = judge(whitened, here[0], here, null, few)
     less = refitted if step is not None else whitened
     names = named(less.x, less.basis, [joint], few)
-    again = [refined(less, one) for one in best_of_each(bayes_factors(less, names))]
+    on_grid: dict[tuple[str, int], list[BayesFactor]] = {}
+    for one in bayes_factors(less, names):
+        on_grid.setdefault(one.candidate.key, []).append(one)
+    again = [best_shape(less, some) for some in on_grid.values()]
     curves = bayes_factors(less, nonparametric(less.x, [joint]))
     less.forget()
     sizes = {name: len(one.candidates(less.x, joint)) for name, one in few.items()}

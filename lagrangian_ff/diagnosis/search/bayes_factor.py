@@ -237,29 +237,52 @@ def _by_block(values: Floats, whitened: Whitened) -> Floats:
     return np.add.reduceat(values, whitened.starts, axis=-1).astype(np.float64)
 
 
-def refined(whitened: Whitened, best: BayesFactor) -> BayesFactor:
-    """Return the score at the continuous shapes of largest log Bayes factor, one by one."""
+def refined(whitened: Whitened, best: BayesFactor, *, tempered: bool = True) -> BayesFactor:
+    """Return the score at the continuous shapes of largest log Bayes factor, one by one.
+
+    Args:
+        tempered: whether each shape is tempered, by what it leaves; else all are as by white noise.
+    """
+
+    def worth(score: BayesFactor) -> float:
+        return score.log_bf if tempered else score.tempered(1.0)
+
     if not best.candidate.named:
         return best
     effect = best.candidate.effect
     grid = effect.candidates(whitened.x, best.candidate.joint)
     for shape in effect.shapes:
         value = best.candidate.shape.get(shape.name, 0.0)
-        if shape.whole or not value > 0.0:
+        if shape.whole or not value > shape.zero:
             continue
         tried_first = [one[shape.name] for one in grid if shape.name in one]
         low, high = min(tried_first), max(tried_first)
-        if not high > low > 0.0:
+        if not high > low > shape.zero:
             continue
-        reach = (high / low) ** (1.0 / max(len(set(tried_first)) - 1, 1))
+        reach = ((high - shape.zero) / (low - shape.zero)) ** (
+            1.0 / max(len(set(tried_first)) - 1, 1)
+        )
         for _ in range(ROUNDS):
             mine = best.candidate
             steps = reach ** np.linspace(-0.75, 0.75, POINTS)
-            around = np.clip(mine.shape[shape.name] * steps, low, high).tolist()
+            away = mine.shape[shape.name] - shape.zero
+            around = np.clip(shape.zero + away * steps, low, high).tolist()
             tried = [replace(mine, shape={**mine.shape, shape.name: value}) for value in around]
-            best = max([best, *bayes_factors(whitened, tried)], key=lambda score: score.log_bf)
+            best = max([best, *bayes_factors(whitened, tried)], key=worth)
             reach = reach**0.5
     return best
+
+
+def best_shape(whitened: Whitened, scores: Sequence[BayesFactor]) -> BayesFactor:
+    """Return an effect at its best shape, from its scores on a grid of shapes.
+
+    A narrow place a little beside the true one leaves a torque of the same form, which counts
+    against it, so that a wide place far off looks better. So two ways are tried: uphill from the
+    best one; and uphill in what is explained, whatever is left, and from there.
+    """
+    most = max(scores, key=lambda one: one.tempered(1.0))
+    starts = max(scores, key=lambda one: one.log_bf), refined(whitened, most, tempered=False)
+    return max((refined(whitened, one) for one in starts), key=lambda one: one.log_bf)
 
 
 def log_bayes_factor_of(score: BayesFactor, whitened: Whitened, without: float) -> float:

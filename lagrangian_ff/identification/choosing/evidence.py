@@ -20,7 +20,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from lagrangian_ff.arrays import Floats
-from lagrangian_ff.effects import Inputs
+from lagrangian_ff.effects import Inputs, Shape
 from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.choosing.levenberg_marquardt import (
     ENOUGH,
@@ -56,7 +56,10 @@ class Logarithms:
     def of(self, problem: Problem) -> Floats:
         """Return the logarithms (K,) of a problem."""
         parts = [*numbers(kernel_of(problem)).values(), problem.noise]
-        parts += [np.array([term.shape[name]]) for _, term, name in self._shapes(problem.basis)]
+        parts += [
+            np.array([term.shape[shape.name] - shape.zero])
+            for _, term, shape in self._shapes(problem.basis)
+        ]
         return np.asarray(np.log(np.concatenate(parts)))
 
     def at(self, point: Floats) -> Problem:
@@ -68,9 +71,10 @@ class Logarithms:
             first += len(value)
         noise = values[self.noise]
         terms = list(self.like.basis.terms)
-        shapes = values[self.noise.stop :].tolist()
-        for (number, _, name), value in zip(self._shapes(self.like.basis), shapes, strict=True):
-            terms[number] = replace(terms[number], shape={**terms[number].shape, name: value})
+        logs = point[self.noise.stop :].tolist()
+        for (number, _, shape), log in zip(self._shapes(self.like.basis), logs, strict=True):
+            moved = {**terms[number].shape, shape.name: shape.value(log)}
+            terms[number] = replace(terms[number], shape=moved)
         kernel = self.like.kernel.replace(**held)
         return self.like.having(kernel=kernel, noise=noise, basis=Basis(tuple(terms)))
 
@@ -93,23 +97,22 @@ class Logarithms:
     def ends(self) -> tuple[Floats, Floats]:
         """Return (K,) the lowest and the highest logarithms: only shapes have a range."""
         low, high = np.full((2, len(self.of(self.like))), [[-np.inf], [np.inf]])
-        for place, (_, term, name) in enumerate(self._shapes(self.like.basis), self.noise.stop):
-            (shape,) = (one for one in term.effect.shapes if one.name == name)
-            low[place], high[place] = np.log((shape.low, shape.high))
+        for place, (_, _, shape) in enumerate(self._shapes(self.like.basis), self.noise.stop):
+            low[place], high[place] = shape.logarithm(shape.low), shape.logarithm(shape.high)
         return low, high
 
-    def _shapes(self, basis: Basis) -> Iterator[tuple[int, Term, str]]:
+    def _shapes(self, basis: Basis) -> Iterator[tuple[int, Term, Shape]]:
         return shapes_of(basis) if self.shapes else iter(())
 
 
-def shapes_of(basis: Basis) -> Iterator[tuple[int, Term, str]]:
-    """Yield every shape as the number of its term, the term and its name, effect by effect."""
+def shapes_of(basis: Basis) -> Iterator[tuple[int, Term, Shape]]:
+    """Yield every shape with the number of its term and the term, effect by effect."""
     effects = {term.effect.name: term.effect for term in basis.terms}
     for effect in effects.values():
         for shape in effect.shapes:
             for number, term in enumerate(basis.terms):
                 if term.effect.name == effect.name:
-                    yield number, term, shape.name
+                    yield number, term, shape
 
 
 def maximise_evidence(
@@ -241,11 +244,11 @@ def _by_shapes(found: Posterior[System]) -> tuple[list[float], list[Floats]]:
     return gradient, changes
 
 
-def _change(term: Term, shape: str, x: Inputs) -> Floats:
+def _change(term: Term, shape: Shape, x: Inputs) -> Floats:
     """Return (S, P) the derivative of a term's columns by the logarithm of one shape."""
-    value = term.shape[shape]
+    present = shape.logarithm(term.shape[shape.name])
     up, down = (
-        replace(term, shape={**term.shape, shape: value * np.exp(step)}).columns(x)
+        replace(term, shape={**term.shape, shape.name: shape.value(present + step)}).columns(x)
         for step in (SHAPE_STEP, -SHAPE_STEP)
     )
     return np.asarray((up - down) / (2.0 * SHAPE_STEP))

@@ -90,7 +90,7 @@ def refit_shapes(
         for shape in term.effect.shapes
         if (term.effect.name, shape.name) not in given
         and not shape.whole
-        and term.shape.get(shape.name, 0.0) > 0.0
+        and term.shape.get(shape.name, 0.0) > shape.zero
     ]
     if not free:
         return basis
@@ -103,8 +103,9 @@ def refit_shapes(
 
     def moved(logs: Floats) -> Basis:
         terms = list(basis.terms)
-        for (number, shape), value in zip(free, np.exp(logs).tolist(), strict=True):
-            terms[number] = replace(terms[number], shape={**terms[number].shape, shape.name: value})
+        for (number, shape), log in zip(free, logs.tolist(), strict=True):
+            shapes = {**terms[number].shape, shape.name: shape.value(log)}
+            terms[number] = replace(terms[number], shape=shapes)
         return Basis(tuple(terms))
 
     def cost(logs: Floats) -> float:
@@ -114,8 +115,9 @@ def refit_shapes(
         direction = orthonormal(upper @ columns)
         return float(np.log(squares - np.sum((direction.T @ target) ** 2)))
 
-    low, high = np.log([(shape.low, shape.high) for _, shape in free]).T
-    present = np.log([basis.terms[number].shape[shape.name] for number, shape in free])
+    ends = [(one.logarithm(one.low), one.logarithm(one.high)) for _, one in free]
+    low, high = np.array(ends).T
+    present = np.array([one.logarithm(basis.terms[n].shape[one.name]) for n, one in free])
     start = np.clip(present, low, high)  # models of other versions may have it outside
     step = np.where(
         start + STEP > high, -STEP, STEP

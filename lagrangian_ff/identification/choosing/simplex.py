@@ -11,6 +11,7 @@ import numpy as np
 import scipy
 
 from lagrangian_ff.arrays import Floats, Ints
+from lagrangian_ff.effects import Shape
 from lagrangian_ff.identification.basis import Basis
 from lagrangian_ff.identification.choosing.left_out import require_folds, validation_score
 from lagrangian_ff.identification.problem import NOISE_START, Problem, Scaling
@@ -127,7 +128,7 @@ class _Search:
 
 @dataclass(frozen=True)
 class _Axis:
-    """One number that is searched: the logarithm of a multiple, or of the number itself."""
+    """One number that is searched: the logarithm of a multiple, or that of a shape."""
 
     kind: str
     name: str
@@ -135,6 +136,7 @@ class _Axis:
     high: float
     start: float
     step: float
+    shape: Shape | None = None
 
 
 def _axes(spec: Spec) -> list[_Axis]:
@@ -146,7 +148,15 @@ def _axes(spec: Spec) -> list[_Axis]:
     axes.append(_Axis("noise", "noise", low, high, float(np.log(NOISE_START)), -1.5))
     for effect in spec.effects:
         axes.extend(
-            _Axis(effect.name, s.name, np.log(s.low), np.log(s.high), np.log(s.start), 0.8)
+            _Axis(
+                effect.name,
+                s.name,
+                s.logarithm(s.low),
+                s.logarithm(s.high),
+                s.logarithm(s.start),
+                0.8,
+                s,
+            )
             for s in effect.shapes
         )
     return axes
@@ -162,8 +172,8 @@ def _at(problem: Problem, axes: Sequence[_Axis], values: Floats, joint: int | No
             old = kernel.hyperparameters[axis.name]
             new = _set(old, first * np.exp(value), joint, joints)
             kernel = kernel.replace(**{axis.name: new})
-        elif axis.kind != "noise":
-            shape = {axis.name: float(np.exp([value])[0])}
+        elif axis.shape is not None:
+            shape = {axis.name: axis.shape.value(value)}
             basis = Basis(
                 tuple(
                     replace(term, shape={**term.shape, **shape})

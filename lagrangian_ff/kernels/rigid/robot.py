@@ -166,6 +166,13 @@ def read_urdf(path: "str | Path") -> Robot:
     return robot_of(_text(path), str(path))
 
 
+def joint_ends(joint: ElementTree.Element) -> tuple[str, str]:
+    """Return the links that a joint of a URDF is between, the one nearer the base first."""
+    ends = (joint.find(end) for end in ("parent", "child"))
+    parent, child = ("" if end is None else end.get("link", "") for end in ends)
+    return parent, child
+
+
 def urdf_joints(path: "str | Path") -> dict[str, ElementTree.Element]:
     """Return the joints of a URDF by name, from the base outwards; needs no Pinocchio.
 
@@ -173,10 +180,7 @@ def urdf_joints(path: "str | Path") -> dict[str, ElementTree.Element]:
         ModelError: there is no such file, it is no URDF, or has a joint of an unsupported type.
     """
     joints = _joints(_root(_text(path), str(path)), str(path))
-    ends = {
-        name: [getattr(joint.find(end), "attrib", {}).get("link") for end in ("parent", "child")]
-        for name, joint in joints.items()
-    }
+    ends = {name: joint_ends(joint) for name, joint in joints.items()}
     above = {child: parent for parent, child in ends.values()}
 
     def depth(name: str) -> int:
@@ -210,7 +214,9 @@ def robot_of(text: str, source: str) -> Robot:
     """
     root = _root(text, source)
     joints = _joints(root, source)
-    axes = {name: _axis(joint, source) for name, joint in joints.items()}
+    axes = {
+        name: _axis(joint, source) for name, joint in joints.items() if joint.get("type") in MOVABLE
+    }
     follows = _follows(joints, source)
     build = _pinocchio(source)
     try:

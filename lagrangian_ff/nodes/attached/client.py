@@ -18,6 +18,8 @@ PATIENCE = 15.0  # s for an answer
 STARTING = 30.0  # s until the process has heard of the robot
 FINDING = 15.0  # s until it has heard of who listens
 ENDING = 10.0  # s for the process to end: it may have a motion to stop
+LATE = 5.0  # s in which joints that are asked for are heard of
+SETTLED = 1.0  # s without another joint, after which all are heard of
 LOOK = 0.05  # s between looks
 
 Told = dict[str, Any]
@@ -126,6 +128,25 @@ class Client:
             topic = self.status.get("topic", "joint_states")
             raise UserError(f"no joint states on {topic}: start the driver, or name it") from error
 
+    def every_joint(self, wanted: Sequence[str]) -> tuple[str, ...]:
+        """Return the names of all joints that are heard of, once no other joins them for a while.
+
+        An arm and its gripper may have a driver each.
+
+        Args:
+            wanted: names that are waited for some seconds longer.
+
+        Raises:
+            UserError: as by `joints`.
+        """
+        found, changed = self.joints(), time.monotonic()
+        end = changed + LATE
+        while time.monotonic() < (end if set(wanted) - set(found) else changed + SETTLED):
+            time.sleep(LOOK)
+            if (now := self.joints()) != found:
+                found, changed = now, time.monotonic()
+        return found
+
     def listeners(self, topic: str) -> tuple[str, ...]:
         """Return the nodes that take trajectories from a topic.
 
@@ -146,6 +167,10 @@ class Client:
             raise UserError(
                 f"nobody takes trajectories from {topic}; there are: {known or 'no such topics'}"
             ) from None
+
+    def takes(self, topic: str) -> tuple[str, ...]:
+        """Return the joints of the controller that takes trajectories; none if it does not say."""
+        return tuple(self.ask("takes", topic=topic)["joints"])
 
     def close(self) -> None:
         """End the process: it stops its motion and closes its recording."""

@@ -15,7 +15,7 @@ from lagrangian_ff.diagnosis.excite import Reference
 from lagrangian_ff.errors import UserError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.investigation import StoppedError
-from lagrangian_ff.investigation.allowed import file_names, urdf_names
+from lagrangian_ff.investigation.allowed import arm_names
 from lagrangian_ff.nodes.attached.client import LOOK, Client, Told
 from lagrangian_ff.progress import Progress
 from lagrangian_ff.recording import Recording, load
@@ -43,7 +43,7 @@ def connected(
     """Give the arm that a topic moves; in the end its process ends.
 
     Args:
-        joints: from the base to the tool; empty for those of the limits, else of the URDF.
+        joints: from the base to the tool; empty for those that `arm_names` finds.
         urdf, limits: files that say where it may go; see `allowed`.
         folder: for motions and bags.
 
@@ -52,15 +52,13 @@ def connected(
     """
     rig = None
     try:
-        heard = client.joints()
-        names = tuple(joints)
-        if not names and limits is not None:
-            names = file_names(limits)
-        if not names and urdf is not None:
-            names = urdf_names(urdf, heard)
+        client.joints()
+        client.listeners(topic)
+        taken = client.takes(topic)
+        heard = client.every_joint(joints or taken)
+        names = tuple(joints) or arm_names(heard, taken, urdf, limits)
         if lacking := [name for name in names if name not in heard]:
             raise UserError(f"no joint states of {', '.join(lacking)}; of {', '.join(heard)}")
-        client.listeners(topic)
         rig = RosRig(client, topic, names, folder)
         yield rig
     finally:
@@ -148,7 +146,7 @@ class RosRig:
             prepared = self._client.ask("prepare", file=str(file), topic=self._topic)
             self._obey()
             sent = self._client.ask("send", prepared=prepared["answer"])
-            self._watch(float(sent["seconds"]), progress)
+            self._watch(sent, progress)
             time.sleep(AFTER)
             self._client.ask("finish")
         except UserError as error:
@@ -172,9 +170,13 @@ class RosRig:
         if self._wanted:
             raise StoppedError(self._wanted)
 
-    def _watch(self, seconds: float, progress: Progress) -> None:
-        """Wait for the end of the motion that was sent; raise where it must be stopped."""
-        client = self._client
+    def _watch(self, sent: Told, progress: Progress) -> None:
+        """Wait for the end of the motion that was sent; raise where it must be stopped.
+
+        Args:
+            sent: its "at" becomes the start that the arm took.
+        """
+        client, seconds = self._client, float(sent["seconds"])
         began = gained = time.monotonic()
         elapsed, seen, told = 0.0, False, client.at
         while True:
@@ -195,7 +197,7 @@ class RosRig:
                     progress(1.0, "moving")
                     return
                 if moved is not None:
-                    seen = True
+                    seen, sent["at"] = True, moved["at"]
                     if not moved["followed"]:
                         raise StoppedError(self._refused(status))
                     if moved["elapsed"] > elapsed:

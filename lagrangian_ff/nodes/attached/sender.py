@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,8 @@ from trajectory_msgs.msg import JointTrajectory
 from lagrangian_ff.arm.trajectory import Trajectory, read_trajectory
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.errors import UserError
+from lagrangian_ff.nodes.attached.controllers import joints_parameter
+from lagrangian_ff.nodes.attached.following import EARLY, NEAR, Seen
 from lagrangian_ff.nodes.attached.motions import Plan, held, plan, slowed
 from lagrangian_ff.nodes.attached.poses import STANDING, Poses
 from lagrangian_ff.nodes.common.topics import RELIABLE, message_of, stamp
@@ -23,7 +25,6 @@ TAKES = "trajectory_msgs/msg/JointTrajectory"
 UNKNOWN = "_NODE_NAME_UNKNOWN_"
 MOVED = 0.02  # rad by which the arm may have moved since a motion was prepared
 AFTER = 0.3  # s after its last point in which a motion ends
-NEAR = 0.3  # rad from a motion at which it still counts as followed
 PATIENCE = 2.0  # s until a publisher has found its subscribers
 SOON = 0.5  # s until a motion begins
 AHEAD = 0.1  # s until a stop begins
@@ -64,11 +65,15 @@ class Sent:
         prepared: what was sent.
         at: ns, the stamp of its start, on the clock of the joint states.
         steady: s of the monotonic clock then.
+        at_once: whether the arm ignores stamps and begins what it is sent when it comes.
+        seen: of the arm since.
     """
 
     prepared: Prepared
     at: int
     steady: float
+    at_once: bool = False
+    seen: Seen = field(default_factory=Seen)
 
 
 class Sender:
@@ -91,7 +96,7 @@ class Sender:
         self._publishers: dict[str, Publisher] = {}
         self._prepared: Prepared | None = None
         self._sent: Sent | None = None
-        self._astray = 0
+        self._at_once: set[str] = set()
         self.alarm = ""
         self._alarmed = -math.inf, ""
         self._lock = threading.RLock()
@@ -104,6 +109,13 @@ class Sender:
             if TAKES in kinds and (nodes := self._listeners(topic)):
                 found.append({"topic": topic, "nodes": list(nodes), "subscribers": len(nodes)})
         return found
+
+    def takes(self, topic: str) -> list[str]:
+        """Return the joints that who takes trajectories from a topic has; none if nobody says."""
+        for name in self._listeners(topic):
+            if found := joints_parameter(self._node, name):
+                return found
+        return []
 
     def prepare(self, number: int, file: str, topic: str) -> dict[str, Any]:
         """Return what would happen if the motion in a file was sent now; nothing is sent.
@@ -153,7 +165,8 @@ class Sender:
         if np.abs(self._poses.standing(trajectory.joints) - trajectory.q[0]).max() > MOVED:
             raise UserError("the arm has moved since the motion was prepared: look again")
         message, at = message_of(trajectory, 0), self._poses.at
-        begins = self._start(SOON)
+        at_once = prepared.topic in self._at_once
+        begins = 0 if at_once else self._start(SOON)
         message.header.stamp = stamp(begins)
         later = SOON if begins else 0.0
         with self._lock:
@@ -161,8 +174,8 @@ class Sender:
             if time.monotonic() < since + CALM:
                 raise UserError(f"{words}: no motion is sent until that has been over for a while")
             publisher.publish(message)
-            self._sent = Sent(prepared, begins or at, time.monotonic() + later)
-            self._astray, self.alarm = 0, ""
+            self._sent = Sent(prepared, begins or at, time.monotonic() + later, at_once)
+            self.alarm = ""
             at = self._sent.at
         return {"seconds": trajectory.duration, "at": at, "from": trajectory.q[0].tolist()}
 
@@ -222,7 +235,7 @@ class Sender:
             raise UserError("no motion is under way")
         publisher = self._publisher(sent.prepared.topic)
         for number, lead in enumerate(LEADS):
-            start = self._start(AHEAD)
+            start = 0 if sent.at_once else self._start(AHEAD)
             begins = self._elapsed(sent) + (AHEAD if start else lead)
             rest = self._rest(sent, begins, alike=number % 2 == 0)
             publisher.publish(message_of(rest, start))
@@ -295,7 +308,8 @@ class Sender:
                 "topic": sent.prepared.topic,
                 "elapsed": max(0.0, elapsed),
                 "seconds": seconds,
-                "followed": self._astray <= 1,
+                "at": sent.at,
+                "followed": sent.seen.followed,
             }
 
     def look(self) -> None:
@@ -304,15 +318,27 @@ class Sender:
             sent = self._sent
             if sent is None:
                 return
-            _, away = self._away(sent)
-            self._astray = self._astray + 1 if away.max() > NEAR else 0
-            if self._astray > 1:
+            q, away = self._away(sent)
+            if q is not None and (lead := sent.seen.lead(self._leads(sent, q))):
+                at, steady = sent.at - round(lead * 1e9), sent.steady - lead
+                at_once = sent.at_once or lead > SOON / 2
+                sent = self._sent = replace(
+                    sent, at=at, steady=steady, at_once=at_once, seen=Seen()
+                )
+                if at_once:
+                    self._at_once.add(sent.prepared.topic)
+                _, away = self._away(sent)
+            if not sent.seen.follows(away):
                 joint = sent.prepared.plan.trajectory.joints[int(away.argmax())]
                 self._warn(
                     "not followed",
                     f"the arm does not follow the motion: {joint} is {away.max():.2g} rad off; "
                     f"the log of {', '.join(sent.prepared.nodes)} may say why",
                 )
+
+    def _leads(self, sent: Sent, q: Floats) -> Floats:
+        """Return the distances (K, N) of a pose from where the motion would be, were it `EARLY`."""
+        return np.abs(q - sent.prepared.plan.trajectory.sample(self._elapsed(sent) + EARLY)[0])
 
     def _away(self, sent: Sent) -> tuple[Floats | None, Floats]:
         """Return the pose (N,) rad and its distance from the motion; no pose if it is not known."""

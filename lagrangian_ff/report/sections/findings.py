@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     # The page of a history needs none of the libraries of a diagnosis.
     from lagrangian_ff.diagnosis import DiagnosisRun
     from lagrangian_ff.diagnosis.consequence import Consequence
-    from lagrangian_ff.diagnosis.results import Found, PartialResidual
+    from lagrangian_ff.diagnosis.results import Diagnosis, Found, PartialResidual
 
 MEANINGS = (
     "Confirmed: the effect, frozen as it was found, also lowers the error on data that the search "
@@ -56,16 +56,16 @@ def summary_section(run: "DiagnosisRun") -> Section:
     return Section("What is missing", "", body)
 
 
-def evidence_section(run: "DiagnosisRun") -> Section | None:
+def evidence_section(diagnosis: "Diagnosis") -> Section | None:
     """Return for each finding what it is, where it shows, its size, and whether it helps."""
-    findings, every = run.diagnosis.found, run.diagnosis.model.joints
+    findings, every = diagnosis.found, diagnosis.model.joints
     if not findings:
         return None
     return Section(
         "The evidence",
         "Left: what the model leaves, over the quantity in which the effect shows, and the effect "
         "as fitted. Right: the error of each block of held-back motion before and after.",
-        "".join(_finding(one, every) for one in findings),
+        "".join(evidence(one, every) for one in findings),
     )
 
 
@@ -108,15 +108,20 @@ def _card(found: "Found", every: Sequence[str]) -> html.Card:
     )
 
 
-def _finding(found: "Found", every: Sequence[str]) -> str:
+def evidence(found: "Found", every: Sequence[str], meaning: str = "") -> str:
+    """Return what a finding is, where it shows, its size, and whether it helps, as HTML.
+
+    Args:
+        every: the joints of the model.  meaning: in words; by default that of the effect.
+    """
     effect, residual = found.effect, found.partial_residual
     name, badge = spoken(effect.name), "good" if found.confirmed else "fair"
     parts = [
         f"<h3>{html.escape(name)} on {html.escape(found.place(every))} "
         f"{html.badge(_verdict(found), badge)}</h3>"
     ]
-    if effect.meaning:
-        parts.append(html.paragraph(sentence(effect.meaning)))
+    if words := meaning or effect.meaning:
+        parts.append(html.paragraph(sentence(words)))
     parts.append(f'<div class="formula-line">τ = {html.escape(effect.formula)}</div>')
     pictures = []
     if residual is not None and len(residual.x):

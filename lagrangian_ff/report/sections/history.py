@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagrangian_ff.numbers import DASH, chance, typeset
 from lagrangian_ff.report import html
-from lagrangian_ff.report.colours import AFTER, FAINT, faded, of_joint
+from lagrangian_ff.report.colours import AFTER, BEFORE, FAINT, faded, of_joint
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, embed, line
 from lagrangian_ff.words import sentence, spoken
@@ -98,8 +98,12 @@ def _day(when: str) -> str:
         return when
 
 
-def fall_plot(names: Sequence[str], errors: Sequence[float]) -> Plot:
-    """Draw the error (N·m) after each step; the first is that of the model as it was."""
+def fall_plot(names: Sequence[str], errors: Sequence[float], without: float | None = None) -> Plot:
+    """Draw the error (N·m) after each step.
+
+    Args:
+        without: N·m of the last model without what was found, a dashed line; None for no line.
+    """
     drawn = line(
         list(range(len(names))),
         errors,
@@ -116,22 +120,42 @@ def fall_plot(names: Sequence[str], errors: Sequence[float]) -> Plot:
         hovertemplate="%{y:.3g} N·m<extra></extra>",
         cliponaxis=False,
     )
-    height = axis("RMS error on held-back data [N·m]", range=[0, 1.2 * max(errors)])
-    return Plot([drawn], {"xaxis": _steps(names), "yaxis": height}, 320)
+    highest = max(*errors, without or 0.0)
+    height = axis("RMS error on held-back data [N·m]", range=[0, 1.2 * highest])
+    layout = {"xaxis": _steps(names), "yaxis": height, "showlegend": without is not None}
+    if without is None:
+        return Plot([drawn], layout, 320)
+    name = f"the last model without what was found: {typeset(without)} N·m"
+    level = line(_ends(names), [without, without], name, BEFORE, mode="lines", hoverinfo="skip")
+    level["line"] = {**level["line"], "dash": "dash"}
+    return Plot([level, {**drawn, "showlegend": False}], layout, 320)
 
 
-def joints_fall_plot(names: Sequence[str], joints: Mapping[str, Sequence[float]]) -> Plot:
-    """Draw each joint's error (N·m) after each step, as a share of what it was at first."""
+def joints_fall_plot(
+    names: Sequence[str],
+    joints: Mapping[str, Sequence[float]],
+    without: Mapping[str, float] | None = None,
+) -> Plot:
+    """Draw each joint's error (N·m) after each step, as a share of what it was at first.
+
+    Args:
+        without: by joint, N·m to draw it as a share of instead: of the last model without what was
+            found.
+    """
     places = list(range(len(names)))
     hover = "%{y:.0f} %, %{customdata:.3g} N·m"
     look: dict[str, Any] = {"width": 2, "mode": "lines+markers", "hovertemplate": hover}
     data = []
     for k, (joint, errors) in enumerate(joints.items()):
-        shares = [100.0 * error / errors[0] if errors[0] else 100.0 for error in errors]
+        whole = without[joint] if without else errors[0]
+        shares = [100.0 * error / whole if whole else 100.0 for error in errors]
         data.append(line(places, shares, joint, of_joint(k), customdata=list(errors), **look))
     layout = {
         "xaxis": _steps(names),
-        "yaxis": axis("% of the first error", rangemode="tozero"),
+        "yaxis": axis(
+            "% of that without what was found" if without else "% of the first error",
+            rangemode="tozero",
+        ),
         "showlegend": True,
         "hovermode": "x unified",
     }
@@ -142,8 +166,12 @@ def _steps(names: Sequence[str]) -> dict[str, object]:
     return axis(
         tickvals=list(range(len(names))),
         ticktext=[spoken(name).replace(" on ", "<br>on ") for name in names],
-        range=[-0.35, max(0.35, len(names) - 0.65)],
+        range=_ends(names),
         tickfont={"size": 12, "color": FAINT},
         showgrid=False,
         zeroline=False,
     )
+
+
+def _ends(names: Sequence[str]) -> list[float]:
+    return [-0.35, max(0.35, len(names) - 0.65)]

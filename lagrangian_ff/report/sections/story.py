@@ -7,6 +7,7 @@ from lagrangian_ff.report import html
 from lagrangian_ff.report.colours import of_joint
 from lagrangian_ff.report.page import Section
 from lagrangian_ff.report.plot import Plot, axis, embed, line
+from lagrangian_ff.report.sections.findings import evidence
 from lagrangian_ff.report.sections.history import fall_plot, joints_fall_plot
 from lagrangian_ff.words import sentence, spoken
 
@@ -30,7 +31,7 @@ def turns_section(story: "Investigation") -> Section:
         ]
         for number, turn in enumerate(story.turns, 1)
     ]
-    header = ["", "question", "confirmed after it", "motion [s]", "nats expected", "gained"]
+    header = ["", "question", "confirmed after it", "motion [s]", "nats expected", "nats now"]
     parts = [html.table(header, rows, words=3, strong=2)]
     for number, turn in enumerate(story.turns, 1):
         parts.append(html.paragraph(f"{number}. {turn.asked} {sentence(turn.answer)}"))
@@ -38,7 +39,8 @@ def turns_section(story: "Investigation") -> Section:
     return Section(
         "Question by question",
         "Every motion is designed to decide the question above it. The nats expected were computed "
-        "before the arm moved, those gained are of all motions so far.",
+        "before the arm moved; between two rivals they tell these apart. The nats now are those of "
+        "what was found of it against its absence, from all motions so far.",
         "".join(parts),
     )
 
@@ -48,46 +50,32 @@ def staircase_section(story: "Investigation") -> Section | None:
     if not story.turns:
         return None
     models = [(f"question {n}", turn.total, turn.errors) for n, turn in enumerate(story.turns, 1)]
-    falls = bool(story.confirmed or story.curves)
-    if falls:
-        models.insert(0, ("without what was found", story.before_total, story.before))
     if story.curves:
         models.append(("with curves", story.total, story.errors))
     names = [name for name, _, _ in models]
     errors = [total for _, total, _ in models]
     joints = {joint: [by_joint[joint] for _, _, by_joint in models] for joint in story.joints}
-    rows = [[joint, *map(typeset, values)] for joint, values in joints.items()]
+    falls = bool(story.confirmed or story.curves)
+    columns = [*joints.items()]
+    if falls:
+        columns = [(joint, [story.before[joint], *values]) for joint, values in columns]
+    rows = [[joint, *map(typeset, values)] for joint, values in columns]
+    header = ["RMS error [N·m]", *(["without what was found"] if falls else []), *names]
+    total, each = (story.before_total, story.before) if falls else (None, None)
     return Section(
         "The error falls" if falls else "The error",
         "Each model is judged on the same motion: the last part of every few seconds of every "
         "recording, from which none of them learned.",
-        embed(fall_plot(names, errors), "error after each question")
-        + embed(joints_fall_plot(names, joints), "each joint's error after each question")
-        + html.table(["RMS error [N·m]", *names], rows, strong=len(names)),
+        embed(fall_plot(names, errors, total), "error after each question")
+        + embed(joints_fall_plot(names, joints, each), "each joint's error after each question")
+        + html.table(header, rows, strong=len(header) - 1),
     )
 
 
 def ended_section(story: "Investigation") -> Section:
     """Return why it ended, and what is left."""
-    texts = [f"It ended after {story.seconds:.0f} s of motion: {story.words}."]
-    if story.turns:
-        found = story.turns[-1].diagnosis
-        texts += [
-            f"On {one.joint} something is left that depends on {one.coordinate}: "
-            + (
-                "the model holds it as a curve."
-                if one.joint in {taken.joint for taken in story.curves}
-                else "a curve does not lower the error."
-            )
-            for one in found.unexplained
-        ]
-        texts += [
-            sentence(f"{spoken(one.name)} is no more than {one.said}")
-            for one in found.findings
-            if not one.confirmed
-        ]
-        texts += [one.said for one in story.passed_over]
-    return Section("What is left", "", html.bullets(texts))
+    ended = f"It ended after {story.seconds:.0f} s of motion: {story.words}."
+    return Section("What is left", "", html.bullets([ended, *story.left]))
 
 
 def unlisted_section(story: "Investigation") -> Section | None:
@@ -103,12 +91,13 @@ def unlisted_section(story: "Investigation") -> Section | None:
     ]
     parts = [html.bullets(texts)] if texts else []
     header = ["formula", "it might be", "verdict", "nats", "error before [N·m]", "after"]
+    added = [one.name for one in story.formulas]
     for found in story.unlisted.proposals:
         rows = [
             [
                 f"τ = {one.formula}",
                 one.words,
-                one.finding.verdict.value,
+                "added" if one.finding.name in added else one.finding.verdict.value,
                 typeset(one.finding.log_bayes_factor),
                 *(DASH if error is None else typeset(error) for error in one.finding.errors),
             ]
@@ -117,10 +106,14 @@ def unlisted_section(story: "Investigation") -> Section | None:
         if rows:
             parts.append(html.paragraph(f"{found.joint}: {found.tried} formulas competed."))
             parts.append(html.table(header, rows, words=3))
+            first = found.proposals[0]
+            if first.finding.name not in added:
+                parts.append(evidence(first.finding, story.joints, first.words))
     return Section(
         "What nobody listed",
         "No effect of the catalogue fits this. Where a curve lowers the error, the model holds it, "
-        "without a name. A formula says how a torque looks, not what causes it; none is added.",
+        "without a name. A formula says how a torque looks, not what causes it; one that unseen "
+        "motion confirms is added.",
         "".join(parts),
     )
 

@@ -26,13 +26,13 @@ export function stairs(state, width, height) {
   return staircase(line(state).filter((node) => node.compared).map((node) => ({ title: node.title, rmse: node.compared.rmse })), width, height);
 }
 
-// The errors of steps, each with a title and its rmse, as a staircase.
-export function staircase(steps, width, height) {
+// The errors of steps, each with a title and its rmse, as a staircase; beside them, dashed, that of another model.
+export function staircase(steps, width, height, beside = null) {
   if (!steps.length) {
     return null;
   }
-  const errors = steps.map((one) => one.rmse);
-  const top = Math.max(...errors) * 1.15;
+  const errors = steps.map((one) => one.rmse), every = beside ? [...steps, beside] : steps;
+  const top = Math.max(...every.map((one) => one.rmse)) * 1.15;
   const left = 4, bottom = height - 16, room = bottom - 14;
   const x = (k) => left + ((width - left * 2) * k) / steps.length;
   const y = (error) => 14 + room * (1 - error / top);
@@ -40,9 +40,13 @@ export function staircase(steps, width, height) {
   errors.forEach((error, k) => {
     path += `${k ? "L" : "M"}${x(k)} ${y(error)}L${x(k + 1)} ${y(error)}`;
   });
-  const words = steps.map((one) => `${one.title}: ${number(one.rmse)} N·m`).join("; ");
+  // At the end most room is left, as the error has fallen by then.
+  const clear = beside && y(errors.at(-1)) - y(beside.rmse) > 18;
+  const words = every.map((one) => `${one.title}: ${number(one.rmse)} N·m`).join("; ");
   return s("svg", { viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": `error on unseen motion: ${words}` },
     s("line", { class: "axis", x1: left, x2: width - left, y1: bottom, y2: bottom }),
+    beside ? [s("line", { class: "beside", x1: left, x2: width - left, y1: y(beside.rmse), y2: y(beside.rmse) }),
+      s("text", { x: clear ? width - left : width / 2, y: y(beside.rmse) - 4, "text-anchor": clear ? "end" : "middle" }, `${beside.title}: ${number(beside.rmse)}`)] : null,
     s("path", { class: "fall", d: path }),
     s("text", { x: left, y: y(errors[0]) - 4 }, number(errors[0])),
     errors.length > 1 ? s("text", { x: width - left, y: y(errors.at(-1)) - 4, "text-anchor": "end" }, number(errors.at(-1))) : null,

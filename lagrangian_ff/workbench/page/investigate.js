@@ -112,10 +112,6 @@ function form(state, busy) {
     lacks ? h("p", { class: "bad under" }, lacks) : null);
 }
 
-function nats(value) {
-  return value === null || value === undefined ? "–" : number(value);
-}
-
 // What was asked so far, while the answers come.
 function steps(one) {
   if (!one.steps.length) {
@@ -135,15 +131,22 @@ function underWay(state, one) {
 }
 
 function fall(story) {
-  const found = story.turns.map((turn, k) => ({ title: `question ${k + 1}`, rmse: turn.rmse }));
+  const found = story.turns.map(({ rmse, errors }, k) => ({ title: `question ${k + 1}`, rmse, errors }));
   const curves = story.unlisted && story.unlisted.left.some((one) => one.taken);
-  return [{ title: "without what was found", rmse: story.before.rmse }, ...found, ...(curves ? [{ title: "with curves", rmse: story.unlisted.rmse }] : [])];
+  return curves ? [...found, { title: "with curves", rmse: story.unlisted.rmse, errors: story.unlisted.errors }] : found;
+}
+
+function expectation(one) {
+  if (one.expected_nats === null) {
+    return ".";
+  }
+  return `, expected to gain ${number(one.expected_nats)} nats` + (one.gained_nats === null ? "." : `; ${number(one.gained_nats)} are for it now.`);
 }
 
 function turn(story, one, k) {
   return h("section", { class: "card finding" }, h("div", {}, h("h3", {}, `${k + 1}. ${one.asked}`),
     h("p", {}, one.answer),
-    h("p", { class: "quiet" }, `A motion of ${number(one.seconds)} s` + (one.expected_nats === null ? "." : `, expected to gain ${nats(one.expected_nats)} nats; gained so far ${nats(one.gained_nats)}.`)),
+    h("p", { class: "quiet" }, `A motion of ${number(one.seconds)} s${expectation(one)}`),
     one.confirmed.length ? h("p", { class: "quiet" }, `Confirmed by then: ${one.confirmed.map(spoken).join(", ")}.`) : null),
   h("div", { class: "drawn" }, picture(story.pictures[k])));
 }
@@ -155,13 +158,15 @@ function told(state, one, go) {
   if (!story || !story.turns.length) {
     return [h("section", { class: "card" }, h("h3", {}, one.title), why, about, one.steps.length ? steps(one) : null)];
   }
-  const falls = fall(story), figure = staircase(falls, 640, 130);
-  const { joints } = story;
-  const errors = [story.before.errors, ...story.turns.map((each) => each.errors), ...(falls.length > story.turns.length + 1 ? [story.unlisted.errors] : [])];
-  return [h("div", { class: "two" }, h("section", { class: "card drawn" }, h("h3", {}, `I${one.title.slice(1)}: the error falls`), figure, saver(figure, one.id),
-    h("details", {}, h("summary", {}, "Error of each joint"), h("div", { class: "wide" }, h("table", { class: "close" }, h("thead", {}, h("tr", {}, h("th", {}, "unseen error [N·m]"), falls.map(({ title }) => h("th", { class: "number" }, title)))),
-      h("tbody", {}, joints.map((joint) => h("tr", {}, h("td", {}, joint), errors.map((each) => h("td", { class: "number" }, number(each[joint]))))),
-        h("tr", {}, h("td", {}, "all"), falls.map(({ rmse }) => h("td", { class: "number total" }, number(rmse))))))))),
+  const models = fall(story), { joints } = story;
+  const falls = models.length > story.turns.length || story.turns.at(-1).confirmed.length > 0;
+  // The last model, which has learned from every motion, less what was found.
+  const without = falls ? { title: "without what was found", ...story.before } : null;
+  const figure = staircase(models, 640, 130, without), columns = without ? [without, ...models] : models;
+  return [h("div", { class: "two" }, h("section", { class: "card drawn" }, h("h3", {}, `I${one.title.slice(1)}: the error${falls ? " falls" : ""}`), figure, saver(figure, one.id),
+    h("details", {}, h("summary", {}, "Error of each joint"), h("div", { class: "wide" }, h("table", { class: "close" }, h("thead", {}, h("tr", {}, h("th", {}, "unseen error [N·m]"), columns.map(({ title }) => h("th", { class: "number" }, title)))),
+      h("tbody", {}, joints.map((joint) => h("tr", {}, h("td", {}, joint), columns.map(({ errors }) => h("td", { class: "number" }, number(errors[joint]))))),
+        h("tr", {}, h("td", {}, "all"), columns.map(({ rmse }) => h("td", { class: "number total" }, number(rmse))))))))),
   h("section", { class: "card end" }, h("h3", {}, "In the end"), why, h("ul", {}, story.left.map((text) => h("li", {}, text))), about,
     h("p", { class: "quiet" }, "The model is a step, with each effect that was added before it."),
     h("div", { class: "row lead-up" }, h("button", { class: "main", "data-key": "tosteps", onclick: async () => {

@@ -200,9 +200,7 @@ export function view(state, { go }) {
   };
   const parts = [head("Live", line, tally, again, record), warnings,
     h("div", { class: "two beside" }, h("section", {}, joints, empty, canvas, legend), h("div", {}, residuals.element, motions.element))];
-  queueMicrotask(() => {
-    refresh();
-    stream.draw();
-  });
+  refresh(); // before it is shown: what is disabled cannot take the focus back
+  queueMicrotask(() => stream.draw());
   return parts;
 }

@@ -58,7 +58,7 @@ export class Motions {
     const question = { motion: this.motion.value, topic: this.topic.value };
     const found = await ask("prepare", question, "api/live/");
     this.send.disabled = false;
-    this.send.focus();
+    document.querySelector('[data-key="prepare"]')?.focus(); // the view may have been made again meanwhile
     if (found) {
       asked(found, this.title(question.motion));
     }

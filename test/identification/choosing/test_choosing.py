@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from lagrangian_ff.effects import EFFECTS, Inputs
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.errors import ModelError
+from lagrangian_ff.identification.basis import Basis, Term
 from lagrangian_ff.identification.choosing.choose import STRONG, choose, choose_robustly
 from lagrangian_ff.identification.choosing.evidence import (
     Logarithms,
@@ -105,6 +107,26 @@ def test_derivatives_are_those_of_finite_differences(name: str, change: str, see
     np.testing.assert_allclose(found.gradient, expected, rtol=1e-4, atol=1e-4)
     np.testing.assert_allclose(found.curvature, found.curvature.T, atol=1e-10)
     assert np.linalg.eigvalsh(found.curvature).min() > -1e-6
+
+
+def test_the_derivative_by_a_place_that_is_negative_is_that_of_finite_differences() -> None:
+    bump = formula_effect("bump", "A*sign(qd)*exp(-((q-c)/w)^2)", {"c": (-1.0, 1.0), "w": (0.1, 1)})
+    plain = started(training(20))
+    terms = (*plain.basis.terms, Term(bump, 0, {"c": -0.3, "w": 0.4}))
+    problem = plain.having(kernel=plain.kernel, noise=plain.noise, basis=Basis(terms))
+    logarithms = Logarithms(problem)
+    middle, step = logarithms.of(problem), 1e-4
+    assert logarithms.at(middle).basis.terms[-1].shape == pytest.approx({"c": -0.3, "w": 0.4})
+    low, high = logarithms.ends
+    assert logarithms.at(low).basis.terms[-1].shape["c"] == pytest.approx(-1.0)
+    assert logarithms.at(high).basis.terms[-1].shape["c"] == pytest.approx(1.0)
+    up, down = (
+        exact(logarithms.at(middle + by * np.eye(len(middle))[-2])).log_evidence
+        for by in (step, -step)
+    )
+    found = derivatives(exact(problem)).gradient[-2]
+    assert abs(found) > 1e-3
+    assert found == pytest.approx((up - down) / (2.0 * step), rel=1e-3)
 
 
 def test_steps_raise_the_evidence_by_more_than_the_prior_takes() -> None:

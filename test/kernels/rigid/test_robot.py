@@ -36,7 +36,7 @@ GRIPPER = f"""<robot name="odd">
     <axis xyz="0 1 0"/><limit lower="0" upper="1" effort="9" velocity="1"/>
     <mimic joint="reach" multiplier="-0.5" offset="0.1"/></joint>
   <joint name="tip_mount" type="fixed"><parent link="finger"/><child link="tip"/>
-    <origin xyz="0.3 0 0" rpy="0 1 0"/></joint>
+    <origin xyz="0.3 0 0" rpy="0 1 0"/><axis xyz="0 0 0"/></joint>
 </robot>
 """
 
