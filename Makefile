@@ -22,8 +22,8 @@ PROMPT = $(BEFORE) test/workbench/test_live_page.py \
 	$(filter-out $(PATIENT) $(BEFORE),$(wildcard test/nodes/test_*.py))
 # What the environment holds beside the requirements; extras of setup.py.
 EXTRAS = ros,arm,bags,threads
-# Without this limit a worker that crashed can leave pytest waiting for ever.
-SIDE_BY_SIDE = --dist loadfile --max-worker-restart 0 --durations 12
+# Without these limits a worker that crashed, or a test that hangs, leaves pytest waiting for ever.
+SIDE_BY_SIDE = --dist loadfile --max-worker-restart 0 --timeout 900 --durations 12
 
 BIN = $(VENV)/bin
 SOURCES = lagrangian_ff test benchmark launch tools docs/conf.py setup.py

@@ -92,6 +92,7 @@ EXTRAS = {
         "mujoco >=3.1, <5",
         "jsonschema >=4.10, <5",
         "pytest >=7.4.4, <10",
+        "pytest-timeout >=2.2, <3",
         "pytest-xdist >=3.4, <4",
         "hypothesis >=6.98.15, <7",
         "rosbags >=0.11, <0.12",

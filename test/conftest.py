@@ -65,8 +65,19 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let test processes take files in the order given: those that take longest are named first."""
+    """Let test processes take files in their order, not those with the most tests first."""
     config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Keep the order of the arguments: newer versions of pytest take a folder once, as a whole."""
+    given = config.args
+
+    def place(item: pytest.Item) -> int:
+        starts = (n for n, one in enumerate(given) if item.nodeid.startswith(one))
+        return next(starts, len(given))
+
+    items.sort(key=place)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -15,6 +15,7 @@ Topics
 from __future__ import annotations
 
 import argparse
+import signal
 import threading
 import time
 from collections.abc import Callable
@@ -27,8 +28,9 @@ import pybullet
 import pybullet_data
 import rclpy
 from numpy.typing import NDArray
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -256,24 +258,26 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
     arm = Arm(ARMS[given.arm], dict(given.hidden), given.seed)
-    rclpy.init()
+    # rclpy's own handlers end the context below the publisher, and do not always wake the executor.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     driver = Driver(arm)
-    print(f"lagrangian_ff investigate --topic /other_arm/joint_trajectory --urdf {arm.urdf}")
-
-    def spin() -> None:
-        with suppress(ExternalShutdownException):  # Ctrl-C or SIGTERM
-            rclpy.spin(driver)
-
-    spinning = threading.Thread(target=spin)
+    executor = SingleThreadedExecutor()
+    executor.add_node(driver)
+    spinning = threading.Thread(target=executor.spin, daemon=True)
     spinning.start()
     now, steps = time.monotonic(), 0
     with suppress(KeyboardInterrupt):
-        while spinning.is_alive():
+        print(f"lagrangian_ff investigate --topic /other_arm/joint_trajectory --urdf {arm.urdf}")
+        while True:
             arm.step(driver.wanted(now))
             now, steps = now + STEP, steps + 1
             if steps % arm.kind.every == 0:
                 driver.publish()
             time.sleep(max(0.0, now - time.monotonic()))
+    executor.shutdown()
+    spinning.join(5.0)
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":

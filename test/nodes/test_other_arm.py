@@ -22,6 +22,7 @@ from lagrangian_ff.progress import silent
 TOOL = Path(__file__).parents[2] / "tools" / "other_arm.py"
 TOPIC = "/other_arm/joint_trajectory"
 REACH, FASTEST, HARDEST = 0.4, 0.4, 2.0
+ENDING = 30.0  # s
 
 
 @contextmanager
@@ -35,7 +36,10 @@ def driven(arm: str) -> Iterator[Path]:
         yield Path(found[1])
     finally:
         process.terminate()
-        process.wait()
+        try:
+            assert process.wait(ENDING) == 0
+        finally:
+            process.kill()
 
 
 @pytest.mark.parametrize("arm", ["iiwa", "panda"])
