@@ -63,7 +63,7 @@ def test_the_error_falls() -> None:
 
 def test_it_sets_a_lag_of_all_torques_right() -> None:
     late = 0.008
-    story = investigate(PendulumRig(DRAG, late=late), plan(36.0), lambda proposal: True)
+    story = investigate(PendulumRig(DRAG, late=late), plan(24.0), lambda proposal: True)
     lag = next(turn.diagnosis.lag for turn in story.turns if turn.diagnosis.lag is not None)
     assert abs(lag.delay - late) < 3.0 * lag.deviation
     conditioning = story.turns[-1].model.identified.conditioning
