@@ -1,4 +1,4 @@
-"""Drive an arm that this package does not know, in ROS 2: a KUKA iiwa or a Panda of PyBullet.
+"""Drive an arm that this package does not know, in ROS 2: an iiwa, a Panda or an xArm of PyBullet.
 
     .venv/bin/python tools/other_arm.py iiwa --hidden drag@3:0.1
 
@@ -90,6 +90,18 @@ ARMS = {
         10,
         stamped=True,
     ),
+    "xarm6": Kind(
+        "xarm/xarm6_robot.urdf",
+        tuple(f"joint{n}" for n in range(1, 7)),
+        (),
+        (0.0, -0.3, -1.1, 0.0, 1.2, 0.0),
+        (1.5, 2.0, 1.4, 0.8, 0.6, 0.4),
+        (2.5, 3.0, 2.0, 1.0, 0.7, 0.4),
+        (0.5, 0.6, 0.4, 0.15, 0.12, 0.06),
+        (0.1, 0.12, 0.08, 0.05, 0.04, 0.02),
+        4,
+        stamped=True,
+    ),
 }
 
 
@@ -140,22 +152,23 @@ class Arm:
         self._body = pybullet.loadURDF(str(self.urdf), useFixedBase=True)
         pybullet.setGravity(0.0, 0.0, -9.81)
         self.home = np.array(kind.home)
-        self.q, self.qd, self.qdd = self.home.copy(), np.zeros(7), np.zeros(7)
-        self.bend = np.zeros(7)
+        still = np.zeros(len(self.home))
+        self.q, self.qd, self.qdd = self.home.copy(), still, still
+        self.bend = still.copy()
         self._hidden = {
             joint: (EFFECTS[name], self._factor(joint, EFFECTS[name], share))
             for joint, (name, share) in hidden.items()
         }
 
     def step(self, wanted: Floats) -> None:
-        """Follow a reference (7,) rad for a step."""
+        """Follow a reference (N,) rad for a step."""
         self.qdd = FOLLOWS**2 * (wanted - self.q) - 2.0 * FOLLOWS * self.qd
         self.qd = self.qd + STEP * self.qdd
         self.q = self.q + STEP * self.qd
         self.bend += STEP * (self.qd - np.abs(self.qd) * self.bend) / PRESLIDING
 
     def torque(self) -> Floats:
-        """Return (7,) N·m, what a sensor measures."""
+        """Return (N,) N·m, what a sensor measures."""
         load = self._load(self.q, self.qd, self.qdd)
         dry = np.array(self.kind.dry) * np.tanh(self.qd / WIDTH)
         found = load + dry + np.array(self.kind.viscous) * self.qd
@@ -167,7 +180,7 @@ class Arm:
         still = [0.0] * len(self.kind.fingers)
         states = ([*map(float, values), *still] for values in (q, qd, qdd))
         found = pybullet.calculateInverseDynamics(self._body, *states)
-        return np.array(found[:7]) + np.array(self.kind.rotor) * qdd
+        return np.array(found[: len(q)]) + np.array(self.kind.rotor) * qdd
 
     def _state(self, n: int, q: Floats, qd: Floats, load: Floats, bend: Floats) -> State:
         away = float(q[n] - self.home[n])
@@ -176,14 +189,14 @@ class Arm:
     def _factor(self, n: int, effect: Callable[[State], float], share: float) -> float:
         """Return the factor with which an effect has a share of the torque in random motion."""
         random = np.random.default_rng(0)
-        torques, effects = [], []
+        torques, effects, count = [], [], len(self.home)
         for _ in range(2000):
-            q = self.home + random.uniform(-1.2, 1.2, 7)
-            qd, qdd = random.normal(0.0, 0.6, 7), random.normal(0.0, 1.5, 7)
+            q = self.home + random.uniform(-1.2, 1.2, count)
+            qd, qdd = random.normal(0.0, 0.6, count), random.normal(0.0, 1.5, count)
             load = self._load(q, qd, qdd)
             slip = self.kind.dry[n] * np.sign(qd[n]) + self.kind.viscous[n] * qd[n]
             torques.append(load[n] + slip)
-            effects.append(effect(self._state(n, q, qd, load, random.uniform(-1.0, 1.0, 7))))
+            effects.append(effect(self._state(n, q, qd, load, random.uniform(-1.0, 1.0, count))))
         return float(share * np.std(torques) / np.std(effects))
 
 
@@ -226,7 +239,7 @@ class Driver(Node):
         self._motion = begins, np.array(at), q, qd
 
     def wanted(self, now: float) -> Floats:
-        """Return (7,) rad, where the arm is to be at an instant of the monotonic clock, s."""
+        """Return (N,) rad, where the arm is to be at an instant of the monotonic clock, s."""
         if self._motion is None:
             return self._arm.home
         begins, at, q, qd = self._motion
@@ -257,6 +270,9 @@ def main() -> None:
     parser.add_argument("--hidden", type=hidden_in, nargs="*", default=[])
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
+    count = len(ARMS[given.arm].joints)
+    if wrong := [joint + 1 for joint, _ in given.hidden if joint >= count]:
+        parser.error(f"--hidden in joint {wrong[0]}: the {given.arm} has {count} joints")
     arm = Arm(ARMS[given.arm], dict(given.hidden), given.seed)
     # rclpy's own handlers end the context below the publisher, and do not always wake the executor.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
