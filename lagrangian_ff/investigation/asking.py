@@ -14,7 +14,7 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.excite.assumed import Key
 from lagrangian_ff.diagnosis.excite.questions import shown_by_motion
-from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.effects.usual import weight
 
@@ -58,6 +58,28 @@ def next_question(
     if found.failing and not found.unexplained:  # what nobody explains is why it fails, and stays
         more.append(Parameters())
     return next((one for one in more if _times(one, asked) < TWICE), None)
+
+
+def about_formulas(
+    every: Sequence[tuple[Between, Finding]], asked: Sequence[Question]
+) -> Between | None:
+    """Return the next question about two formulas; None if each joint was asked about already.
+
+    More motion may propose others for the same joint: they are no new question.
+    """
+    for question, _ in every:
+        of_joint = [one for one in asked if _formulas(one) and _joints(one) == _joints(question)]
+        if len(of_joint) < TWICE:
+            return question
+    return None
+
+
+def _formulas(question: Question) -> bool:
+    return any(one.formula is not None for one in question.suspects)
+
+
+def _joints(question: Question) -> set[str]:
+    return {one.joint for one in question.suspects}
 
 
 def _times(question: Question, asked: Sequence[Question]) -> int:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from lagrangian_ff.diagnosis import thresholds
 from lagrangian_ff.diagnosis.consequence import by_joint, errors_of, rms
 from lagrangian_ff.diagnosis.excite import (
+    Between,
     Design,
     Everything,
     For,
@@ -18,10 +19,18 @@ from lagrangian_ff.diagnosis.excite import (
 )
 from lagrangian_ff.diagnosis.excite.assumed import Assumed, Key
 from lagrangian_ff.diagnosis.proposing import Proposals
+from lagrangian_ff.diagnosis.results import Finding
 from lagrangian_ff.errors import ModelError, UserError
 from lagrangian_ff.identification import Model
 from lagrangian_ff.identification.basis import Term
-from lagrangian_ff.investigation.asking import TWICE, denies, next_question, promising, unsettled
+from lagrangian_ff.investigation.asking import (
+    TWICE,
+    about_formulas,
+    denies,
+    next_question,
+    promising,
+    unsettled,
+)
 from lagrangian_ff.investigation.looking import Look, Looking
 from lagrangian_ff.investigation.motions import SHORTEST, both, first_motion, for_design, size_of
 from lagrangian_ff.investigation.rig import Permit, Plan, Proposal, Rig, StoppedError
@@ -128,6 +137,7 @@ class _Story:
             if self._named(question):
                 look = self._looks[-1]
                 continue
+            question = self._between_formulas(question, questions)
             if question is None:
                 return Ended.NOTHING_LEFT, Ended.NOTHING_LEFT.value
             seconds = min(self._plan.each, self._left)
@@ -220,7 +230,7 @@ class _Story:
             question: to be asked next; None for none.
         """
         *before, last = self._looks
-        ripe = last.diagnosis.unexplained or question is None or isinstance(question, Parameters)
+        ripe = last.diagnosis.unexplained or _last(question)
         left = self._taken_in() if self._plan.unlisted and ripe else None
         if left is None:
             return False
@@ -234,6 +244,21 @@ class _Story:
         self._looks = [*before, self._look(before, (*last.found, *new))]
         return True
 
+    def _between_formulas(
+        self, question: Question | None, asked_before: Sequence[Question]
+    ) -> Question | None:
+        """Return which of two formulas is there, if both hold and all else is asked."""
+        if self._plan.unlisted and _last(question):
+            self._taken_in()
+            return about_formulas(self._formulas, asked_before) or question
+        return question
+
+    @property
+    def _formulas(self) -> tuple[tuple[Between, Finding], ...]:
+        """Return the questions about formulas that are open, see `Unlisted.open`."""
+        left = self._leaves[1] if self._leaves else None
+        return left.open if left else ()
+
     def _pass_over(self, question: Question, expected: float | None) -> None:
         others = [one for one in self._passed_over if one.question != question]
         self._passed_over = [*others, PassedOver(question, expected)]
@@ -245,7 +270,10 @@ class _Story:
         last = self._looks[-1].diagnosis
         moved = [question for question, _, _ in self._motions]
         left = [one for one in self._passed_over if one.question not in moved]
-        return tuple(one for one in left if unsettled(one.question, last))
+        formulas = [question for question, _ in self._formulas]
+        return tuple(
+            one for one in left if one.question in formulas or unsettled(one.question, last)
+        )
 
     @property
     def _seen(self) -> Mapping[Key, float]:
@@ -309,20 +337,36 @@ class _Story:
         self._say(f"designing a motion: {asked(question)}")
         model = for_design(look.diagnosis, question, look.made)
         every = isinstance(question, Everything)
+        found = (*look.diagnosis.findings, *(one for _, one in self._formulas))
         return design(
             model,
             question,
             both(self._limits, limits_of(model), self._start),
             start=self._start,
             seconds=seconds,
-            size=self._plan.size if every else size_of(look.diagnosis, question, model),
+            size=self._plan.size if every else size_of(found, question, model),
             clear=self._plan.clear,
-            assumed=self._assumed if every else None,
+            assumed=self._assumed if every else _beside(model, question),
             seed=self._plan.seed + len(self._motions),
         )
 
     def _say(self, what: str) -> None:
         self._progress(min(1.0, self._used / self._plan.budget), what)
+
+
+def _beside(model: Model, question: Question) -> Assumed | None:
+    """Return what is assumed of an arm where a formula is there, or its rival; None for effects."""
+    one = question.suspects[0] if question.suspects else None
+    if one is None or one.formula is None:
+        return None
+    term = Term(one.formula, model.joints.index(one.joint), one.shape)
+    with one_blas_thread():
+        return Assumed.of(model, there=[term])
+
+
+def _last(question: Question | None) -> bool:
+    """Return whether nothing else is left to ask."""
+    return question is None or isinstance(question, Parameters)
 
 
 def _errors(model: Model, unseen: Sequence[Motion]) -> tuple[dict[str, float], float]:

@@ -1,5 +1,6 @@
 """The motions of an investigation: within which limits, for how large effects, by which model."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
@@ -12,7 +13,7 @@ from lagrangian_ff.diagnosis.confidence import Verdict
 from lagrangian_ff.diagnosis.excite import Limits, Question, Reference, excite
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import Clear, jerk_of
-from lagrangian_ff.diagnosis.results import Diagnosis
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model, extend
 
@@ -120,13 +121,13 @@ def for_design(
     return made[names]
 
 
-def size_of(found: Diagnosis, question: Question, model: Model) -> float:
+def size_of(found: Sequence[Finding], question: Question, model: Model) -> float:
     """Return the share of its joint's torque that an effect asked about has, where it was found.
 
     Of others it is as large as an effect is taken to be.
     """
     asked_for = {(one.effect, one.joint) for one in question.suspects}
-    for one in found.findings:
+    for one in found:
         if (one.effect.name, one.joint) in asked_for:
             spread = float(np.std(model.data.tau[:, model.joints.index(one.joint)]))
             return min(1.0, one.size / spread)

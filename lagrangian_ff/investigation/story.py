@@ -292,6 +292,8 @@ def _direct(question: Question | None, found: Diagnosis, known: Collection[str])
     for one in found.findings:
         if any(one.joint == joint and effect in one.rivals for effect, joint in suspects):
             return f"It may be that, or {spoken(one.name)}."
+    if isinstance(question, Between) and question.first.formula is not None:
+        return "It is open still."
     if several:
         return "Neither shows."
     return "It does not show." if suspects else ""

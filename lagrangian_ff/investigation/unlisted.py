@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from lagrangian_ff.diagnosis import apply, with_consequences
+from lagrangian_ff.diagnosis.confidence import Verdict
+from lagrangian_ff.diagnosis.excite import Between, Suspect
 from lagrangian_ff.diagnosis.proposing import Proposals, proposals_record, propose
 from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Remainder, Unexplained
 from lagrangian_ff.errors import UserError
@@ -48,6 +50,12 @@ class Unlisted:
         return tuple(
             Term(one.effect, joints.index(one.joint), one.shape) for one in first if one is not None
         )
+
+    @property
+    def open(self) -> tuple[tuple[Between, Finding], ...]:
+        """Return which of two formulas is there, where both hold; with the better one, as found."""
+        every = (_undecided(found) for found in self.proposals)
+        return tuple(one for one in every if one is not None)
 
     @property
     def effects(self) -> list[dict[str, Any]]:
@@ -97,6 +105,28 @@ def _confirmed(found: Proposals) -> Finding | None:
     return None
 
 
+def _undecided(found: Proposals) -> tuple[Between, Finding] | None:
+    """Return the question about the best formula and its rival, if unseen motion confirms none."""
+    findings = [one.finding for one in found.proposals]
+    if any(one.confirmed for one in findings):
+        return None
+    for one in findings:
+        rivals = [other for other in findings if other.effect.name in one.rivals]
+        if one.verdict is Verdict.AMBIGUOUS and rivals:
+            return Between(_suspect(one), _suspect(rivals[0])), one
+    return None
+
+
+def _holds(found: Proposals) -> bool:
+    """Return whether a formula is confirmed, or only not told from its rivals."""
+    verdicts = (one.finding.verdict for one in found.proposals)
+    return any(one in (Verdict.CONFIRMED, Verdict.AMBIGUOUS) for one in verdicts)
+
+
+def _suspect(found: Finding) -> Suspect:
+    return Suspect(found.effect.name, found.joint, found.shape, found.effect)
+
+
 def _both(first: Sequence[Any], second: Sequence[Any]) -> list[Any]:
     """Return the range of a shape, as JSON holds it, that holds two."""
     low, high, steps = min(first[0], second[0]), max(first[1], second[1]), max(first[2], second[2])
@@ -134,9 +164,7 @@ def take_in(
             made = propose(model, learned, unseen, joint, progress=here)
         except UserError:  # nothing of the kind moves: the joint stays without a formula
             continue
-        if any(one.finding.confirmed for one in made.proposals) or joint in {
-            t.joint for t in taken
-        }:
+        if _holds(made) or joint in {one.joint for one in taken}:
             proposals.append(made)
     if not tried.unexplained and not proposals:
         return None

@@ -21,7 +21,7 @@ from lagrangian_ff.diagnosis.search.judging import evidence_without
 from lagrangian_ff.diagnosis.whitening import Whitened
 from lagrangian_ff.diagnosis.whitening.whitened import chain_of
 from lagrangian_ff.effects import EFFECTS
-from lagrangian_ff.effects.formula import formula_effect
+from lagrangian_ff.effects.formula import Range, formula_effect
 from lagrangian_ff.identification.problem import Nuisance
 
 _small = few_torques(1000)
@@ -79,6 +79,25 @@ def test_a_narrow_place_is_found_where_a_wide_grid_stands_beside_it(
     best = best_shape(sick, scores)
     assert best.log_bf > 400.0
     assert best.candidate.shape == pytest.approx({"c": centre, "w": 0.1}, abs=0.05)
+
+
+def test_middle_and_width_are_found_where_hardly_more_than_a_flank_is_seen(clean: Whitened) -> None:
+    reached = float(np.max(clean.x.q[:, 0]))
+    true = {"c": reached - 0.15, "w": 0.25}
+
+    def sore(t: np.ndarray, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        near = np.exp(-(((q[:, 0] - true["c"]) / true["w"]) ** 2))
+        return np.outer(2.0 * np.tanh(qd[:, 0] / two_rods.WIDTH) * near, [1.0, 0.0])
+
+    ends: dict[str, Range] = {"c": (-reached, reached, 24, "even"), "w": (0.05, 2.0, 7)}
+    spot = formula_effect("spot", "A*sign(qd)*exp(-((q-c)/w)^2)", ends)
+    sick = whitened_of(two_rods.motion(1, 30.0, hidden=sore))
+    sick = with_prior(sick, noise=clean.problem.noise, **clean.problem.kernel.hyperparameters)
+    scores = bayes_factors(sick, [Candidate(spot, 0, s) for s in spot.candidates(sick.x, 0)])
+    (truth,) = bayes_factors(sick, [Candidate(spot, 0, true)])
+    best = best_shape(sick, scores)
+    assert best.log_bf > truth.log_bf - 0.5
+    assert best.candidate.shape == pytest.approx(true, abs=0.02)
 
 
 def test_a_candidate_that_takes_the_place_of_gravity_is_rejected(clean: Whitened) -> None:

@@ -52,6 +52,7 @@ from lagrangian_ff.diagnosis.search.bayes_factor import bayes_factors
 from lagrangian_ff.diagnosis.search.candidates import Candidate
 from lagrangian_ff.diagnosis.whitening import fit
 from lagrangian_ff.effects import EFFECTS
+from lagrangian_ff.effects.formula import Range, formula_effect
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.progress import silent
 from lagrangian_ff.recording.motion import Motion
@@ -191,6 +192,19 @@ def test_every_question_has_its_motion(question: Question) -> None:
     assert found.nats > 0.0
     assert found.question == question
     assert set(joints_of(question, rods())) <= set(found.joints)
+
+
+def test_two_formulas_that_no_catalogue_holds_have_their_motion() -> None:
+    forms = ("A*sign(qd)*exp(-((q-c)/w)^2)", "A*sign(qd)*abs(load)*exp(-((q-c)/w)^2)")
+    ends: dict[str, Range] = {"c": (-1.0, 1.0, 5, "even"), "w": (0.1, 1.0, 5)}
+    suspects = (
+        Suspect(name, "elbow", {"c": 0.1, "w": 0.3}, formula_effect(name, form, ends))
+        for name, form in zip(("tight", "loaded"), forms, strict=True)
+    )
+    question = Between(*suspects)
+    found = design(rods(), question, seconds=SECONDS, assumed=assumed(), effort=TINY)
+    assert_sound(found, limits_of(rods()))
+    assert found.nats > 0.0
 
 
 def test_a_motion_for_the_parameters_tells_more_of_them_than_exciting() -> None:

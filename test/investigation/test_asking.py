@@ -18,7 +18,7 @@ from lagrangian_ff.diagnosis.excite import (
     Reference,
     Suspect,
 )
-from lagrangian_ff.diagnosis.results import Diagnosis, Ranked, Unexplained
+from lagrangian_ff.diagnosis.results import Diagnosis, Finding, Ranked, Unexplained
 from lagrangian_ff.effects import EFFECTS
 from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.investigation import next_question
@@ -26,6 +26,7 @@ from lagrangian_ff.investigation.asking import (
     HOPE,
     MOST_EVERYTHING,
     TWICE,
+    about_formulas,
     denies,
     promising,
     unsettled,
@@ -53,6 +54,22 @@ def made(question: Question, nats: float, **expected: float) -> Design:
 def test_a_confirmed_effect_leaves_nothing_open() -> None:
     assert asked(diagnosis(findings=(finding(),))) is None
     assert asked(diagnosis()) is None
+
+
+def test_two_formulas_are_asked_about_twice_a_joint_whatever_their_shapes() -> None:
+    def pair(joint: str, middle: float) -> tuple[Between, Finding]:
+        both = (
+            Suspect(name, joint, {"c": middle}, formula_effect(name, formula, {"c": (-1.0, 1.0)}))
+            for name, formula in (("near", "A*tanh(q-c)"), ("loaded", "A*load*tanh(q-c)"))
+        )
+        return Between(*both), finding(joint=joint)
+
+    first, again, other = pair("elbow", 0.1), pair("elbow", 0.2), pair("shoulder", 0.1)
+    assert about_formulas([], []) is None
+    assert about_formulas([first, other], []) == first[0]
+    assert about_formulas([again, other], [first[0], STRIBECK]) == again[0]
+    assert about_formulas([again, other], [first[0], first[0]]) == other[0]
+    assert about_formulas([again], [first[0], again[0]]) is None
 
 
 def test_a_suggested_effect_is_asked_for() -> None:

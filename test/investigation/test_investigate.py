@@ -11,6 +11,7 @@ from pendulum_rig import START, PendulumRig, limits, plan
 from lagrangian_ff.diagnosis.excite import Between, Everything, For, Suspect
 from lagrangian_ff.diagnosis.excite.assumed import SIZE
 from lagrangian_ff.diagnosis.excite.keeping import jerk_of
+from lagrangian_ff.effects.formula import formula_effect
 from lagrangian_ff.effects.user import load_effects
 from lagrangian_ff.errors import ModelError
 from lagrangian_ff.identification import Model
@@ -119,12 +120,14 @@ def test_an_answer_begins_with_what_became_of_the_effect_that_was_asked_for() ->
     last = story.turns[-1]
     (one,) = last.confirmed
     it, other = Suspect(one.effect.name, one.joint), Suspect("ripple", "elbow")
+    mine = Suspect("mine", "elbow", formula=formula_effect("mine", "A*q", {}))
     for question, words in (
         (None, "Missing and confirmed: "),
         (For(it), "Yes. Missing and confirmed: "),
         (For(other), "It does not show. Missing"),
         (Between(it, other), f"It is quadratic drag on {one.joint}. Missing"),
         (Between(other, other), "Neither shows. Missing"),
+        (Between(mine, mine), "It is open still. Missing"),
         (Everything(), f"New: quadratic drag on {one.joint}. Missing"),
     ):
         assert answered(question, last.diagnosis).startswith(words)
@@ -155,10 +158,10 @@ def test_a_motion_is_designed_for_an_effect_as_large_as_it_was_found() -> None:
     (one,) = [one for one in last.diagnosis.findings if one.joint == "elbow"]
     spread = float(np.std(last.model.data.tau[:, 1]))
     question = For(Suspect(one.effect.name, "elbow"))
-    size = size_of(last.diagnosis, question, last.model)
+    size = size_of(last.diagnosis.findings, question, last.model)
     assert size == pytest.approx(one.size / spread)
     other = For(Suspect("ripple", "elbow"))
-    assert size_of(last.diagnosis, other, last.model) == SIZE != size
+    assert size_of(last.diagnosis.findings, other, last.model) == SIZE != size
 
 
 def test_a_motion_is_designed_with_one_of_two_that_look_alike() -> None:

@@ -125,13 +125,18 @@ class Assumed:
     scores: tuple[BayesFactor, ...]
 
     @classmethod
-    def of(cls, model: Model, progress: Progress = silent) -> "Assumed":
-        """Return the problem fitted to what the model keeps of its recordings."""
+    def of(cls, model: Model, progress: Progress = silent, there: Sequence[Term] = ()) -> "Assumed":
+        """Return the problem fitted to what the model keeps of its recordings.
+
+        Args:
+            there: what is there or looks like it: it makes up no noise.
+        """
         data = model.data
-        base = fit_for(model, data, progress=progress)
+        base = fit_for(model, data, Basis((*model.basis.terms, *there)), progress)
         base = outweighed(base) or base
         scores = bayes_factors(base, representative(base), coarse=True)
         base.forget()
+        base = base.explaining(model.basis, base.problem.nuisance) if there else base
         density = _density(base.motion, len(base.index))
         return cls(model, base, _of_variance_one(base), density, tuple(scores))
 
@@ -140,6 +145,15 @@ class Assumed:
         unknown = (Term(Creep(), joint) for joint in joints)
         basis = Basis((*self.problem.basis.terms, *unknown))
         return replace(self, problem=self.problem.having(basis=basis))
+
+    def knowing(self, candidates: Iterable[Candidate]) -> "Assumed":
+        """Return the same, with scores of what the catalogue lacks, such as formulas."""
+        new = [one for one in candidates if one.key not in self.inflation]
+        if not new:
+            return self
+        scores = bayes_factors(self.base, new, coarse=True)
+        self.base.forget()
+        return replace(self, scores=(*self.scores, *scores))
 
     @cached_property
     def inflation(self) -> Mapping[Key, float]:

@@ -97,6 +97,7 @@ def design(
     splines = Splines(GRID * round(seconds / GRID), round(seconds / SPACING) + DEGREE)
     index = samples_of(splines, effort, len(pose), seed)
     groups = cases_of(question, assumed, size)
+    assumed = assumed.knowing(case.true for group in groups for case in group)
     assumed = assumed.unsure_of_creep(creeping_in(question, model.joints))
     objective = Objective(assumed, groups, splines, size, index, not question.suspects)
     every = Way(objective, keeper, pose, effort, tuple(range(len(pose))))

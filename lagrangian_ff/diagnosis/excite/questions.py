@@ -23,11 +23,13 @@ class Suspect:
     Attributes:
         effect, joint: their names.
         shape: its nonlinear parameters, if known; else a few shapes stand for all.
+        formula: the effect, where it is a formula that the catalogue lacks.
     """
 
     effect: str
     joint: str
     shape: Mapping[str, float] = field(default_factory=dict)
+    formula: Effect | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def parse(cls, text: str) -> "Suspect":
@@ -40,6 +42,19 @@ class Suspect:
         if not (effect and at and joint):
             raise ModelError(f"{text}: expected EFFECT@JOINT, as in stribeck@joint_2")
         return cls(effect, joint)
+
+    @property
+    def known(self) -> Effect:
+        """Return the effect.
+
+        Raises:
+            ModelError: there is none of this name.
+        """
+        if self.formula is not None:
+            return self.formula
+        if self.effect not in EFFECTS:
+            raise ModelError(f"there is no effect '{self.effect}'; lagrangian_ff effects lists all")
+        return EFFECTS[self.effect]
 
     def __str__(self) -> str:
         return f"{self.effect}@{self.joint}"
@@ -121,7 +136,7 @@ def cases_of(question: Question, assumed: Assumed, size: float) -> list[list[Cas
     if isinstance(question, For):
         alike = [
             one
-            for name in look_alikes(EFFECTS[_checked(question.suspect, assumed).effect])
+            for name in look_alikes(_checked(question.suspect, assumed).known)
             for one in _shapes(Suspect(name, question.suspect.joint), assumed, RIVAL_SHAPES)
         ]
         true = _seen_shapes(question.suspect, assumed, SHAPES)
@@ -152,7 +167,7 @@ def creeping_in(question: Question, joints: Sequence[str]) -> list[int]:
     """Return the joints of which a question asks how friction bends over speed."""
     if isinstance(question, Everything):
         return list(range(len(joints)))
-    bending = (one for one in question.suspects if bends_over_speed(EFFECTS[one.effect]))
+    bending = (one for one in question.suspects if bends_over_speed(one.known))
     return sorted({joints.index(one.joint) for one in bending})
 
 
@@ -174,9 +189,7 @@ def _hidden(assumed: Assumed, size: float) -> list[Candidate]:
 
 
 def _checked(suspect: Suspect, assumed: Assumed) -> Suspect:
-    if suspect.effect not in EFFECTS:
-        raise ModelError(f"there is no effect '{suspect.effect}'; lagrangian_ff effects lists all")
-    effect = EFFECTS[suspect.effect]
+    effect = suspect.known
     known = {shape.name for shape in effect.shapes}
     if strange := [name for name in suspect.shape if name not in known]:
         raise ModelError(
@@ -214,7 +227,7 @@ def _seen_shapes(suspect: Suspect, assumed: Assumed, most: int) -> list[Candidat
 
 def _every_shape(suspect: Suspect, assumed: Assumed) -> list[Candidate]:
     """Return an effect in all shapes tried; none if the model has it or no motion shows it."""
-    effect, joint = EFFECTS[suspect.effect], _joint(suspect, assumed)
+    effect, joint = suspect.known, _joint(suspect, assumed)
     if not shown_by_motion(effect) or _had(suspect, assumed):
         return []
     shapes: Sequence[Mapping[str, float]] = effect.candidates(assumed.base.x, joint)

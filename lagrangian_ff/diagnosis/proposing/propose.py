@@ -8,11 +8,11 @@ import numpy as np
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis import thresholds
-from lagrangian_ff.diagnosis.confidence import Doubt, Reason
+from lagrangian_ff.diagnosis.confidence import Doubt, Reason, Verdict
 from lagrangian_ff.diagnosis.consequence import Consequence, consequence_of, errors_of, rms
 from lagrangian_ff.diagnosis.diagnose import searched_and_unseen
 from lagrangian_ff.diagnosis.proposing.grammar import Form, forms
-from lagrangian_ff.diagnosis.results import Finding, sorted_findings
+from lagrangian_ff.diagnosis.results import Finding
 from lagrangian_ff.diagnosis.search.bayes_factor import (
     BayesFactor,
     bayes_factors,
@@ -157,7 +157,7 @@ def propose(
     error = rms(errors_of(model, unseen)[:, place]) if replaced else None
     return Proposals(
         where,
-        tuple(Proposal(one, words[one.effect.name](one.shape)) for one in sorted_findings(judged)),
+        tuple(Proposal(one, words[one.effect.name](one.shape)) for one in _sorted(judged)),
         looked.tried,
         looked.null.threshold,
         looked.curve,
@@ -258,6 +258,16 @@ def _finding(score: BayesFactor, looked: _Looked, unseen: Motion, model: Model) 
         )
         return replace(finding, doubt=Doubt(Reason.NOT_HELD_OUT, words))
     return finding
+
+
+def _sorted(findings: Sequence[Finding]) -> list[Finding]:
+    """Return the findings by verdict, among equals the most nats of all motion first."""
+    order = list(Verdict)
+
+    def key(one: Finding) -> tuple[int, float]:
+        return order.index(one.verdict), -one.log_bayes_factor - float(one.hold_out.gained.sum())
+
+    return sorted(findings, key=key)
 
 
 def _with_consequence(finding: Finding, base: Model, unseen: Motion, before: Floats) -> Finding:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from lagrangian_ff.arrays import Floats
 from lagrangian_ff.diagnosis.search.candidates import Candidate
@@ -28,6 +29,8 @@ MANY = 64
 """Number of candidates above which a second thread saves time."""
 ROUNDS, POINTS = 3, 5
 """Rounds in which a shape is refined, and values tried in each."""
+LOOKS, NEAR = 120, 0.5
+"""Shapes that are looked at where all are moved at once, and steps of their grid to begin with."""
 
 
 @dataclass(frozen=True)
@@ -278,11 +281,48 @@ def best_shape(whitened: Whitened, scores: Sequence[BayesFactor]) -> BayesFactor
 
     A narrow place a little beside the true one leaves a torque of the same form, which counts
     against it, so that a wide place far off looks better. So two ways are tried: uphill from the
-    best one; and uphill in what is explained, whatever is left, and from there.
+    best one; and uphill in what is explained, whatever is left, and from there. Where a motion
+    knows one flank of a place, its middle and its width are known together alone: the last steps
+    move all shapes at once.
     """
     most = max(scores, key=lambda one: one.tempered(1.0))
     starts = max(scores, key=lambda one: one.log_bf), refined(whitened, most, tempered=False)
-    return max((refined(whitened, one) for one in starts), key=lambda one: one.log_bf)
+    best = max((refined(whitened, one) for one in starts), key=lambda one: one.log_bf)
+    return max(best, _polished(whitened, best), key=lambda one: one.log_bf)
+
+
+def _polished(whitened: Whitened, best: BayesFactor) -> BayesFactor:
+    """Return the score where all continuous shapes together explain most, near the best so far."""
+    candidate = best.candidate
+    shapes = [one for one in candidate.effect.shapes if not (one.whole or one.joint)]
+    if len(shapes) < 2:
+        return best
+    grid = candidate.effect.candidates(whitened.x, candidate.joint)
+    places = np.array([[shape.logarithm(one[shape.name]) for shape in shapes] for one in grid])
+    low, high = places.min(axis=0), places.max(axis=0)
+    begin = np.array([shape.logarithm(candidate.shape[shape.name]) for shape in shapes])
+    steps = (high - low) / np.maximum([len(set(one)) - 1 for one in places.T.tolist()], 1)
+    inwards = np.where(begin > 0.5 * (low + high), -NEAR, NEAR) * steps
+
+    def at(place: Floats) -> BayesFactor:
+        values = zip(shapes, place.tolist(), strict=True)
+        shape = {one.name: float(np.exp(value)) + one.zero for one, value in values}
+        made = replace(candidate, shape={**candidate.shape, **shape})
+        return bayes_factors(whitened, [made])[0]
+
+    found = scipy.optimize.minimize(
+        lambda place: -at(place).tempered(1.0),
+        begin,
+        method="Nelder-Mead",
+        bounds=list(zip(low, high, strict=True)),
+        options={
+            "maxfev": LOOKS,
+            "fatol": 0.1,
+            "xatol": 1e-4,
+            "initial_simplex": [begin, *(begin + np.diag(inwards))],
+        },
+    )
+    return at(found.x)
 
 
 def log_bayes_factor_of(score: BayesFactor, whitened: Whitened, without: float) -> float:
