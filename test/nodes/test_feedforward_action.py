@@ -16,7 +16,7 @@ from action_msgs.srv import CancelGoal
 from built_interfaces import follow_joint_trajectory
 from builtin_interfaces.msg import Duration
 from feedforward_bench import planned, tracked
-from node_harness import Bench, open_bench
+from node_harness import SETTLED, Bench, open_bench
 from rclpy.action import ActionClient
 from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -78,6 +78,7 @@ class Robot:
         topic = f"/{name}/feedforward/follow_joint_trajectory"
         self.client = ActionClient(bench.node, action, topic)
         bench.until(self.client.server_is_ready, "the action of the feedforward")
+        bench.spin(SETTLED)
         bench.until(lambda: self.said, "the state of the controller")
         bench.until(lambda: "no action" not in self.said, "the controller")
         self.feedback: list[Any] = []

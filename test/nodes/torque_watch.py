@@ -22,7 +22,7 @@ from lagrangian_ff.nodes.common.topics import PolledSubscription
 RECORD = 5
 PERIOD = 0.001
 PAUSED = -1.0
-PAUSE = 0.05
+PAUSE = 0.02
 """s that this process stands still; the machine is too busy then to judge others by times."""
 DEEP = QoSProfile(depth=5000, reliability=ReliabilityPolicy.RELIABLE)
 
