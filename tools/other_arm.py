@@ -263,9 +263,8 @@ def hidden_in(text: str) -> tuple[int, tuple[str, float]]:
     return int(joint) - 1, (name, float(share))
 
 
-def main() -> None:
-    """Drive the arm until the process is ended."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
+def asked_for(parser: argparse.ArgumentParser) -> tuple[Arm, argparse.Namespace]:
+    """Return the arm that the command line names, and all that was given."""
     parser.add_argument("arm", choices=ARMS)
     parser.add_argument("--hidden", type=hidden_in, nargs="*", default=[])
     parser.add_argument("--seed", type=int, default=0)
@@ -273,7 +272,13 @@ def main() -> None:
     count = len(ARMS[given.arm].joints)
     if wrong := [joint + 1 for joint, _ in given.hidden if joint >= count]:
         parser.error(f"--hidden in joint {wrong[0]}: the {given.arm} has {count} joints")
-    arm = Arm(ARMS[given.arm], dict(given.hidden), given.seed)
+    return Arm(ARMS[given.arm], dict(given.hidden), given.seed), given
+
+
+def main() -> None:
+    """Drive the arm until the process is ended."""
+    summary = __doc__.split("\n")[0] if __doc__ else ""
+    arm, _ = asked_for(argparse.ArgumentParser(description=summary))
     # rclpy's own handlers end the context below the publisher, and do not always wake the executor.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from other_arm import ARMS, STEP, Arm, Floats, hidden_in
+from other_arm import STEP, Arm, Floats, asked_for
 
 from lagrangian_ff.cli.common import investigating
 from lagrangian_ff.cli.common.console import Console
@@ -57,13 +57,10 @@ class ArmAtOnce:
 def main() -> None:
     """Investigate it, print the story and write its page."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
-    parser.add_argument("arm", choices=ARMS)
-    parser.add_argument("--hidden", type=hidden_in, nargs="*", default=[])
-    parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--minutes", type=float, default=4.0)
     parser.add_argument("--report", type=Path, help="the story on one page")
-    given = parser.parse_args()
-    arm, console = Arm(ARMS[given.arm], dict(given.hidden), given.seed), Console()
+    arm, given = asked_for(parser)
+    console = Console()
     limits = allowed(arm.kind.joints, arm.urdf, speed=SPEED[given.arm])
     clear = Clearance.of(arm.urdf, arm.kind.joints, arm.home[None], [floor_at(0.0)])
     plan = Plan(limits, budget=60.0 * given.minutes, clear=clear, seed=given.seed)

@@ -1,4 +1,4 @@
-"""An arm that is ahead of its motion, or late, is told from one that does not follow it."""
+"""An arm may do its motion too early or too late; one that does something else is noticed."""
 
 import numpy as np
 import pytest

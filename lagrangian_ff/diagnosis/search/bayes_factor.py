@@ -305,8 +305,8 @@ def _polished(whitened: Whitened, best: BayesFactor) -> BayesFactor:
     inwards = np.where(begin > 0.5 * (low + high), -NEAR, NEAR) * steps
 
     def at(place: Floats) -> BayesFactor:
-        values = zip(shapes, place.tolist(), strict=True)
-        shape = {one.name: float(np.exp(value)) + one.zero for one, value in values}
+        logs = zip(shapes, place.tolist(), strict=True)
+        shape = {one.name: one.value(log) for one, log in logs}
         made = replace(candidate, shape={**candidate.shape, **shape})
         return bayes_factors(whitened, [made])[0]
 

@@ -1,4 +1,4 @@
-"""Tells whether an arm follows the motion that was sent, and how many seconds ahead of it it is."""
+"""Whether an arm follows the motion that was sent, and how many seconds it runs ahead of it."""
 
 from dataclasses import dataclass, field
 
